@@ -1,0 +1,75 @@
+"""The exceptions that Pullfocus raises on purpose.
+
+    PullfocusError
+    ├── SettingsError      an argument or a setting is out of range or of the wrong kind   (exit 2, HTTP 422)
+    ├── InputError         what was given cannot be used                                   (exit 1, HTTP 422)
+    │   ├── StageError     a file is no USD stage, is damaged, or refers to what is missing
+    │   ├── CameraError    the named camera is missing, no camera, or has impossible numbers
+    │   └── NotFoundError  a named thing (focus point, key, shot) does not exist           (HTTP 404)
+    ├── GraphicsError      no OpenGL context, or the driver refused a shader or a buffer   (exit 1, HTTP 503)
+    └── OutputError        a result could not be written                                   (exit 1, HTTP 507)
+
+Each message is one sentence that names the thing, what was expected and what was got.
+The command line and the service translate them, once each.
+"""
+
+from __future__ import annotations
+
+
+class PullfocusError(Exception):
+    """Root of all errors that are raised on purpose.
+
+    Attributes:
+        code: a short stable word for programs, such as ``stage_unreadable``.
+        path: the file or prim path that the error is about, if any.
+    """
+
+    default_code = "error"
+
+    def __init__(self, detail: str, *, code: str | None = None, path: str | None = None) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.code = code or self.default_code
+        self.path = path
+
+
+class SettingsError(PullfocusError):
+    """An argument or setting is out of range or of the wrong kind."""
+
+    default_code = "bad_setting"
+
+
+class InputError(PullfocusError):
+    """What was given cannot be used."""
+
+    default_code = "bad_input"
+
+
+class StageError(InputError):
+    """A file is no USD stage, is damaged, or refers to what is missing."""
+
+    default_code = "bad_stage"
+
+
+class CameraError(InputError):
+    """The named camera is missing, is no camera, or has impossible numbers."""
+
+    default_code = "bad_camera"
+
+
+class NotFoundError(InputError):
+    """A named thing does not exist."""
+
+    default_code = "not_found"
+
+
+class GraphicsError(PullfocusError):
+    """No OpenGL context could be made, or the driver refused a shader or a buffer."""
+
+    default_code = "graphics"
+
+
+class OutputError(PullfocusError):
+    """A result could not be written."""
+
+    default_code = "output"

@@ -1,0 +1,190 @@
+"""A perspective picture of the world from one point: the affine map between metres and pixels.
+
+Pixels follow the arrays: x to the right, y *down*, (0, 0) is the top left corner of the picture and the centre of its
+first pixel is (0.5, 0.5). Camera space is USD's: +X right, +Y up, looking along -Z; depth ``z`` is ``-Z`` in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from render.errors import CameraError, SettingsError
+from render.scene import Camera, DoubleArray
+
+MAX_PICTURE_SIDE_PX = 16384
+
+
+@dataclass(frozen=True)
+class PinholeView:
+    """Projection through one point ``eye`` of the entrance pupil.
+
+    A world point with camera coordinates ``(X, Y, -z)`` lands at
+    ``(cx + fx·(X - eye_x)/z,  cy - fy·(Y - eye_y)/z)``.
+
+    Attributes:
+        width: of the picture in pixels.
+        height: of the picture in pixels.
+        fx: focal length in pixels, horizontal.
+        fy: focal length in pixels, vertical.
+        cx: where the view axis through ``eye`` meets the picture, pixels.
+        cy: likewise, pixels from the top.
+        near_m: nearest depth drawn.
+        far_m: farthest depth drawn; may be infinite.
+        camera_from_world: ``(4, 4)`` float64.
+        eye_x_m: offset of the eye from the pupil's centre to the right.
+        eye_y_m: likewise, up.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    near_m: float
+    far_m: float
+    camera_from_world: DoubleArray
+    eye_x_m: float = 0.0
+    eye_y_m: float = 0.0
+
+    @classmethod
+    def from_camera(cls, camera: Camera, width: int, height: int) -> PinholeView:
+        """View from the centre of the camera's entrance pupil.
+
+        Raises:
+            SettingsError: the picture has no pixels or too many.
+            CameraError: focal length, aperture or clipping range is not a positive finite number.
+        """
+        check_picture_size(width, height)
+        check_camera(camera)
+        fx = camera.focal_length_mm / camera.horizontal_aperture_mm * width
+        fy = camera.focal_length_mm / camera.vertical_aperture_mm * height
+        if camera.breathing and camera.focus_distance_m > 0 and np.isfinite(camera.focus_distance_m):
+            stretch = _image_distance_ratio(camera)
+            fx, fy = fx * stretch, fy * stretch
+        return cls(
+            width=width,
+            height=height,
+            fx=fx,
+            fy=fy,
+            cx=width * (0.5 - camera.horizontal_offset_mm / camera.horizontal_aperture_mm),
+            cy=height * (0.5 + camera.vertical_offset_mm / camera.vertical_aperture_mm),
+            near_m=camera.near_m,
+            far_m=camera.far_m,
+            camera_from_world=np.linalg.inv(camera.world_from_camera),
+        )
+
+    def project(self, points_world: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """Picture position and depth of world points.
+
+        Args:
+            points_world: ``(n, 3)`` metres.
+
+        Returns:
+            ``(n, 2)`` pixels and ``(n,)`` depth in metres. A point at or behind the pupil has depth <= 0 and position NaN.
+        """
+        points = np.asarray(points_world, np.float64).reshape(-1, 3)
+        x, y, z = (points @ self.camera_from_world[:3, :3].T + self.camera_from_world[:3, 3]).T
+        depth = -z
+        with np.errstate(divide="ignore", invalid="ignore"):
+            px = self.cx + self.fx * (x - self.eye_x_m) / depth
+            py = self.cy - self.fy * (y - self.eye_y_m) / depth
+        pixels = np.stack([px, py], axis=-1)
+        pixels[depth <= 0] = np.nan
+        return pixels, depth
+
+    def ray(self, x: float, y: float) -> tuple[DoubleArray, DoubleArray]:
+        """World ray of a picture position: origin ``(3,)`` and direction ``(3,)`` of unit depth (metres per metre of z)."""
+        world_from_camera = np.linalg.inv(self.camera_from_world)
+        direction = np.array([(x - self.cx) / self.fx, -(y - self.cy) / self.fy, -1.0])
+        origin = np.array([self.eye_x_m, self.eye_y_m, 0.0, 1.0])
+        return (world_from_camera @ origin)[:3], world_from_camera[:3, :3] @ direction
+
+    def enlarged(self, supersample: int, guard_px: int) -> PinholeView:
+        """The same view at ``supersample`` times the resolution, with ``guard_px`` (of those) more on every side."""
+        s = supersample
+        return replace(
+            self,
+            width=self.width * s + 2 * guard_px,
+            height=self.height * s + 2 * guard_px,
+            fx=self.fx * s,
+            fy=self.fy * s,
+            cx=self.cx * s + guard_px,
+            cy=self.cy * s + guard_px,
+        )
+
+    def through(self, x_m: float, y_m: float, focus_w: float, jitter_px: tuple[float, float] = (0, 0)) -> PinholeView:
+        """The view through another point of the pupil that keeps the plane at inverse depth ``focus_w`` (1/m) in place.
+
+        It is the shear of Haeberli & Akeley 1990 (section 5): what stands at that depth lands where the central view has it.
+        ``jitter_px`` moves the sensor's sampling point: the picture at ``p`` shows what the central view has at ``p + jitter``.
+        """
+        return replace(
+            self,
+            cx=self.cx + self.fx * x_m * focus_w - jitter_px[0],
+            cy=self.cy - self.fy * y_m * focus_w - jitter_px[1],
+            eye_x_m=x_m,
+            eye_y_m=y_m,
+        )
+
+    def projection_matrix(self) -> DoubleArray:
+        """``(4, 4)`` clip from camera space, for OpenGL with a zero-to-one depth range.
+
+        Row 0 of the picture is the first row of the framebuffer (y points down), and the depth is affine in inverse
+        depth: 1 at ``near_m`` and 0 at ``far_m``, so a float depth buffer keeps its relative precision to infinity.
+        """
+        w_near, w_far = 1.0 / self.near_m, 0.0 if np.isinf(self.far_m) else 1.0 / self.far_m
+        matrix = np.zeros((4, 4))
+        matrix[0] = [2 * self.fx / self.width, 0, 1 - 2 * self.cx / self.width, -2 * self.fx * self.eye_x_m / self.width]
+        matrix[1] = [0, -2 * self.fy / self.height, 1 - 2 * self.cy / self.height, 2 * self.fy * self.eye_y_m / self.height]
+        matrix[2] = [0, 0, w_far / (w_near - w_far), 1 / (w_near - w_far)]
+        matrix[3] = [0, 0, -1, 0]
+        return matrix
+
+
+def check_picture_size(width: int, height: int) -> None:
+    """Raise `SettingsError` unless the picture has a size that can be rendered."""
+    for name, value in (("width", width), ("height", height)):
+        if not 1 <= value <= MAX_PICTURE_SIDE_PX:
+            raise SettingsError(f"picture {name} must be from 1 to {MAX_PICTURE_SIDE_PX} pixels, got {value}")
+
+
+def check_camera(camera: Camera) -> None:
+    """Raise `CameraError` where a number of the camera makes no picture."""
+    positive = {
+        "focal length (mm)": camera.focal_length_mm,
+        "horizontal aperture (mm)": camera.horizontal_aperture_mm,
+        "vertical aperture (mm)": camera.vertical_aperture_mm,
+        "near clipping distance (m)": camera.near_m,
+    }
+    for name, value in positive.items():
+        if not (np.isfinite(value) and value > 0):
+            raise CameraError(f"camera {camera.path}: {name} must be a positive number, got {value}", path=camera.path)
+    if not camera.far_m > camera.near_m:
+        raise CameraError(
+            f"camera {camera.path}: far clipping distance ({camera.far_m} m) must exceed the near one ({camera.near_m} m)",
+            path=camera.path,
+        )
+    if not (np.isfinite(camera.f_stop) and camera.f_stop >= 0):
+        raise CameraError(f"camera {camera.path}: f-number must be 0 (pinhole) or more, got {camera.f_stop}", path=camera.path)
+    if np.isnan(camera.focus_distance_m) or camera.focus_distance_m < 0:
+        raise CameraError(
+            f"camera {camera.path}: focus distance must be 0 (infinity) or more, got {camera.focus_distance_m} m",
+            path=camera.path,
+        )
+    if not np.isfinite(camera.world_from_camera).all():
+        raise CameraError(f"camera {camera.path}: its transform is not finite", path=camera.path)
+
+
+def _image_distance_ratio(camera: Camera) -> float:
+    """Image distance over focal length of a thin lens, ``d / (d - f)``."""
+    focus_mm = camera.focus_distance_m * 1000
+    if focus_mm <= camera.focal_length_mm:
+        raise CameraError(
+            f"camera {camera.path}: with breathing on, the focus distance ({focus_mm:g} mm) must exceed the focal length "
+            f"({camera.focal_length_mm:g} mm)",
+            path=camera.path,
+        )
+    return focus_mm / (focus_mm - camera.focal_length_mm)

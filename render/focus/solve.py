@@ -1,0 +1,177 @@
+"""From focus points to one focus distance.
+
+The circle of confusion grows in proportion to the difference in *inverse* depth (DESIGN section 2), so the distance
+that blurs all points least is sought there: it minimises
+
+    E(w_f) = Σ a_i · (|w_i − w_f| − d_i)²        w = 1 / depth, a_i the weight
+
+where ``d_i`` is 0 for a point that must be sharp and, for one that must be soft, the difference in inverse depth which
+gives the wanted circle of confusion. With sharp points alone this is their weighted mean inverse depth: one point gets
+the focus whole, and a cross-fade of weights racks from one to the other at the pace at which an eye sees blur change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.errors import SettingsError
+
+DoubleArray = NDArray[np.float64]
+
+PointKind = Literal["sharp", "soft"]
+
+PointState = Literal["used", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "pinhole"]
+"""What became of a focus point: it counts, or why it does not.
+
+``lost``: it has no place, as its target is missing. ``pinhole``: it should be soft, but a pinhole makes nothing soft.
+"""
+
+STATES: tuple[PointState, ...] = get_args(PointState)
+
+_TIE = 1e-12
+"""Energies closer than this share of the weights' sum × w² are held equal: rounding must not choose."""
+
+
+@dataclass(frozen=True)
+class FocusTarget:
+    """One focus point as the lens sees it at one time.
+
+    Attributes:
+        name: the focus point's name.
+        depth_m: along the view axis, positive in front of the camera; NaN where the point has no place.
+        weight: how much it counts, 0 or more.
+        kind: whether it must be ``sharp`` or ``soft``.
+        blur_mm: wanted diameter of a soft point's circle of confusion on the film.
+        enabled: whether it counts at all.
+        in_frame: whether it lies inside the picture.
+    """
+
+    name: str
+    depth_m: float
+    weight: float = 1.0
+    kind: PointKind = "sharp"
+    blur_mm: float = 0.0
+    enabled: bool = True
+    in_frame: bool = True
+
+
+@dataclass(frozen=True)
+class FocusSolution:
+    """The focus distance, and whose it is.
+
+    Attributes:
+        focus_distance_m: depth of the plane of focus; infinite for infinity.
+        source: ``points`` where points decided, ``camera`` where the camera's own distance was kept.
+        reason: one sentence that says why.
+        shares: for each given point, its share of the weight that decided, 0 to 1; they add up to 1, or to 0 where no
+            point counts.
+        states: for each given point, what became of it.
+    """
+
+    focus_distance_m: float
+    source: Literal["points", "camera"]
+    reason: str
+    shares: tuple[float, ...] = ()
+    states: tuple[PointState, ...] = ()
+
+
+def solve_focus(
+    points: Sequence[FocusTarget],
+    camera_distance_m: float = math.inf,
+    *,
+    coc_slope_mm_m: float = 0.0,
+    keep_outside: bool = False,
+) -> FocusSolution:
+    """The focus distance that serves the points best: weighted least squares in inverse depth.
+
+    Points that are disabled, of no weight, without a place, behind the camera or outside the picture do not count.
+
+    Args:
+        points: the focus points.
+        camera_distance_m: the camera's own focus distance, kept when no point counts; 0 or infinite is infinity. It
+            also decides between two answers that serve equally well (a soft point may lie before or behind the focus).
+        coc_slope_mm_m: `render.optics.depth_of_field.coc_slope_mm_m`, the growth of the circle of confusion; 0 for a
+            pinhole.
+        keep_outside: let points outside the picture count too.
+
+    Returns:
+        The solution.
+
+    Raises:
+        SettingsError: a weight or a blur is negative or not finite.
+    """
+    camera_w = 1 / camera_distance_m if camera_distance_m > 0 else 0.0
+    states = tuple(_state(point, coc_slope_mm_m, keep_outside) for point in points)
+    used = [point for point, state in zip(points, states, strict=True) if state == "used"]
+    if not used:
+        reason = _why_none(points, states)
+        return FocusSolution(1 / camera_w if camera_w else math.inf, "camera", reason, (0.0,) * len(points), states)
+    weights = np.array([point.weight for point in used])
+    weights = weights / weights.max()  # so that a sum of huge weights stays finite
+    inverse_depths = np.array([1 / point.depth_m for point in used])
+    offsets = np.array([point.blur_mm / coc_slope_mm_m if point.kind == "soft" else 0.0 for point in used])
+    w = _least_squares(weights, inverse_depths, offsets, camera_w)
+    shares = iter(weights / weights.sum())
+    names = ", ".join(point.name for point in used)
+    return FocusSolution(
+        focus_distance_m=1 / w if w > 0 else math.inf,
+        source="points",
+        reason=f"focused by {names}",
+        shares=tuple(float(next(shares)) if state == "used" else 0.0 for state in states),
+        states=states,
+    )
+
+
+def _state(point: FocusTarget, coc_slope_mm_m: float, keep_outside: bool) -> PointState:
+    _check(point.name, "weight", point.weight)
+    _check(point.name, "blur in mm", point.blur_mm)
+    rules: tuple[tuple[PointState, bool], ...] = (
+        ("disabled", not point.enabled),
+        ("zero_weight", point.weight == 0),
+        ("lost", math.isnan(point.depth_m)),
+        ("behind_camera", point.depth_m <= 0),
+        ("outside_frame", not point.in_frame and not keep_outside),
+        ("pinhole", point.kind == "soft" and coc_slope_mm_m == 0),
+    )
+    return next((state for state, holds in rules if holds), "used")
+
+
+def _least_squares(weights: DoubleArray, w: DoubleArray, offsets: DoubleArray, camera_w: float) -> float:
+    """The exact minimiser of ``Σ a (|w − x| − d)²`` over ``x ≥ 0``.
+
+    Between two neighbouring soft points every absolute value has a fixed sign and the sum is one parabola; so each
+    stretch has one best place, its parabola's vertex or the nearer end, and the best of those few is the answer.
+    """
+    bounds = [0.0, *sorted(set(w[offsets > 0].tolist())), math.inf]
+    places = []
+    for low, high in pairwise(bounds):
+        farther = w <= low
+        wanted = np.where(farther, w + offsets, w - offsets)
+        places.append(min(max(float(np.average(wanted, weights=weights)), low), high))
+    energies = [float(np.sum(weights * (np.abs(w - place) - offsets) ** 2)) for place in places]
+    slack = _TIE * float(np.sum(weights * (w + offsets) ** 2))
+    best = min(energies) + slack
+    equally_good = [place for place, energy in zip(places, energies, strict=True) if energy <= best]
+    return float(min(equally_good, key=lambda place: abs(place - camera_w)))
+
+
+def _why_none(points: Sequence[FocusTarget], states: Sequence[PointState]) -> str:
+    if not points:
+        return "there is no focus point, so the camera's own focus distance is kept"
+    told = ", ".join(f"{p.name} ({s.replace('_', ' ')})" for p, s in zip(points, states, strict=True))
+    return f"no focus point counts, so the camera's own focus distance is kept: {told}"
+
+
+def _check(name: str, what: str, value: float) -> None:
+    if not (math.isfinite(value) and value >= 0):
+        raise SettingsError(
+            f"the {what} of focus point {name!r} must be a finite number of 0 or more, but it is {value:g}",
+            code="bad_focus_point",
+        )

@@ -6,7 +6,7 @@ import os
 from functools import cache, lru_cache
 
 import numpy as np
-import PyOpenColorIO as ocio
+import PyOpenColorIO
 
 from render.errors import SettingsError
 from render.scene import FloatArray
@@ -19,7 +19,7 @@ _USD_TOKENS = {"sRGB": "srgb_rec709_scene", "lin_rec709": "lin_rec709_scene", "r
 _NOT_CONVERTED = frozenset({"data", "identity", "unknown"})
 
 
-def working_config(path: str | os.PathLike[str] | None = None) -> ocio.Config:
+def working_config(path: str | os.PathLike[str] | None = None) -> PyOpenColorIO.Config:
     """The OpenColorIO configuration that says what the working space and the displays are. Read once and kept.
 
     Args:
@@ -59,20 +59,21 @@ def to_working(pixels: FloatArray, source: str, config_path: str | None = None) 
 
 
 @cache
-def _read_config(name: str) -> ocio.Config:
+def _read_config(name: str) -> PyOpenColorIO.Config:
     try:
-        config = ocio.Config.CreateFromFile(name)
-    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
+        config = PyOpenColorIO.Config.CreateFromFile(name)
+    except (PyOpenColorIO.Exception, PyOpenColorIO.ExceptionMissingFile) as error:
         raise SettingsError(f"OpenColorIO configuration '{name}' cannot be read: {error}", code="bad_config") from error
-    if not config.hasRole(ocio.ROLE_SCENE_LINEAR):
+    if not config.hasRole(PyOpenColorIO.ROLE_SCENE_LINEAR):
         raise SettingsError(
-            f"OpenColorIO configuration '{name}' has no role '{ocio.ROLE_SCENE_LINEAR}' to work in", code="bad_config"
+            f"OpenColorIO configuration '{name}' has no role '{PyOpenColorIO.ROLE_SCENE_LINEAR}' to work in",
+            code="bad_config",
         )
     return config
 
 
 @lru_cache(maxsize=64)
-def _into_working(source: str, _config_id: str, config_path: str | None) -> ocio.CPUProcessor:
+def _into_working(source: str, _config_id: str, config_path: str | None) -> PyOpenColorIO.CPUProcessor:
     """Processor from a named space to the working space (``_config_id`` tells configurations apart in the cache).
 
     A space that the configuration lacks is looked up in the built-in one, and the two are joined by their ACES
@@ -81,12 +82,14 @@ def _into_working(source: str, _config_id: str, config_path: str | None) -> ocio
     config = working_config(config_path)
     try:
         if config.getColorSpace(source):
-            return config.getProcessor(source, ocio.ROLE_SCENE_LINEAR).getDefaultCPUProcessor()
+            return config.getProcessor(source, PyOpenColorIO.ROLE_SCENE_LINEAR).getDefaultCPUProcessor()
         built_in = _read_config(BUILT_IN_CONFIG)
         if built_in.getColorSpace(source):
-            joined = ocio.Config.GetProcessorFromConfigs(built_in, source, config, ocio.ROLE_SCENE_LINEAR)
+            joined = PyOpenColorIO.Config.GetProcessorFromConfigs(
+                built_in, source, config, PyOpenColorIO.ROLE_SCENE_LINEAR
+            )
             return joined.getDefaultCPUProcessor()
-    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
+    except (PyOpenColorIO.Exception, PyOpenColorIO.ExceptionMissingFile) as error:
         raise SettingsError(f"colour space '{source}' cannot be converted: {error}", code="bad_color_space") from error
     raise SettingsError(
         f"unknown colour space '{source}': expected sRGB, raw, or a name that OpenColorIO knows, like lin_rec709_scene",

@@ -1,0 +1,33 @@
+# Pullfocus. The two commands of a new user are `make serve` and `make test`; both first install what is missing.
+# Each target is a script of scripts/, which can be run alone and takes arguments: scripts/test tests/render -k pinhole
+
+.DEFAULT_GOAL := help
+.PHONY: help setup serve test check bench schema lock clean
+
+help:    ## say what there is
+	@sed -n 's/^\([a-z]*\): *## /make \1\t/p' Makefile | expand -t 16
+
+setup:   ## install what is missing: system libraries, .venv, the page
+	@scripts/setup test
+
+serve:   ## show the demo shot in the browser
+	@scripts/serve
+
+test:    ## run every test
+	@scripts/test
+
+check:   ## linters, formatters and type checkers
+	@scripts/check
+
+bench:   ## measure the engines: quality and seconds
+	@scripts/bench
+
+schema:  ## write the camera schema's generated files anew
+	@scripts/environment
+	@.venv/bin/python -m usd_schemas.generate
+
+lock:    ## write the lock files anew from pyproject.toml
+	@scripts/lock
+
+clean:   ## remove everything that the other targets made
+	rm -rf .venv .cache .mypy_cache .ruff_cache .pytest_cache .hypothesis build dist *.egg-info web/node_modules service/static

@@ -1,0 +1,64 @@
+"""Radiance to a display's picture: exposure, then OpenColorIO's view of the scene."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.film.grade import Grade
+from render.scene import FloatArray
+
+# The largest half float. No display tells brighter light from it, and it keeps infinities out of the matrices.
+_BRIGHTEST = np.float32(65504.0)
+# OpenColorIO lets go of Python's lock while it works, so bands of the picture run at once; more than 8 gains little.
+_MAX_THREADS = 8
+_ROWS_IN_A_BAND = 64
+
+
+def develop(radiance: FloatArray, exposure_scale: float, grade: Grade) -> FloatArray:
+    """Expose radiance and turn it into what the display shows.
+
+    The display transform works on each pixel alone, so the result does not depend on how many threads there are.
+
+    Args:
+        radiance: ``(height, width, 3 or more)`` scene-linear in the working space; channels after the third are left
+            out. NaN counts as black, infinite as the brightest light.
+        exposure_scale: what the camera's exposure multiplies radiance by.
+        grade: the display, view and look.
+
+    Returns:
+        ``(height, width, 3)`` float32, encoded for the display, from 0 to 1.
+
+    Raises:
+        SettingsError: the exposure is not a number from 0 up, or OpenColorIO cannot build the transform.
+    """
+    if radiance.ndim != 3 or radiance.shape[2] < 3:
+        raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
+    if not (np.isfinite(exposure_scale) and exposure_scale >= 0):
+        raise SettingsError(f"exposure scale must be a finite number from 0 up, got {exposure_scale}")
+    processor = grade.cpu_processor()
+    picture = expose(radiance[..., :3], exposure_scale)
+    bands = [picture[row : row + _ROWS_IN_A_BAND] for row in range(0, len(picture), _ROWS_IN_A_BAND)]
+    with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
+        list(threads.map(processor.applyRGB, bands))
+    return np.clip(np.nan_to_num(picture, copy=False), 0, 1, out=picture)
+
+
+def expose(radiance: FloatArray, exposure_scale: float) -> FloatArray:
+    """Radiance times exposure, every number finite and within what a half float holds.
+
+    Args:
+        radiance: any shape, scene-linear.
+        exposure_scale: the factor.
+
+    Returns:
+        The same shape, a new contiguous float32 array. NaN becomes 0.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        exposed = np.multiply(radiance, np.float32(exposure_scale), dtype=np.float32)
+    np.nan_to_num(exposed, copy=False, nan=0.0)
+    clipped: FloatArray = np.clip(exposed, -_BRIGHTEST, _BRIGHTEST)
+    return np.ascontiguousarray(clipped)

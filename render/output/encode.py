@@ -1,0 +1,103 @@
+"""A frame as the bytes of a file. The same frame always gives the same bytes: no dates, no machine names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+import OpenImageIO
+from numpy.typing import NDArray
+
+from render.errors import SettingsError
+from render.output.exr import encode_exr
+from render.output.formats import check_format
+from render.output.image_file import described, file_bytes
+from render.output.metadata import SOFTWARE, FrameMetadata
+from render.scene import FloatArray
+
+JPEG_QUALITY = 92
+
+
+class FrameArrays(Protocol):
+    """What a rendered frame holds."""
+
+    @property
+    def color(self) -> FloatArray:
+        """``(height, width, 4)`` scene-linear radiance, not exposed; coverage in alpha, which the colour is times."""
+
+    @property
+    def aovs(self) -> Mapping[str, NDArray[Any]]:
+        """Measurements by name, each ``(height, width)``."""
+
+
+def encode(file_format: str, frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> bytes:
+    """A frame as the bytes of a file.
+
+    Args:
+        file_format: ``exr`` writes the frame; ``png`` and ``jpeg`` write the graded picture.
+        frame: the rendered frame.
+        graded: ``(height, width, 3)`` display-referred, 0 to 1.
+        metadata: what the file says about the frame.
+
+    Raises:
+        SettingsError: no such format, or an AOV that has no place in a file.
+        OutputError: the encoder failed, for instance because the disk for temporary files is full.
+    """
+    match check_format(file_format):
+        case "exr":
+            return encode_exr(frame.color, frame.aovs, metadata)
+        case "png":
+            return encode_png(graded, metadata)
+        case "jpeg":
+            return encode_jpeg(graded, metadata)
+
+
+def encode_png(graded: FloatArray, metadata: FrameMetadata) -> bytes:
+    """The graded picture as an 8-bit PNG, marked with the display's colour space (cICP) where it has a code.
+
+    Args:
+        graded: ``(height, width, 3)`` display-referred, 0 to 1.
+        metadata: what the file says about the frame.
+    """
+    spec, pixels = _picture(graded, metadata)
+    if code_points := OpenImageIO.ColorConfig("ocio://default").get_cicp(metadata.grade.picture_space_id or "unknown"):
+        primaries, transfer, _, full_range = code_points
+        # PNG holds RGB, whose matrix code is 0 (PNG 3rd edition, 11.3.2.6).
+        spec.attribute("CICP", "int[4]", (primaries, transfer, 0, full_range))
+    return file_bytes(".png", [(spec, pixels)])
+
+
+def encode_jpeg(graded: FloatArray, metadata: FrameMetadata) -> bytes:
+    """The graded picture as a JPEG of high quality, its colour at full resolution.
+
+    Args:
+        graded: ``(height, width, 3)`` display-referred, 0 to 1.
+        metadata: what the file says about the frame.
+    """
+    spec, pixels = _picture(graded, metadata)
+    spec.attribute("compression", f"jpeg:{JPEG_QUALITY}")
+    spec.attribute("jpeg:subsampling", "4:4:4")
+    return file_bytes(".jpg", [(spec, pixels)])
+
+
+def to_8_bit(graded: FloatArray) -> NDArray[np.uint8]:
+    """Display-referred values rounded to the nearest of 256 levels, halves up; no dither.
+
+    Args:
+        graded: any shape, 0 to 1; what lies outside is clipped.
+    """
+    levels: NDArray[np.uint8] = np.floor(np.clip(graded, 0, 1) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
+    return levels
+
+
+def _picture(graded: FloatArray, metadata: FrameMetadata) -> tuple[OpenImageIO.ImageSpec, NDArray[np.uint8]]:
+    """The 8-bit picture and its description."""
+    if graded.ndim != 3 or graded.shape[2] != 3:
+        raise SettingsError(f"a graded picture must be (height, width, 3), got {graded.shape}")
+    height, width, _ = graded.shape
+    spec = described(OpenImageIO.ImageSpec(width, height, 3, "uint8"), metadata.exif_attributes())
+    spec.attribute("Software", SOFTWARE)
+    spec.attribute("ImageDescription", metadata.description)
+    spec.attribute("oiio:ColorSpace", metadata.grade.picture_space_id)
+    return spec, to_8_bit(graded)

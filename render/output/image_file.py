@@ -1,0 +1,66 @@
+"""OpenImageIO's writers, as functions from arrays to bytes."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO
+from numpy.typing import NDArray
+
+from render.errors import OutputError
+from render.output.metadata import Attribute
+
+Part = tuple[OpenImageIO.ImageSpec, NDArray[Any]]
+
+
+def described(spec: OpenImageIO.ImageSpec, attributes: Iterable[Attribute]) -> OpenImageIO.ImageSpec:
+    """The same spec, with the attributes set."""
+    for name, kind, value in attributes:
+        spec.attribute(name, kind, value)
+    return spec
+
+
+def file_bytes(ending: str, parts: Sequence[Part]) -> bytes:
+    """The bytes of an image file with one or more parts.
+
+    OpenImageIO's Python writes to named files only, so the bytes make a detour through the folder for temporary files.
+
+    Args:
+        ending: of the file's name; it chooses the writer.
+        parts: for each part its spec and its pixels ``(height, width, channels)``.
+
+    Raises:
+        OutputError: the encoder failed.
+    """
+    try:
+        with tempfile.TemporaryDirectory(prefix="pullfocus-") as folder:
+            path = Path(folder) / f"frame{ending}"
+            _write_parts(path, parts)
+            return path.read_bytes()
+    except OSError as error:
+        raise OutputError(
+            f"cannot encode a {ending} file in the temporary folder {tempfile.gettempdir()}: {error.strerror}"
+        ) from error
+
+
+def _write_parts(path: Path, parts: Sequence[Part]) -> None:
+    writer = OpenImageIO.ImageOutput.create(str(path))
+    if writer is None:
+        raise OutputError(f"no encoder for {path.suffix} files: {_first_line(OpenImageIO.geterror())}")
+    specs = tuple(spec for spec, _ in parts)
+    done = writer.open(str(path), specs if len(specs) > 1 else specs[0])
+    for index, (spec, pixels) in enumerate(parts):
+        if index > 0:
+            done = done and writer.open(str(path), spec, "AppendSubimage")
+        done = done and writer.write_image(np.ascontiguousarray(pixels))
+    # The last bytes reach the disk here, and a full disk may show only now.
+    if not (writer.close() and done):
+        raise OutputError(f"cannot encode a {path.suffix} file: {_first_line(writer.geterror())}")
+
+
+def _first_line(message: str) -> str:
+    return message.strip().splitlines()[0] if message.strip() else "the encoder gave no reason"

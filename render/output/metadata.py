@@ -1,0 +1,177 @@
+"""What a file says about the frame in it: the camera, the time and how the picture was made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+
+from render.film import Grade
+from render.optics.view import PinholeView
+from render.scene import Camera, DoubleArray
+
+SOFTWARE = "Pullfocus"
+
+Setting = str | int | float | tuple[str, ...]
+# A name, OpenImageIO's word for the type, and the value.
+Attribute = tuple[str, str, str | int | float | tuple[float, ...] | tuple[int, int]]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMetadata:
+    """Everything about a frame that is not in its pixels.
+
+    Attributes:
+        camera: as the frame was rendered, focus solved in.
+        time: USD time code of the frame.
+        frames_per_second: of the shot.
+        grade: how the picture was graded; its working space is the one that the radiance is in.
+        settings: how the frame was rendered (``dataclasses.asdict`` of the frame's settings); each becomes
+            ``pullfocus:<name>``.
+        stage: the shot's name.
+        prim_paths: what the ids of the ``prim_id`` AOV index: ``Scene.prim_paths``.
+        exposure_time_s: UsdGeomCamera's ``exposure:time`` where it is authored.
+        iso: UsdGeomCamera's ``exposure:iso`` where it is authored.
+    """
+
+    camera: Camera
+    time: float = 0.0
+    frames_per_second: float = 24.0
+    grade: Grade = field(default_factory=Grade)
+    settings: Mapping[str, Setting] = field(default_factory=dict)
+    stage: str = ""
+    prim_paths: tuple[str, ...] = ()
+    exposure_time_s: float | None = None
+    iso: float | None = None
+
+    @property
+    def description(self) -> str:
+        """One line for people: shot, camera and time."""
+        return " ".join(part for part in (self.stage, self.camera.path, f"frame {self.time:g}") if part)
+
+    def exr_attributes(self, width: int, height: int) -> list[Attribute]:
+        """Attributes for the header of an EXR part.
+
+        Names, types and units are those of OpenEXR's "Standard Attributes"; what that list has no name for is called
+        ``pullfocus:*``. World space is metres with +Y up, and the matrices are for row vectors, as in Imath.
+
+        Args:
+            width: of the picture in pixels.
+            height: of the picture in pixels.
+
+        Raises:
+            CameraError: the camera makes no picture.
+        """
+        view = PinholeView.from_camera(self.camera, width, height)
+        return [*self._shot_attributes(), *_view_attributes(self.camera, view), *self._lens_attributes(view)]
+
+    def _shot_attributes(self) -> list[Attribute]:
+        named: list[Attribute] = [
+            ("Software", "string", SOFTWARE),
+            ("comments", "string", self.description),
+            ("imageCounter", "int", math.floor(self.time)),
+            ("framesPerSecond", "rational", exact_frame_rate(self.frames_per_second)),
+            ("pullfocus:timeCode", "float", self.time),
+            ("pullfocus:exposureScale", "float", self.camera.exposure_scale),
+            ("pullfocus:worldSpace", "string", "metres, +Y up"),
+        ]
+        if self.stage:
+            named.append(("pullfocus:stage", "string", self.stage))
+        if self.camera.path:
+            named.append(("cameraLabel", "string", self.camera.path))
+        return named + [_setting_attribute(name, value) for name, value in self.settings.items()]
+
+    def _lens_attributes(self, view: PinholeView) -> list[Attribute]:
+        camera = self.camera
+        image_distance_mm = view.fx / view.width * camera.horizontal_aperture_mm
+        named: list[Attribute] = [
+            ("nominalFocalLength", "float", camera.focal_length_mm),
+            ("effectiveFocalLength", "float", camera.focal_length_mm),
+            ("pinholeFocalLength", "float", image_distance_mm),
+            ("focus", "float", camera.focus_distance_m or math.inf),
+        ]
+        # OpenEXR wants a positive f-number, so a pinhole has none.
+        if camera.f_stop > 0:
+            named.append(("aperture", "float", camera.f_stop))
+        if camera.shutter_close > camera.shutter_open:
+            named.append(("shutterAngle", "float", 360.0 * (camera.shutter_close - camera.shutter_open)))
+        if self.exposure_time_s is not None:
+            named.append(("expTime", "float", self.exposure_time_s))
+        if self.iso is not None:
+            named.append(("isoSpeed", "float", self.iso))
+        return named
+
+    def exif_attributes(self) -> list[Attribute]:
+        """The lens as photographs carry it (Exif 2.3), for PNG and JPEG."""
+        camera = self.camera
+        named: list[Attribute] = [("Exif:FocalLength", "float", camera.focal_length_mm)]
+        if camera.f_stop > 0:
+            named.append(("FNumber", "float", camera.f_stop))
+        if camera.focus_distance_m > 0 and math.isfinite(camera.focus_distance_m):
+            named.append(("Exif:SubjectDistance", "float", camera.focus_distance_m))
+        return named
+
+
+def exact_frame_rate(frames_per_second: float) -> tuple[int, int]:
+    """A frame rate as numerator and denominator; 23.976 and its kin become the exact n·1000/1001.
+
+    Args:
+        frames_per_second: more than 0.
+    """
+    whole = round(frames_per_second)
+    if (
+        abs(frames_per_second - whole) > 1e-6
+        and abs(frames_per_second * 1.001 - round(frames_per_second * 1.001)) < 1e-3
+    ):
+        return round(frames_per_second * 1.001) * 1000, 1001
+    rate = Fraction(frames_per_second).limit_denominator(1000)
+    return rate.numerator, rate.denominator
+
+
+def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
+    """Where the camera stands and what its frame takes in."""
+    width_at_one = view.width / view.fx
+    return [
+        ("worldToCamera", "matrix", _row_vector_matrix(np.diag([1.0, 1.0, -1.0, 1.0]) @ view.camera_from_world)),
+        ("worldToNDC", "matrix", _row_vector_matrix(_picture_from_camera(view) @ view.camera_from_world)),
+        ("screenWindowWidth", "float", width_at_one),
+        (
+            "screenWindowCenter",
+            "float[2]",
+            ((view.width / 2 - view.cx) / view.fx, (view.cy - view.height / 2) / view.fy),
+        ),
+        ("sensorOverallDimensions", "float[2]", (camera.horizontal_aperture_mm, camera.vertical_aperture_mm)),
+        # Microns; positive shows more of what is to the right and *below*.
+        ("sensorCenterOffset", "float[2]", (1000 * camera.horizontal_offset_mm, -1000 * camera.vertical_offset_mm)),
+    ]
+
+
+def _picture_from_camera(view: PinholeView) -> DoubleArray:
+    """``(4, 4)`` OpenEXR's normalised device coordinates from camera space: (0, 0) top left to (1, 1) bottom right.
+
+    Depth runs from 0 at the near plane to 1 at the far one.
+    """
+    stretch = 1.0 if math.isinf(view.far_m) else view.far_m / (view.far_m - view.near_m)
+    return np.array(
+        [
+            [view.fx / view.width, 0, -view.cx / view.width, 0],
+            [0, -view.fy / view.height, -view.cy / view.height, 0],
+            [0, 0, -stretch, -stretch * view.near_m],
+            [0, 0, -1, 0],
+        ]
+    )
+
+
+def _row_vector_matrix(matrix: DoubleArray) -> tuple[float, ...]:
+    """The 16 numbers of a column-vector matrix in the order of an Imath matrix."""
+    return tuple(matrix.T.ravel().tolist())
+
+
+def _setting_attribute(name: str, value: Setting) -> Attribute:
+    key = f"pullfocus:{name}"
+    if isinstance(value, int | float):
+        return (key, "int" if isinstance(value, int) else "float", value)
+    return (key, "string", value if isinstance(value, str) else ",".join(value))

@@ -230,16 +230,15 @@ def test_right_in_the_picture_is_positive_x_and_up_is_positive_y_for_openexrs_ca
 
 def test_the_screen_window_is_the_frame_at_distance_one() -> None:
     header = raw_headers(exr(make_frame()))[0]
-    corner = np.append(np.zeros(3), 1.0)
-    view = PinholeView.from_camera(CAMERA, WIDTH, HEIGHT)
-    origin, direction = view.ray(0, HEIGHT / 2)
-    corner[:3] = origin + direction
-    left = (corner @ matrix(header, "worldToCamera"))[0]
+    origin, to_top_left = PinholeView.from_camera(CAMERA, WIDTH, HEIGHT).ray(0, 0)
+    left, top, distance, _ = np.append(origin + to_top_left, 1) @ matrix(header, "worldToCamera")
 
     (width,) = struct.unpack("<f", header["screenWindowWidth"][1])
-    centre_x, _ = struct.unpack("<2f", header["screenWindowCenter"][1])
+    centre_x, centre_y = struct.unpack("<2f", header["screenWindowCenter"][1])
 
+    assert distance == pytest.approx(1, rel=1e-5)
     assert centre_x - width / 2 == pytest.approx(left, rel=1e-5)
+    assert centre_y + width / 2 * HEIGHT / WIDTH == pytest.approx(top, rel=1e-5)
 
 
 def test_breathing_moves_the_pinhole_and_not_the_lens() -> None:

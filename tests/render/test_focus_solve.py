@@ -105,6 +105,32 @@ def test_a_point_outside_the_picture_can_be_kept():
     assert solution.focus_distance_m == pytest.approx(2.0)
 
 
+@given(depths_m, st.floats(-0.1, 10))
+def test_a_point_can_be_soft_by_a_distance(depth, offset):
+    solution = solve_focus([FocusTarget("p", depth, kind="soft", surface_offset_m=offset)])
+    assert solution.focus_distance_m == pytest.approx(depth + offset, rel=1e-9)
+
+
+def test_a_point_that_asks_for_focus_behind_the_camera_does_not_count():
+    solution = solve_focus([FocusTarget("p", 2.0, kind="soft", surface_offset_m=-3.0)], 4.0)
+    assert (solution.focus_distance_m, solution.states) == (4.0, ("behind_camera",))
+
+
+@given(depths_m, depths_m, st.floats(0, 4))
+def test_near_priority_multiplies_weights_by_inverse_depth_to_its_power(a, b, power):
+    solution = solve_focus([FocusTarget("a", a), FocusTarget("b", b)], near_priority=power)
+    counts = np.array([a, b]) ** -power
+    assert 1 / solution.focus_distance_m == pytest.approx(np.average([1 / a, 1 / b], weights=counts), rel=1e-9)
+    assert solution.shares == pytest.approx(counts / counts.sum())
+
+
+def test_extreme_weights_and_powers_stay_finite():
+    points = [FocusTarget("a", 1e-3, 1e308), FocusTarget("b", math.inf, 1e-308), FocusTarget("c", 5.0, 1e308)]
+    solution = solve_focus(points, near_priority=300.0)
+    assert solution.focus_distance_m == pytest.approx(1e-3)
+    assert sum(solution.shares) == pytest.approx(1.0)
+
+
 def test_without_points_the_camera_decides_and_says_so():
     solution = solve_focus([], 4.0)
     assert (solution.focus_distance_m, solution.source) == (4.0, "camera")
@@ -122,3 +148,5 @@ def test_impossible_weights_and_blurs_are_named(bad):
         solve_focus([FocusTarget("hero", 2.0, weight=bad)])
     with pytest.raises(SettingsError, match="blur in mm of focus point 'hero'"):
         solve_focus([FocusTarget("hero", 2.0, blur_mm=bad)])
+    with pytest.raises(SettingsError, match="near priority"):
+        solve_focus([FocusTarget("hero", 2.0)], near_priority=bad)

@@ -189,8 +189,8 @@ class Dome:
 
     Attributes:
         radiance: ``(3,)`` multiplier: colour · intensity · 2^exposure.
-        image: latitude-longitude environment, +Y up, or None for a uniform dome. Column 0 looks along -X and the
-            centre column along +Z, as UsdLux's ``latlong`` does; row 0 looks up.
+        image: latitude-longitude environment as OpenEXR (and so UsdLux) defines it, or None for a uniform dome: row 0
+            looks up (+Y), the centre column along +Z, and +X is a quarter of the width to the left of it.
         pose: ``(4, 4)`` float64, world from dome.
         visible: whether the camera sees it behind everything.
         path: prim path.

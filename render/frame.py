@@ -1,0 +1,220 @@
+"""One frame, from a scene and a camera to radiance.
+
+    read the scene at a time · ask the lens for its rays · ask the focus points for the focal surface · peel the layers ·
+    trace the rays through them · expose and develop the film · write the frame
+
+The stage reader, the focus solver, film and output stand on either side; `render.shot.make_picture` walks the whole way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.errors import SettingsError
+from render.gl.context import GraphicsContext
+from render.gl.shaders import ProgramCache
+from render.layers.peel import Peeler
+from render.layers.readback import Pick, pick_surface, read_surfaces
+from render.layers.targets import MAX_LAYERS
+from render.optics.sampling import MAX_RAYS, lens_samples
+from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
+from render.optics.view import PinholeView, check_picture_size
+from render.reference.accumulation import Accumulator
+from render.scene import Camera, FloatArray, Light, Scene
+from render.trace.lens import LensEngine
+from render.trace.rays import camera_iris, plane_of_focus, thin_lens_bundle
+
+ENGINES = ("lens", "accumulation", "pinhole")
+LATER_ENGINES = ("scatter", "flag", "importance")
+AOVS = ("color", "depth", "coc", "prim_id", "face_id")
+SHADINGS = ("lit", "unlit")
+MAX_SUPERSAMPLE = 4
+
+__all__ = ["AOVS", "ENGINES", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
+
+
+@dataclass(frozen=True)
+class FrameSettings:
+    """How a frame is rendered.
+
+    Attributes:
+        width: pixels.
+        height: pixels.
+        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``accumulation`` renders once per ray (the reference),
+            ``pinhole`` has everything sharp.
+        rays: lens rays per pixel.
+        layers: peeled layers at most.
+        supersample: layer pixels per picture pixel along each axis.
+        shading: ``lit``, or ``unlit`` for base colour as radiance.
+        seed: of the sampling pattern.
+        tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
+        aovs: of `AOVS`; ``color`` is always there.
+    """
+
+    width: int = 960
+    height: int = 540
+    engine: str = "lens"
+    rays: int = 100
+    layers: int = 4
+    supersample: int = 2
+    shading: str = "lit"
+    seed: int = 0
+    tiled: bool = True
+    aovs: tuple[str, ...] = ("color",)
+
+    def __post_init__(self) -> None:
+        check_picture_size(self.width, self.height)
+        if self.engine in LATER_ENGINES:
+            raise SettingsError(f"engine {self.engine} comes later; use one of {', '.join(ENGINES)}")
+        _check_choice("engine", self.engine, ENGINES)
+        _check_choice("shading", self.shading, SHADINGS)
+        _check_range("rays", self.rays, 1, MAX_RAYS)
+        _check_range("layers", self.layers, 1, MAX_LAYERS)
+        _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
+        _check_range("seed", self.seed, 0, 2**31 - 1)
+        for aov in self.aovs:
+            _check_choice("aov", aov, AOVS)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A rendered frame.
+
+    Attributes:
+        color: ``(height, width, 4)`` float32 scene-linear radiance, not exposed; premultiplied, alpha is coverage.
+        aovs: the asked arrays by name, ``(height, width)``, at pixel centres from the pupil's centre: ``depth`` float32
+            metres (inf where nothing is); ``coc`` float32 radius in pixels, negative in front of the focus; ``prim_id``
+            uint32, the index in `prim_paths` plus one, 0 where nothing is; ``face_id`` int32, -1 where nothing is.
+        prim_paths: what ``prim_id`` indexes.
+    """
+
+    color: FloatArray
+    aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
+    prim_paths: tuple[str, ...] = ()
+
+
+class FrameRenderer:
+    """Renders frames on one OpenGL context, in the thread that made it."""
+
+    def __init__(self) -> None:
+        """Raises `GraphicsError` where no context can be made."""
+        self.graphics = GraphicsContext()
+        programs = ProgramCache(self.graphics.ctx)
+        self._peeler = Peeler(self.graphics, programs)
+        self._lens = LensEngine(self.graphics.ctx, programs)
+        self._accumulator = Accumulator(self.graphics.ctx, programs)
+        self._lit: tuple[Scene, Camera, Scene] | None = None
+
+    def render(
+        self, scene: Scene, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None = None
+    ) -> Frame:
+        """Render one frame.
+
+        Args:
+            scene: what is there.
+            camera: what looks; its apertures should have the picture's aspect ratio.
+            settings: how.
+            on_progress: called with the share that is done, from 0 to 1.
+
+        Raises:
+            CameraError: the camera's numbers make no picture.
+            GraphicsError: the device refuses.
+        """
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        self._peeler.load(self._with_light(scene, camera))
+        if settings.engine == "accumulation":
+            color = self._accumulate(view, camera, settings, on_progress)
+            aovs = self._surfaces(view, scene, camera, settings) if set(settings.aovs) - {"color"} else {}
+            return Frame(color, aovs, scene.prim_paths)
+        lens = replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
+        traced = self._lens.picture(
+            self._peeler,
+            view,
+            thin_lens_bundle(lens, settings.rays, seed=settings.seed, tiled=settings.tiled),
+            plane_of_focus(lens),
+            layers=settings.layers,
+            supersample=settings.supersample,
+            unlit=settings.shading == "unlit",
+            on_progress=on_progress,
+        )
+        aovs = self._surfaces(view, scene, camera, settings) if set(settings.aovs) - {"color"} else {}
+        return Frame(traced.color, aovs, scene.prim_paths)
+
+    def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:
+        """The surface at a place of the picture, seen from the pupil's centre.
+
+        Args:
+            scene: what is there.
+            camera: what looks.
+            width: of the picture in pixels.
+            height: likewise.
+            x: pixels from the left edge.
+            y: pixels from the top edge.
+
+        Returns:
+            The pick, or None where nothing is.
+
+        Raises:
+            SettingsError: the place is outside the picture.
+        """
+        view = PinholeView.from_camera(camera, width, height)
+        if not (0 <= x <= width and 0 <= y <= height):
+            raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
+        self._peeler.load(self._with_light(scene, camera))
+        return pick_surface(self._peeler, scene, view, x, y)
+
+    def close(self) -> None:
+        """Give the device's memory and the context back."""
+        self._lens.release()
+        self._peeler.release()
+        self.graphics.close()
+
+    def __enter__(self) -> FrameRenderer:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def _accumulate(
+        self, view: PinholeView, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None
+    ) -> FloatArray:
+        samples = lens_samples(settings.rays, camera_iris(camera), seed=settings.seed, tiled=False)
+        points = np.concatenate([samples.pupil[0] * pupil_radius_m(camera), samples.pixel[0]], axis=1)
+        unlit = settings.shading == "unlit"
+        return self._accumulator.accumulate(
+            self._peeler, view, points, focus_w(camera), unlit=unlit, on_progress=on_progress
+        )
+
+    def _surfaces(self, view: PinholeView, scene: Scene, camera: Camera, settings: FrameSettings) -> dict[str, NDArray[Any]]:
+        """The asked AOVs of the nearest surfaces, at pixel centres."""
+        w, prim_id, face_id = read_surfaces(self._peeler, scene, view)
+        with np.errstate(divide="ignore"):
+            depth = np.where(w > 0, 1.0 / w, np.inf).astype(np.float32)
+        coc = coc_radius_px(view.fx, pupil_radius_m(camera), w, focus_w(camera)).astype(np.float32)
+        made = {"depth": depth, "coc": coc, "prim_id": prim_id, "face_id": face_id}
+        return {name: made[name] for name in settings.aovs if name != "color"}
+
+    def _with_light(self, scene: Scene, camera: Camera) -> Scene:
+        """The scene, lit from the camera where it has no light at all, as usdrecord does."""
+        if scene.lights or scene.dome is not None:
+            return scene
+        if self._lit is None or self._lit[0] is not scene or self._lit[1] is not camera:
+            headlight = Light("distant", (np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light")
+            self._lit = (scene, camera, replace(scene, lights=(headlight,)))
+        return self._lit[2]
+
+
+def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise SettingsError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+
+
+def _check_range(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise SettingsError(f"{name} must be from {low} to {high}, got {value}")

@@ -1,0 +1,71 @@
+"""pyrender, made to run on today's Python. The only module that imports it or PyOpenGL directly.
+
+Why each adaptation is here:
+
+- pyrender 0.1.45 (2021, its last release) uses ``np.infty``, which NumPy 2 removed. The alias is set for the import alone.
+- PyOpenGL picks its platform when it is first imported; without ``PYOPENGL_PLATFORM=egl`` it looks for an X display.
+- pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from functools import cache
+
+os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+
+import numpy as np
+from numpy.typing import NDArray
+
+_had_infty = hasattr(np, "infty")
+if not _had_infty:
+    np.infty = np.inf  # type: ignore[attr-defined]
+import pyrender
+import pyrender.light
+import pyrender.material
+import pyrender.renderer
+import pyrender.shader_program
+import pyrender.texture
+from OpenGL import GL
+from OpenGL.EGL import eglGetProcAddress
+from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
+from pyrender.platforms import egl as pyrender_egl
+
+if not _had_infty:
+    del np.infty  # type: ignore[attr-defined]
+
+__all__ = [
+    "CLIP_NEGATIVE_ONE_TO_ONE",
+    "CLIP_ZERO_TO_ONE",
+    "GL",
+    "half_float_image",
+    "pyrender",
+    "pyrender_egl",
+    "set_clip_depth",
+]
+
+CLIP_NEGATIVE_ONE_TO_ONE = 0x935E
+CLIP_ZERO_TO_ONE = 0x935F
+_LOWER_LEFT = 0x8CA1
+
+
+def set_clip_depth(mode: int) -> None:
+    """``glClipControl`` with the origin at the lower left; ``mode`` is one of the two constants of this module."""
+    _clip_control()(_LOWER_LEFT, mode)
+
+
+def half_float_image(pixels: NDArray[np.float16]) -> None:
+    """Fill the bound 2D texture with ``(height, width, 4)`` half floats. PyOpenGL 3.1.0's own call has no half floats."""
+    height, width = pixels.shape[:2]
+    data = np.ascontiguousarray(pixels, np.float16)
+    GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
+    raw_tex_image_2d(
+        GL.GL_TEXTURE_2D, 0, GL.GL_RGBA16F, width, height, 0, GL.GL_RGBA, GL.GL_HALF_FLOAT, ctypes.c_void_p(data.ctypes.data)
+    )
+
+
+@cache
+def _clip_control() -> ctypes._CFunctionType:
+    address = ctypes.cast(eglGetProcAddress(b"glClipControl"), ctypes.c_void_p).value
+    return ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(address)

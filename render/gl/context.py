@@ -1,0 +1,55 @@
+"""The one place that makes an OpenGL context: pyrender's EGL platform, with moderngl attached to the same context."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+import moderngl
+
+from render.errors import GraphicsError
+from render.gl.compat import pyrender_egl
+
+REQUIRED_VERSION = 450
+
+
+class GraphicsContext:
+    """An off-screen OpenGL 4.5 context that belongs to the thread that made it.
+
+    Attributes:
+        ctx: moderngl's view of the context.
+        renderer: the driver's name of the device, such as ``llvmpipe (LLVM 15.0.6, 256 bits)``.
+        is_software: whether the device is a CPU rasteriser.
+    """
+
+    def __init__(self) -> None:
+        """Make the context current.
+
+        Raises:
+            GraphicsError: no EGL device, or one that lacks OpenGL 4.5.
+        """
+        try:
+            self._platform = pyrender_egl.EGLPlatform(1, 1)
+            self._platform.init_context()
+            self._platform.make_current()
+            self.ctx = moderngl.create_context()
+        except Exception as error:  # EGL and PyOpenGL raise their own kinds, bare assertions included
+            raise GraphicsError(
+                f"no OpenGL context could be made through EGL ({type(error).__name__}: {error}); on a machine without a GPU "
+                "install Mesa's software rasteriser (Debian: libegl1 libgl1-mesa-dri)"
+            ) from error
+        self.renderer: str = self.ctx.info["GL_RENDERER"]
+        if self.ctx.version_code < REQUIRED_VERSION:
+            version = self.ctx.info["GL_VERSION"]
+            self.close()
+            raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
+        self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
+
+    def close(self) -> None:
+        """Give the context back. Everything that was made in it is gone."""
+        self._platform.delete_context()
+
+    def __enter__(self) -> GraphicsContext:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()

@@ -1,0 +1,135 @@
+"""UsdLux lights and the dome as the uniform blocks that ``lighting.glsl`` reads.
+
+pyrender binds at most four lights of a kind, one uniform call for each number and primitive; one block for the whole
+frame has room for all that a shot uses and costs nothing per primitive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.scene import Dome, DoubleArray, FloatArray, Light, Scene
+
+MAX_LIGHTS = 96
+_KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}
+
+
+@dataclass(frozen=True)
+class ShadowSlot:
+    """Which shadow maps a light has: ``first`` of ``count``, and the width of a texel at 1 m (distant: anywhere), in m."""
+
+    first: int
+    count: int
+    texel_m: float
+
+
+def chosen_lights(scene: Scene) -> tuple[Light, ...]:
+    """The lights that are drawn: all, or the `MAX_LIGHTS` strongest where there are more."""
+    lights = [light for light in scene.lights if max(light.radiance) > 0]
+    if len(lights) > MAX_LIGHTS:
+        lights = sorted(lights, key=power, reverse=True)[:MAX_LIGHTS]
+    return tuple(lights)
+
+
+def power(light: Light) -> float:
+    """A number that ranks lights by how much they light: radiance times area; a distant light's irradiance comes first."""
+    if light.kind == "distant":
+        return 1e9 * max(light.radiance)
+    return max(light.radiance) * area_m2(light)
+
+
+def area_m2(light: Light) -> float:
+    """Emitting area that a facing surface sees."""
+    if light.kind == "rect":
+        return light.width_m * light.height_m
+    return float(np.pi * light.radius_m**2)
+
+
+def pack_lights(
+    lights: tuple[Light, ...],
+    dome: Dome | None,
+    dome_harmonics: FloatArray,
+    dome_mips: int,
+    world_from_camera: DoubleArray,
+    shadows: dict[int, ShadowSlot],
+) -> bytes:
+    """The std140 bytes of ``LightBlock``, in the space of the camera.
+
+    Args:
+        lights: at most `MAX_LIGHTS`.
+        dome: or None.
+        dome_harmonics: ``(9, 3)`` from `dome_irradiance`.
+        dome_mips: mip level at which the dome's image is one texel.
+        world_from_camera: ``(4, 4)``.
+        shadows: by the light's place in ``lights``.
+    """
+    camera_from_world = np.linalg.inv(world_from_camera)
+    head = np.zeros((1 + 9, 4), np.float32)
+    head[0] = [len(lights), dome is not None, max(dome_mips - 2, 0), 0]
+    head[1:, :3] = dome_harmonics
+    dome_from_camera = np.eye(4)
+    radiance = np.zeros(4)
+    if dome is not None:
+        dome_from_camera[:3, :3] = np.linalg.inv(_rotation(dome.pose)) @ world_from_camera[:3, :3]
+        radiance[:3] = dome.radiance
+    rows = np.zeros((MAX_LIGHTS, 5, 4), np.float32)
+    for i, light in enumerate(lights):
+        rows[i] = _light_rows(light, camera_from_world, shadows.get(i))
+    parts = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
+    return np.concatenate([np.asarray(part, np.float32).ravel() for part in parts]).tobytes()
+
+
+def dome_irradiance(dome: Dome | None) -> FloatArray:
+    """Irradiance over pi of a dome, as the nine polynomial coefficients that ``dome_irradiance_over_pi`` evaluates.
+
+    Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps", eqs. 7, 8 and 13.
+
+    Returns:
+        ``(9, 3)`` float32, in the dome's own axes.
+    """
+    if dome is None:
+        return np.zeros((9, 3), np.float32)
+    if dome.image is None:
+        flat = np.zeros((9, 3), np.float32)
+        flat[0] = dome.radiance
+        return flat
+    radiance = dome.image.pixels[..., :3].astype(np.float64) * np.asarray(dome.radiance)
+    step = max(1, radiance.shape[0] // 64)
+    radiance = radiance[: radiance.shape[0] // step * step, : radiance.shape[1] // step * step]
+    h, w = radiance.shape[0] // step, radiance.shape[1] // step
+    radiance = radiance.reshape(h, step, w, step, 3).mean((1, 3))
+    theta = (np.arange(h) + 0.5) / h * np.pi
+    phi = (0.5 - (np.arange(w) + 0.5) / w) * 2 * np.pi
+    y = np.cos(theta)[:, None] * np.ones(w)
+    x = np.sin(theta)[:, None] * np.sin(phi)
+    z = np.sin(theta)[:, None] * np.cos(phi)
+    solid_angle = (np.sin(theta) * (np.pi / h) * (2 * np.pi / w))[:, None]
+    basis = np.stack([np.ones_like(x), y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
+    norm = np.array([0.282095] + [0.488603] * 3 + [1.092548, 1.092548, 0.315392, 1.092548, 0.546274])
+    cosine_lobe = np.array([1.0] + [2 / 3] * 3 + [1 / 4] * 5)  # A_l over pi
+    coefficients = np.einsum("bhw,hwc,hw->bc", basis, radiance, solid_angle * np.ones(w))
+    return (coefficients * (norm**2 * cosine_lobe)[:, None]).astype(np.float32)
+
+
+def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot | None) -> FloatArray:
+    rotation = camera_from_world[:3, :3] @ _rotation(light.pose)
+    position = (camera_from_world @ light.pose[:, 3])[:3]
+    area = area_m2(light)
+    radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else np.sqrt(area / np.pi)
+    rows = np.zeros((5, 4), np.float32)
+    rows[0] = [*position, _KINDS[light.kind]]
+    rows[1] = [*(-rotation[:, 2]), radius]
+    rows[2] = [*light.radiance, area]
+    outer = np.cos(light.cone_angle_rad) if light.cone_angle_rad < np.pi else -2.0
+    inner = np.cos(light.cone_angle_rad * (1 - light.cone_softness))
+    rows[3] = [outer, max(inner, outer + 1e-4), light.diffuse, light.specular]
+    rows[4] = [-1, 0, 0, 0] if shadow is None else [shadow.first, shadow.count, 1e-3, shadow.texel_m]
+    return rows
+
+
+def _rotation(pose: DoubleArray) -> DoubleArray:
+    """The pose's axes at unit length: a light's scale is in its size already."""
+    axes = pose[:3, :3]
+    return axes / np.linalg.norm(axes, axis=0)

@@ -1,0 +1,123 @@
+"""What the layers' ids say: which prim and face a pixel shows, and the exact point of a surface that was clicked on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.layers.peel import Layers, Peeler
+from render.optics.view import PinholeView
+from render.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
+
+_HIDES_ALL = 1e30
+
+
+@dataclass(frozen=True)
+class Pick:
+    """A point of a surface.
+
+    Attributes:
+        prim_path: the prim that an instance is picked as: a mesh, an instance proxy or a PointInstancer.
+        face: index of the authored face.
+        fan_triangle: which triangle of the face's fan, corners ``(0, i + 1, i + 2)``.
+        barycentric: weights of those corners.
+        instance: the PointInstancer's instance index, or -1.
+        prototype_path: the mesh inside the PointInstancer's prototype, or None.
+        depth_m: along the view axis, from the entrance pupil.
+        position_m: in the world.
+    """
+
+    prim_path: str
+    face: int
+    fan_triangle: int
+    barycentric: tuple[float, float, float]
+    instance: int
+    prototype_path: str | None
+    depth_m: float
+    position_m: tuple[float, float, float]
+
+
+def read_surfaces(peeler: Peeler, scene: Scene, view: PinholeView) -> tuple[FloatArray, NDArray[np.uint32], IntArray]:
+    """The nearest surface at each pixel's centre.
+
+    Returns:
+        ``(height, width)`` each: inverse depth float32 (0 where nothing is), prim id + 1 uint32 (0), face id int32 (-1).
+    """
+    layers = peeler.peel(view, layers=1, umbra=_HIDES_ALL, unlit=True)
+    w, objects, triangles = _read_layer(layers, 0)
+    prim_id = np.zeros(w.shape, np.uint32)
+    face_id = np.full(w.shape, -1, np.int32)
+    for draw in peeler.index.draws:
+        offset = objects.astype(np.int64) - 1 - draw.first_object
+        here = (offset >= 0) & (offset < len(draw.instances))
+        if not here.any():
+            continue
+        geometry, instances = draw.batch.geometry, draw.batch.instance_prim_ids
+        own = geometry.prim_ids[triangles[here]]
+        prim_id[here] = (own if instances is None else instances[draw.instances[offset[here]]]) + 1
+        face_id[here] = geometry.face_ids[triangles[here]]
+    return w, prim_id, face_id
+
+
+def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
+    """The nearest surface at picture position (x, y): a picture of one pixel around it, then the exact intersection."""
+    one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
+    layers = peeler.peel(one, layers=1, umbra=_HIDES_ALL, unlit=True)
+    w, objects, triangles = _read_layer(layers, 0)
+    if objects[0, 0] == 0:
+        return None
+    batch, pose = peeler.index.locate(int(objects[0, 0]) - 1)
+    triangle = int(triangles[0, 0])
+    corners = _world_corners(batch, pose, triangle)
+    origin, direction = view.ray(x, y)
+    weights = _barycentric(corners, origin, direction)
+    position = weights @ corners
+    depth = float(view.project(position[None])[1][0])
+    return _describe(scene, batch, pose, triangle, weights, depth if depth > 0 else 1.0 / float(w[0, 0]), position)
+
+
+def _describe(
+    scene: Scene, batch: Batch, pose: int, triangle: int, weights: DoubleArray, depth_m: float, position: DoubleArray
+) -> Pick:
+    geometry = batch.geometry
+    own_path = scene.prim_paths[geometry.prim_ids[triangle]]
+    number = -1 if batch.instance_numbers is None else int(batch.instance_numbers[pose])
+    instance_path = None if batch.instance_prim_ids is None else scene.prim_paths[batch.instance_prim_ids[pose]]
+    return Pick(
+        prim_path=instance_path or own_path,
+        face=int(geometry.face_ids[triangle]),
+        fan_triangle=int(geometry.fan_ids[triangle]),
+        barycentric=(float(weights[0]), float(weights[1]), float(weights[2])),
+        instance=number,
+        prototype_path=own_path if number >= 0 else None,
+        depth_m=depth_m,
+        position_m=(float(position[0]), float(position[1]), float(position[2])),
+    )
+
+
+def _world_corners(batch: Batch, pose: int, triangle: int) -> DoubleArray:
+    corners = batch.geometry.positions[batch.geometry.triangles[triangle]].astype(np.float64)
+    return corners @ batch.poses[pose][:3, :3].T + batch.poses[pose][:3, 3]
+
+
+def _barycentric(corners: DoubleArray, origin: DoubleArray, direction: DoubleArray) -> DoubleArray:
+    """Weights ``(3,)`` of the corners where the ray meets their plane, kept within the triangle (Moeller & Trumbore 1997)."""
+    e1, e2 = corners[1] - corners[0], corners[2] - corners[0]
+    p = np.cross(direction, e2)
+    determinant = e1 @ p
+    if abs(determinant) < 1e-300:
+        return np.full(3, 1 / 3)
+    to_origin = origin - corners[0]
+    u = to_origin @ p / determinant
+    v = direction @ np.cross(to_origin, e1) / determinant
+    weights = np.clip([1 - u - v, u, v], 0.0, 1.0)
+    return np.asarray(weights / weights.sum())
+
+
+def _read_layer(layers: Layers, layer: int) -> tuple[FloatArray, NDArray[np.uint32], NDArray[np.uint32]]:
+    shape = (layers.view.height, layers.view.width)
+    w = np.abs(np.frombuffer(layers.targets.w[layer].read(), np.float32).reshape(shape))
+    ids = np.frombuffer(layers.targets.ids[layer].read(), np.uint32).reshape(*shape, 2)
+    return w, ids[..., 0], ids[..., 1]

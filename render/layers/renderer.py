@@ -1,0 +1,199 @@
+"""pyrender's renderer with our shaders: draws the render index into one layer, or into a shadow map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
+from render.gl.shaders import SHADER_DIR, load_source
+from render.layers.index import Draw, SceneIndex
+from render.layers.lights import MAX_LIGHTS
+from render.layers.materials import PreviewSurface
+from render.layers.shadows import MAX_SHADOW_MAPS
+from render.optics.view import PinholeView
+from render.scene import DoubleArray
+
+OPAQUE = 0.999
+"""Opacity from which a surface hides what is behind it."""
+_MAX_HALF = 65000.0
+_MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
+_PREVIOUS_UNIT, DOME_UNIT, SHADOW_UNIT = 8, 9, 10  # as the shaders bind them; materials use the units below
+
+
+class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
+    """pyrender's shader program, reading sources through our loader (includes, defines), with its uniforms looked up once."""
+
+    def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...]) -> None:
+        """``maps`` are the names of the material's samplers, in the order of their texture units."""
+        super().__init__(str(SHADER_DIR / "surface.vert"), str(SHADER_DIR / fragment), defines=defines)
+        self.maps = maps
+        self._locations: dict[str, int] = {}
+        self._add_to_context()
+
+    def _load(self, shader_filename: str) -> str:
+        return load_source(Path(shader_filename).name, self.defines)
+
+    def _add_to_context(self) -> None:
+        super()._add_to_context()
+        GL.glUseProgram(self._program_id)
+        for unit, name in enumerate(self.maps):
+            GL.glUniform1i(self.location(name), unit)
+
+    def location(self, name: str) -> int:
+        """Uniform location, -1 where the program has no such uniform (which GL ignores)."""
+        if name not in self._locations:
+            self._locations[name] = GL.glGetUniformLocation(self._program_id, name)
+        return self._locations[name]
+
+
+@dataclass(frozen=True)
+class LayerPass:
+    """What one drawing of the scene is for.
+
+    Attributes:
+        view: where from.
+        umbra: how far behind an opaque surface its umbra reaches, in 1/m of inverse depth.
+        previous: inverse depth of the layer before, or None for the first.
+        unlit: base colour for radiance.
+    """
+
+    view: PinholeView
+    umbra: float = 0.0
+    previous: moderngl.Texture | None = None
+    unlit: bool = False
+
+
+class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
+    """Draws a `SceneIndex` with ``surface.vert`` and ``surface.frag``.
+
+    pyrender keeps the meshes and textures in the context (`_update_context`) and draws the primitives with their
+    instances; programs, materials, lights and targets are bound here.
+    """
+
+    def __init__(self, index: SceneIndex) -> None:
+        super().__init__(1, 1)
+        self._index = index
+        self._programs: dict[tuple[object, ...], SourceProgram] = {}
+        self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
+        self._bound_material: PreviewSurface | None = None
+
+    def upload(self) -> None:
+        """Bring new geometry and textures to the device and drop what the index no longer has."""
+        self._update_context(self._index.graph, 0)
+
+    def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray) -> None:
+        """Set what ``LightBlock`` holds, and the ``(n, 4, 4)`` matrices of the shadow maps."""
+        matrices = np.zeros((MAX_SHADOW_MAPS, 4, 4), np.float32)
+        matrices[: len(clip_from_camera)] = clip_from_camera.transpose(0, 2, 1)
+        _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
+        _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
+
+    def draw_layer(self, layer: LayerPass) -> None:
+        """Draw the nearest surfaces behind the previous layer into the bound framebuffer, which is not cleared."""
+        view = layer.view
+        self._begin(view.width, view.height)
+        if layer.previous is not None:
+            layer.previous.use(_PREVIOUS_UNIT)
+        defines: dict[str, object] = {} if layer.previous is None else {"PEEL": 1}
+        if layer.unlit:
+            defines["UNLIT"] = 1
+        clip = view.projection_matrix().astype(np.float32)
+        for draw in self._index.draws:
+            program = self._program("surface.frag", draw, defines)
+            GL.glUseProgram(program._program_id)
+            GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
+            GL.glUniform1f(program.location("umbra"), layer.umbra)
+            GL.glUniform1ui(program.location("first_object"), draw.first_object)
+            # the picture's rows go down, which turns every triangle's winding around
+            winding = GL.GL_CCW if draw.mirrored else GL.GL_CW
+            self._draw(draw, program, view.camera_from_world, clip, winding, cull=not draw.double_sided)
+        self._end()
+
+    def draw_shadow(self, side_px: int, clip_from_world: DoubleArray) -> None:
+        """Draw the depth of everything into the bound shadow map."""
+        self._begin(side_px, side_px)
+        clip = clip_from_world.astype(np.float32)
+        for draw in self._index.draws:
+            program = self._program("shadow.frag", draw, {})
+            GL.glUseProgram(program._program_id)
+            self._draw(draw, program, np.eye(4), clip, GL.GL_CCW, cull=False)
+        self._end()
+
+    def delete(self) -> None:
+        """Free everything that was uploaded."""
+        super().delete()
+        for program in self._programs.values():
+            program.delete()
+        self._programs = {}
+        GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
+
+    def _draw(
+        self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: np.ndarray, winding: int, cull: bool
+    ) -> None:
+        """Draw one primitive. The camera matrix meets the node's pose in float64, so that far from the origin nothing jitters."""
+        primitive = draw.node.mesh.primitives[0]
+        camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
+        GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
+        GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
+        self._bind_material(primitive.material)
+        GL.glFrontFace(winding)
+        (GL.glEnable if cull else GL.glDisable)(GL.GL_CULL_FACE)
+        primitive._bind()
+        count = 1 if primitive.poses is None else len(primitive.poses)
+        GL.glDrawElementsInstanced(GL.GL_TRIANGLES, primitive.indices.size, GL.GL_UNSIGNED_INT, None, count)
+
+    def _bind_material(self, material: PreviewSurface) -> None:
+        if material is self._bound_material:
+            return
+        self._bound_material = material
+        _fill_uniform_buffer(self._material_block, material.block, _MATERIAL_BINDING)
+        for unit, texture in enumerate(material.maps.values()):
+            GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+            texture._bind()
+
+    def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
+        primitive = draw.node.mesh.primitives[0]
+        material: PreviewSurface = primitive.material
+        maps = tuple(f"{name}_map" for name in material.maps)
+        key = (fragment, maps, primitive.texcoord_0 is None, primitive.color_0 is None, *sorted(defines))
+        if key not in self._programs:
+            attributes = ["NORMAL_LOC"]
+            attributes += ["TEXCOORD_0_LOC"] * (primitive.texcoord_0 is not None)
+            attributes += ["COLOR_0_LOC"] * (primitive.color_0 is not None) + ["INST_M_LOC"]
+            constants = {"OPAQUE": OPAQUE, "MAX_HALF": _MAX_HALF, "MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
+            places = {name: place for place, name in enumerate(attributes, start=1)}
+            all_defines = {**constants, **places, **material.defines, **defines}
+            self._programs[key] = SourceProgram(fragment, all_defines, maps)
+        return self._programs[key]
+
+    def _begin(self, width: int, height: int) -> None:
+        self._bound_material = None
+        set_clip_depth(CLIP_ZERO_TO_ONE)
+        GL.glViewport(0, 0, width, height)
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        GL.glDepthFunc(GL.GL_GREATER)
+        GL.glDepthMask(GL.GL_TRUE)
+        GL.glDisable(GL.GL_BLEND)
+        GL.glCullFace(GL.GL_BACK)
+        GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
+
+    def _end(self) -> None:
+        """Leave the state that moderngl takes for granted."""
+        GL.glBindVertexArray(0)
+        GL.glUseProgram(0)
+        GL.glDisable(GL.GL_CULL_FACE)
+        GL.glDisable(GL.GL_DEPTH_TEST)
+        GL.glFrontFace(GL.GL_CCW)
+        set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
+
+
+def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:
+    GL.glBindBuffer(GL.GL_UNIFORM_BUFFER, buffer)
+    GL.glBufferData(GL.GL_UNIFORM_BUFFER, len(data), data, GL.GL_DYNAMIC_DRAW)
+    GL.glBindBufferBase(GL.GL_UNIFORM_BUFFER, binding, buffer)
+    GL.glBindBuffer(GL.GL_UNIFORM_BUFFER, 0)
+

@@ -1,0 +1,80 @@
+"""The accumulation buffer: one rendering of the scene for each lens sample. Slow and right (Haeberli & Akeley 1990).
+
+Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres; the sensor offset of
+each sample anti-aliases. All pixels share one pattern, as the method demands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import moderngl
+import numpy as np
+
+from render.gl.shaders import ProgramCache
+from render.layers.peel import Layers, Peeler
+from render.layers.targets import MAX_LAYERS
+from render.optics.view import PinholeView
+from render.scene import FloatArray
+
+NOTHING_BEHIND = 1e30
+"""Umbra of a pinhole: an opaque surface hides all that is behind it."""
+
+
+class Accumulator:
+    """Accumulates pinhole views of a peeler's scene."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx = ctx
+        self._program = programs.compute("accumulate.comp")
+
+    def accumulate(
+        self,
+        peeler: Peeler,
+        view: PinholeView,
+        lens_points: FloatArray,
+        focus_w: float,
+        *,
+        unlit: bool = False,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> FloatArray:
+        """Mean of the views through the lens points.
+
+        Args:
+            peeler: with the scene loaded.
+            view: the picture, from the pupil's centre.
+            lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
+            focus_w: inverse depth of the plane of focus, 1/m.
+            unlit: take base colour for radiance.
+            on_progress: called with the share that is done.
+
+        Returns:
+            ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
+        """
+        image = self._ctx.texture((view.width, view.height), 4, dtype="f4")
+        image.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
+        try:
+            for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
+                through = view.through(x, y, focus_w, (dx, dy))
+                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=NOTHING_BEHIND, unlit=unlit)
+                self._add(layers, image, 1.0 / len(lens_points))
+                if on_progress is not None:
+                    on_progress((i + 1) / len(lens_points))
+            return np.frombuffer(image.read(), np.float32).reshape(view.height, view.width, 4).copy()
+        finally:
+            image.release()
+
+    def _add(self, layers: Layers, image: moderngl.Texture, weight: float) -> None:
+        program, targets = self._program, layers.targets
+        for unit, texture in enumerate(targets.w):
+            texture.use(unit)
+        program["layer_w"] = list(range(MAX_LAYERS))
+        targets.radiance.use(MAX_LAYERS)
+        program["radiance"] = MAX_LAYERS
+        targets.background.use(MAX_LAYERS + 1)
+        program["background"] = MAX_LAYERS + 1
+        program["count"] = layers.count
+        program["weight"] = weight
+        image.bind_to_image(0, read=True, write=True)
+        program.run(-(-layers.view.width // 8), -(-layers.view.height // 8))
+        self._ctx.memory_barrier()

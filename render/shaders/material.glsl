@@ -1,0 +1,145 @@
+// UsdPreviewSurface inputs at a fragment.
+// Each HAS_<INPUT> define says that the input is read from a texture; its lookup is at LOOKUP_<INPUT> in `lookups`.
+
+struct Surface {
+    vec3 base_color;
+    vec3 emissive;
+    vec3 f0;             // reflectance at normal incidence
+    float metallic;      // 1 has no diffuse response
+    float roughness;
+    float opacity;
+    float occlusion;     // 1 sees the whole dome
+    float clearcoat;
+    float clearcoat_roughness;
+    vec3 normal;         // camera space, towards the viewer's side
+};
+
+// How an image is read: rows 0 and 1 hold the 2x3 texture-coordinate transform, 2 the scale, 3 the bias;
+// row 0's last number is the channel that a scalar takes.
+struct Lookup {
+    vec4 rows[4];
+};
+
+layout(std140, binding = 1) uniform MaterialBlock {
+    vec4 base_color_opacity;
+    vec4 emissive_metallic;
+    vec4 specular_workflow;          // rgb reflectance, a = 1 where it is used
+    vec4 roughness_ior_threshold;    // roughness, ior, opacity threshold, whether display colour multiplies
+    vec4 clearcoat_amount_roughness; // amount, roughness
+    Lookup lookups[8];
+} material;
+
+#ifdef HAS_BASE_COLOR
+uniform sampler2D base_color_map;
+#endif
+#ifdef HAS_EMISSIVE
+uniform sampler2D emissive_map;
+#endif
+#ifdef HAS_METALLIC
+uniform sampler2D metallic_map;
+#endif
+#ifdef HAS_ROUGHNESS
+uniform sampler2D roughness_map;
+#endif
+#ifdef HAS_SPECULAR
+uniform sampler2D specular_map;
+#endif
+#ifdef HAS_OPACITY
+uniform sampler2D opacity_map;
+#endif
+#ifdef HAS_NORMAL
+uniform sampler2D normal_map;
+#endif
+#ifdef HAS_OCCLUSION
+uniform sampler2D occlusion_map;
+#endif
+
+vec2 lookup_uv(Lookup l, vec2 uv)
+{
+    vec3 st = vec3(uv, 1.0);
+    return vec2(dot(l.rows[0].xyz, st), dot(l.rows[1].xyz, st));
+}
+
+vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
+{
+    vec2 st = lookup_uv(l, uv);
+    return texture(map, vec2(st.x, 1.0 - st.y)) * l.rows[2] + l.rows[3];  // images have row 0 at the top
+}
+
+float lookup_scalar(Lookup l, sampler2D map, vec2 uv)
+{
+    return lookup_color(l, map, uv)[int(l.rows[0].w)];
+}
+
+#ifdef HAS_NORMAL
+// Tangent frame from screen derivatives (Mikkelsen 2020, "Surface gradient-based bump mapping", section 3.3).
+vec3 mapped_normal(vec3 tangent_normal, vec3 n, vec3 p, vec2 uv)
+{
+    vec3 dpx = dFdx(p), dpy = dFdy(p);
+    vec2 dux = dFdx(uv), duy = dFdy(uv);
+    vec3 r1 = cross(dpy, n), r2 = cross(n, dpx);
+    vec3 t = r1 * dux.x + r2 * duy.x;
+    vec3 b = r1 * dux.y + r2 * duy.y;
+    float scale = inversesqrt(max(max(dot(t, t), dot(b, b)), 1e-30));
+    // dot(dpx, r1) is negative where the picture mirrors the surface's handedness: keep t and b right-handed with it
+    float flip = dot(dpx, r1) < 0.0 ? -1.0 : 1.0;
+    return normalize(flip * scale * (t * tangent_normal.x + b * tangent_normal.y) + n * tangent_normal.z);
+}
+#endif
+
+Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool front)
+{
+    Surface s;
+    vec4 display = mix(vec4(1.0), color, material.roughness_ior_threshold.w);
+    s.base_color = material.base_color_opacity.rgb;
+    s.opacity = material.base_color_opacity.a;
+    s.emissive = material.emissive_metallic.rgb;
+    s.metallic = material.emissive_metallic.a;
+    s.roughness = material.roughness_ior_threshold.x;
+    vec3 specular = material.specular_workflow.rgb;
+    s.occlusion = 1.0;
+    s.clearcoat = material.clearcoat_amount_roughness.x;
+    s.clearcoat_roughness = material.clearcoat_amount_roughness.y;
+#ifdef HAS_BASE_COLOR
+    s.base_color = lookup_color(material.lookups[LOOKUP_BASE_COLOR], base_color_map, uv).rgb;
+#endif
+#ifdef HAS_EMISSIVE
+    s.emissive = lookup_color(material.lookups[LOOKUP_EMISSIVE], emissive_map, uv).rgb;
+#endif
+#ifdef HAS_METALLIC
+    s.metallic = lookup_scalar(material.lookups[LOOKUP_METALLIC], metallic_map, uv);
+#endif
+#ifdef HAS_ROUGHNESS
+    s.roughness = lookup_scalar(material.lookups[LOOKUP_ROUGHNESS], roughness_map, uv);
+#endif
+#ifdef HAS_SPECULAR
+    specular = lookup_color(material.lookups[LOOKUP_SPECULAR], specular_map, uv).rgb;
+#endif
+#ifdef HAS_OPACITY
+    s.opacity = lookup_scalar(material.lookups[LOOKUP_OPACITY], opacity_map, uv);
+#endif
+#ifdef HAS_OCCLUSION
+    s.occlusion = lookup_scalar(material.lookups[LOOKUP_OCCLUSION], occlusion_map, uv);
+#endif
+    s.base_color *= display.rgb;
+    s.opacity = clamp(s.opacity * display.a, 0.0, 1.0);
+    float threshold = material.roughness_ior_threshold.z;
+    if (threshold > 0.0) s.opacity = s.opacity >= threshold ? 1.0 : 0.0;
+
+    s.roughness = clamp(s.roughness, 0.03, 1.0);  // a mirror would turn each small light into a single bright texel
+    float r = (1.0 - material.roughness_ior_threshold.y) / (1.0 + material.roughness_ior_threshold.y);
+    if (material.specular_workflow.a > 0.5) {
+        s.f0 = specular;
+        s.metallic = 0.0;
+    } else {
+        s.metallic = clamp(s.metallic, 0.0, 1.0);
+        s.f0 = mix(vec3(r * r), s.base_color, s.metallic);
+    }
+    vec3 n = normalize(normal);
+    s.normal = front ? n : -n;
+#ifdef HAS_NORMAL
+    vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
+    s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
+#endif
+    return s;
+}

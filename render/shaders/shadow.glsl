@@ -1,0 +1,39 @@
+// How much of a light a point sees, by shadow maps (one for a distant, disk, rect or spot light, six for a bare sphere).
+// The maps hold reversed depth (1 near, 0 far); four bilinear comparisons soften the edge over about two texels.
+
+layout(std140, binding = 3) uniform ShadowBlock {
+    mat4 clip_from_camera[MAX_SHADOW_MAPS];
+} shadows;
+
+layout(binding = 10) uniform sampler2DArrayShadow shadow_maps;
+
+int cube_face(vec3 d)  // the order of the maps of a sphere light: +X -X +Y -Y +Z -Z of camera-independent world axes
+{
+    vec3 a = abs(d);
+    if (a.x >= a.y && a.x >= a.z) return d.x > 0.0 ? 0 : 1;
+    if (a.y >= a.z) return d.y > 0.0 ? 2 : 3;
+    return d.z > 0.0 ? 4 : 5;
+}
+
+float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
+{
+    int map = int(light.shadow.x);
+    if (map < 0) return 1.0;
+    bool distant = light.position_kind.w < 0.5;
+    float distance_m = distant ? 1.0 : length(light.position_kind.xyz - p);
+    // push the point off its surface by the texel it falls in, more where light grazes
+    float texel_m = light.shadow.w * distance_m;
+    p += n * texel_m * (1.0 + 2.0 * (1.0 - clamp(dot(n, l), 0.0, 1.0))) + l * light.shadow.z;
+    if (light.shadow.y > 1.5) map += cube_face(mat3(lighting.world_from_camera) * (p - light.position_kind.xyz));
+    vec4 clip = shadows.clip_from_camera[map] * vec4(p, 1.0);
+    if (clip.w <= 0.0) return 1.0;
+    vec3 at = clip.xyz / clip.w;
+    if (any(greaterThan(abs(at.xy), vec2(1.0))) || at.z <= 0.0) return 1.0;
+    vec2 uv = at.xy * 0.5 + 0.5, texel = 0.75 / vec2(textureSize(shadow_maps, 0).xy);
+    float lit = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        vec2 offset = vec2((i & 1) * 2 - 1, (i >> 1) * 2 - 1) * texel;
+        lit += texture(shadow_maps, vec4(uv + offset, float(map), at.z));
+    }
+    return lit * 0.25;
+}

@@ -1,0 +1,52 @@
+#version 450 core
+// Vertices of a batch, into camera space.
+// in:  positions (m), normals, texture coordinates, display colour; one pose for each instance (pyrender's attributes)
+// out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number
+
+layout(location = 0) in vec3 position;
+layout(location = NORMAL_LOC) in vec3 normal;
+#ifdef TEXCOORD_0_LOC
+layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
+#endif
+#ifdef COLOR_0_LOC
+layout(location = COLOR_0_LOC) in vec4 color_0;
+#endif
+layout(location = INST_M_LOC) in mat4 inst_m;
+
+uniform mat4 camera_from_node;
+uniform mat4 clip_from_camera;
+
+out vec3 frag_position;
+out vec3 frag_normal;
+out vec2 frag_uv;
+out vec4 frag_color;
+flat out uint frag_instance;
+
+invariant gl_Position;  // every peeling pass must find the very same depth at a pixel
+
+// Normals transform by the cofactor matrix: the inverse transpose times the determinant, whose sign a mirror flips.
+mat3 cofactor(mat3 m)
+{
+    return mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+}
+
+void main()
+{
+    mat4 camera_from_local = camera_from_node * inst_m;
+    vec4 p = camera_from_local * vec4(position, 1.0);
+    mat3 c = cofactor(mat3(camera_from_local));
+    frag_position = p.xyz;
+    frag_normal = c * normal * sign(dot(c[0], camera_from_local[0].xyz));
+#ifdef TEXCOORD_0_LOC
+    frag_uv = texcoord_0;
+#else
+    frag_uv = vec2(0.0);
+#endif
+#ifdef COLOR_0_LOC
+    frag_color = color_0;
+#else
+    frag_color = vec4(1.0);
+#endif
+    frag_instance = uint(gl_InstanceID);
+    gl_Position = clip_from_camera * p;
+}

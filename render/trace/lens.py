@@ -1,0 +1,101 @@
+"""The lens engine: how large the layers must be, peel, bound, trace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from render.gl.shaders import ProgramCache
+from render.layers.nbuffers import NBufferBuilder
+from render.layers.peel import Layers, Peeler
+from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
+from render.scene import FloatArray
+from render.trace.rays import FocalSurface, RayBundle
+from render.trace.tracer import Tracer
+
+MAX_GUARD_SHARE = 0.15
+"""The guard band's width on each side is at most this share of the picture's longer side: beyond it, rays see the edge's
+pixels repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
+_NO_PUPIL_UMBRA = 1e30
+
+
+@dataclass(frozen=True)
+class TracedPicture:
+    """A traced picture and what it was traced from.
+
+    Attributes:
+        color: ``(height, width, 4)`` float32, premultiplied.
+        layers: valid until the peeler's next peeling.
+        guard_px: guard band in layer pixels.
+    """
+
+    color: FloatArray
+    layers: Layers
+    guard_px: int
+
+
+class LensEngine:
+    """Traces lens pictures of a peeler's scene."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._nbuffers = NBufferBuilder(ctx, programs)
+        self._tracer = Tracer(ctx, programs)
+
+    def picture(
+        self,
+        peeler: Peeler,
+        view: PinholeView,
+        bundle: RayBundle,
+        surface: FocalSurface,
+        *,
+        layers: int,
+        supersample: int,
+        unlit: bool = False,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> TracedPicture:
+        """Peel the loaded scene for this view and trace the bundle through it.
+
+        Args:
+            peeler: with the scene loaded.
+            view: the picture, from the pupil's centre.
+            bundle: the lens's rays.
+            surface: where they are focused.
+            layers: at most this many layers.
+            supersample: layer pixels per picture pixel along each axis.
+            unlit: take base colour for radiance.
+            on_progress: called with the share of the tracing that is done.
+        """
+        guard_px = guard_band_px(view, bundle, surface, supersample)
+        wide = view.enlarged(supersample, guard_px)
+        pupil_px = max(wide.fx, wide.fy) * bundle.pupil_radius_m
+        umbra = 1.0 / pupil_px if pupil_px > 0 else _NO_PUPIL_UMBRA
+        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit)
+        color = self._tracer.trace(
+            peeled,
+            self._nbuffers.build(peeled),
+            bundle,
+            surface,
+            size=(view.width, view.height),
+            supersample=supersample,
+            guard_px=guard_px,
+            on_progress=on_progress,
+        )
+        return TracedPicture(color, peeled, guard_px)
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._nbuffers.release()
+        self._tracer.release()
+
+
+def guard_band_px(view: PinholeView, bundle: RayBundle, surface: FocalSurface, supersample: int) -> int:
+    """Layer pixels beyond each edge of the picture that its rays may reach: the largest circle of confusion, capped."""
+    x, y = np.array([0, view.width, 0, view.width]), np.array([0, 0, view.height, view.height])
+    focus = surface.w0 + surface.slope_x * x + surface.slope_y * y
+    largest = max(view.fx, view.fy) * bundle.pupil_radius_m * max(np.abs(focus).max(), np.abs(1 / view.near_m - focus).max())
+    room = (MAX_PICTURE_SIDE_PX - supersample * max(view.width, view.height)) // 2
+    cap = min(MAX_GUARD_SHARE * max(view.width, view.height), largest) * supersample
+    return int(min(np.ceil(cap) + 2 * supersample, max(room, 0)))

@@ -14,9 +14,12 @@ import os
 from functools import cache
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+os.environ.setdefault("PYGLET_HEADLESS", "1")
 
 import numpy as np
 from numpy.typing import NDArray
+
+from render.errors import GraphicsError
 
 _had_infty = hasattr(np, "infty")
 if not _had_infty:
@@ -61,11 +64,21 @@ def half_float_image(pixels: NDArray[np.float16]) -> None:
     data = np.ascontiguousarray(pixels, np.float16)
     GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
     raw_tex_image_2d(
-        GL.GL_TEXTURE_2D, 0, GL.GL_RGBA16F, width, height, 0, GL.GL_RGBA, GL.GL_HALF_FLOAT, ctypes.c_void_p(data.ctypes.data)
+        GL.GL_TEXTURE_2D,
+        0,
+        GL.GL_RGBA16F,
+        width,
+        height,
+        0,
+        GL.GL_RGBA,
+        GL.GL_HALF_FLOAT,
+        ctypes.c_void_p(data.ctypes.data),
     )
 
 
 @cache
 def _clip_control() -> ctypes._CFunctionType:
     address = ctypes.cast(eglGetProcAddress(b"glClipControl"), ctypes.c_void_p).value
+    if address is None:
+        raise GraphicsError("the driver has no glClipControl; OpenGL 4.5 is needed")
     return ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(address)

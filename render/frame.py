@@ -178,7 +178,9 @@ class FrameRenderer:
     def __enter__(self) -> FrameRenderer:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def _accumulate(
@@ -191,7 +193,9 @@ class FrameRenderer:
             self._peeler, view, points, focus_w(camera), unlit=unlit, on_progress=on_progress
         )
 
-    def _surfaces(self, view: PinholeView, scene: Scene, camera: Camera, settings: FrameSettings) -> dict[str, NDArray[Any]]:
+    def _surfaces(
+        self, view: PinholeView, scene: Scene, camera: Camera, settings: FrameSettings
+    ) -> dict[str, NDArray[Any]]:
         """The asked AOVs of the nearest surfaces, at pixel centres."""
         w, prim_id, face_id = read_surfaces(self._peeler, scene, view)
         with np.errstate(divide="ignore"):
@@ -205,7 +209,9 @@ class FrameRenderer:
         if scene.lights or scene.dome is not None:
             return scene
         if self._lit is None or self._lit[0] is not scene or self._lit[1] is not camera:
-            headlight = Light("distant", (np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light")
+            headlight = Light(
+                "distant", (np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light"
+            )
             self._lit = (scene, camera, replace(scene, lights=(headlight,)))
         return self._lit[2]
 

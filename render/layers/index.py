@@ -140,7 +140,9 @@ class SceneIndex:
 
     def _material(self, material: Material) -> PreviewSurface:
         if id(material) not in self._materials:
-            maps = {name: self._texture(look.image, look.wrap_s, look.wrap_t) for name, look in material.lookups.items()}
+            maps = {
+                name: self._texture(look.image, look.wrap_s, look.wrap_t) for name, look in material.lookups.items()
+            }
             self._materials[id(material)] = (PreviewSurface(material, maps), material)
         return self._materials[id(material)][0]
 

@@ -65,7 +65,7 @@ def pack_lights(
         world_from_camera: ``(4, 4)``.
         shadows: by the light's place in ``lights``.
     """
-    camera_from_world = np.linalg.inv(world_from_camera)
+    camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((1 + 9, 4), np.float32)
     head[0] = [len(lights), dome is not None, max(dome_mips - 2, 0), 0]
     head[1:, :3] = dome_harmonics
@@ -110,7 +110,7 @@ def dome_irradiance(dome: Dome | None) -> FloatArray:
     norm = np.array([0.282095] + [0.488603] * 3 + [1.092548, 1.092548, 0.315392, 1.092548, 0.546274])
     cosine_lobe = np.array([1.0] + [2 / 3] * 3 + [1 / 4] * 5)  # A_l over pi
     coefficients = np.einsum("bhw,hwc,hw->bc", basis, radiance, solid_angle * np.ones(w))
-    return (coefficients * (norm**2 * cosine_lobe)[:, None]).astype(np.float32)
+    return np.asarray(coefficients * (norm**2 * cosine_lobe)[:, None], np.float32)
 
 
 def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot | None) -> FloatArray:
@@ -132,4 +132,4 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
 def _rotation(pose: DoubleArray) -> DoubleArray:
     """The pose's axes at unit length: a light's scale is in its size already."""
     axes = pose[:3, :3]
-    return axes / np.linalg.norm(axes, axis=0)
+    return np.asarray(axes / np.linalg.norm(axes, axis=0))

@@ -76,4 +76,3 @@ class NBufferBuilder:
             self._ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
             self._ranges.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return self._ranges
-

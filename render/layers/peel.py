@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import moderngl
 import numpy as np
 
+from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
@@ -53,6 +53,7 @@ class Peeler:
         self._scene: Scene | None = None
         self._lights: tuple[Light, ...] = ()
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
+        self._shadow_layers = 0
         self._shadow_maps: tuple[int, int] | None = None
         self._dome: HalfTexture | None = None
         self._harmonics = dome_irradiance(None)
@@ -114,6 +115,11 @@ class Peeler:
         GL.glDeleteQueries(1, [name])
         return passed
 
+    def _loaded(self) -> tuple[Scene, HalfTexture]:
+        if self._scene is None or self._dome is None:
+            raise GraphicsError("no scene is loaded: call load() before peel()")
+        return self._scene, self._dome
+
     def _sized_targets(self, view: PinholeView) -> LayerTargets:
         if self._targets is None or (self._targets.width, self._targets.height) != (view.width, view.height):
             if self._targets is not None:
@@ -130,13 +136,13 @@ class Peeler:
         self._dome._add_to_context()
 
     def _set_lighting(self, view: PinholeView) -> None:
-        assert self._scene is not None and self._dome is not None, "load a scene before peeling it"
-        world_from_camera = np.linalg.inv(view.camera_from_world)
-        mips = int(np.log2(max(self._dome.width, self._dome.height)))
-        block = pack_lights(self._lights, self._scene.dome, self._harmonics, mips, world_from_camera, self._plan.slots)
+        scene, loaded_dome = self._loaded()
+        world_from_camera = np.asarray(np.linalg.inv(view.camera_from_world), np.float64)
+        mips = int(np.log2(max(loaded_dome.width, loaded_dome.height)))
+        block = pack_lights(self._lights, scene.dome, self._harmonics, mips, world_from_camera, self._plan.slots)
         self._renderer.set_lighting(block, self._plan.clip_from_world @ world_from_camera)
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
-        self._dome._bind()
+        loaded_dome._bind()
         GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self._shadow_textures()[0])
 
@@ -164,20 +170,20 @@ class Peeler:
 
     def _draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """What is seen past all surfaces: the dome, or nothing."""
-        assert self._scene is not None and self._dome is not None
-        dome = self._scene.dome
+        scene, loaded_dome = self._loaded()
+        dome = scene.dome
         program = self._programs.compute("background.comp")
         rotation = np.eye(4)
         if dome is not None:
             axes = dome.pose[:3, :3] / np.linalg.norm(dome.pose[:3, :3], axis=0)
             rotation[:3, :3] = np.linalg.inv(axes) @ np.linalg.inv(view.camera_from_world)[:3, :3]
-        program["dome_from_camera"].write(rotation.T.astype(np.float32).tobytes())
+        program["dome_from_camera"] = tuple(rotation.T.ravel())
         program["radiance"] = dome.radiance if dome is not None and dome.visible else (0.0, 0.0, 0.0)
         program["focal_px"] = (view.fx, view.fy)
         program["centre_px"] = (view.cx, view.cy)
         program["dome_map"] = DOME_UNIT
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
-        self._dome._bind()
+        loaded_dome._bind()
         targets.background.bind_to_image(0, read=False, write=True)
         program.run(-(-view.width // 8), -(-view.height // 8))
         self._ctx.memory_barrier()
@@ -188,7 +194,16 @@ def _depth_array(side_px: int, layers: int) -> int:
     name: int = GL.glGenTextures(1)
     GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
     GL.glTexImage3D(
-        GL.GL_TEXTURE_2D_ARRAY, 0, GL.GL_DEPTH_COMPONENT32F, side_px, side_px, layers, 0, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, None
+        GL.GL_TEXTURE_2D_ARRAY,
+        0,
+        GL.GL_DEPTH_COMPONENT32F,
+        side_px,
+        side_px,
+        layers,
+        0,
+        GL.GL_DEPTH_COMPONENT,
+        GL.GL_FLOAT,
+        None,
     )
     for parameter, value in (
         (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR),

@@ -99,7 +99,7 @@ def _describe(
 
 def _world_corners(batch: Batch, pose: int, triangle: int) -> DoubleArray:
     corners = batch.geometry.positions[batch.geometry.triangles[triangle]].astype(np.float64)
-    return corners @ batch.poses[pose][:3, :3].T + batch.poses[pose][:3, 3]
+    return np.asarray(corners @ batch.poses[pose][:3, :3].T + batch.poses[pose][:3, 3])
 
 
 def _barycentric(corners: DoubleArray, origin: DoubleArray, direction: DoubleArray) -> DoubleArray:

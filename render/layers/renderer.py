@@ -132,7 +132,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
 
     def _draw(
-        self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: np.ndarray, winding: int, cull: bool
+        self,
+        draw: Draw,
+        program: SourceProgram,
+        camera_from_world: DoubleArray,
+        clip: np.ndarray,
+        winding: int,
+        cull: bool,
     ) -> None:
         """Draw one primitive. The camera matrix meets the node's pose in float64, so that far from the origin nothing jitters."""
         primitive = draw.node.mesh.primitives[0]
@@ -164,7 +170,12 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             attributes = ["NORMAL_LOC"]
             attributes += ["TEXCOORD_0_LOC"] * (primitive.texcoord_0 is not None)
             attributes += ["COLOR_0_LOC"] * (primitive.color_0 is not None) + ["INST_M_LOC"]
-            constants = {"OPAQUE": OPAQUE, "MAX_HALF": _MAX_HALF, "MAX_LIGHTS": MAX_LIGHTS, "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS}
+            constants = {
+                "OPAQUE": OPAQUE,
+                "MAX_HALF": _MAX_HALF,
+                "MAX_LIGHTS": MAX_LIGHTS,
+                "MAX_SHADOW_MAPS": MAX_SHADOW_MAPS,
+            }
             places = {name: place for place, name in enumerate(attributes, start=1)}
             all_defines = {**constants, **places, **material.defines, **defines}
             self._programs[key] = SourceProgram(fragment, all_defines, maps)
@@ -196,4 +207,3 @@ def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:
     GL.glBufferData(GL.GL_UNIFORM_BUFFER, len(data), data, GL.GL_DYNAMIC_DRAW)
     GL.glBindBufferBase(GL.GL_UNIFORM_BUFFER, binding, buffer)
     GL.glBindBuffer(GL.GL_UNIFORM_BUFFER, 0)
-

@@ -95,7 +95,9 @@ def _parallel(forward: DoubleArray, centre: DoubleArray, radius_m: float) -> Dou
     return clip @ view
 
 
-def _perspective(position: DoubleArray, forward: DoubleArray, field_rad: float, near_m: float, far_m: float) -> DoubleArray:
+def _perspective(
+    position: DoubleArray, forward: DoubleArray, field_rad: float, near_m: float, far_m: float
+) -> DoubleArray:
     scale = 1 / np.tan(field_rad / 2)
     far_m = max(far_m, near_m * 1.001)
     clip = np.zeros((4, 4))

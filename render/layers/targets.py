@@ -11,6 +11,7 @@ from render.errors import GraphicsError
 from render.gl.compat import GL
 
 MAX_LAYERS = 4
+_NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,9 @@ class LayerTargets:
             background = ctx.texture(size, 4, dtype="f2")
         except moderngl.Error as error:
             raise GraphicsError(f"the device cannot hold {MAX_LAYERS} layers of {width}x{height}: {error}") from error
-        for texture in (radiance, *w, *ids, packed_w, background):
-            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        radiance.filter = _NEAREST
+        for texture in (*w, *ids, packed_w, background):
+            texture.filter = _NEAREST
         depth = GL.glGenRenderbuffers(1)
         GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, depth)
         GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
@@ -76,13 +78,16 @@ class LayerTargets:
 
     def release(self) -> None:
         """Give the memory back."""
-        for texture in (self.radiance, *self.w, *self.ids, self.packed_w, self.background):
+        self.radiance.release()
+        for texture in (*self.w, *self.ids, self.packed_w, self.background):
             texture.release()
         GL.glDeleteFramebuffers(len(self.framebuffers), list(self.framebuffers))
         GL.glDeleteRenderbuffers(1, [self.depth])
 
 
-def _framebuffer(radiance: moderngl.TextureArray, w: moderngl.Texture, ids: moderngl.Texture, layer: int, depth: int) -> int:
+def _framebuffer(
+    radiance: moderngl.TextureArray, w: moderngl.Texture, ids: moderngl.Texture, layer: int, depth: int
+) -> int:
     name: int = GL.glGenFramebuffers(1)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, name)
     GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT0, radiance.glo, 0, layer)

@@ -56,7 +56,7 @@ class LensSamples:
     @property
     def count(self) -> int:
         """Rays per pixel."""
-        return self.pupil.shape[1]
+        return int(self.pupil.shape[1])
 
 
 def lens_samples(rays: int, iris: Iris, *, seed: int = 0, tiled: bool = True) -> LensSamples:

@@ -73,7 +73,7 @@ class PinholeView:
             cy=height * (0.5 + camera.vertical_offset_mm / camera.vertical_aperture_mm),
             near_m=camera.near_m,
             far_m=camera.far_m,
-            camera_from_world=np.linalg.inv(camera.world_from_camera),
+            camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
         )
 
     def project(self, points_world: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -137,8 +137,18 @@ class PinholeView:
         """
         w_near, w_far = 1.0 / self.near_m, 0.0 if np.isinf(self.far_m) else 1.0 / self.far_m
         matrix = np.zeros((4, 4))
-        matrix[0] = [2 * self.fx / self.width, 0, 1 - 2 * self.cx / self.width, -2 * self.fx * self.eye_x_m / self.width]
-        matrix[1] = [0, -2 * self.fy / self.height, 1 - 2 * self.cy / self.height, 2 * self.fy * self.eye_y_m / self.height]
+        matrix[0] = [
+            2 * self.fx / self.width,
+            0,
+            1 - 2 * self.cx / self.width,
+            -2 * self.fx * self.eye_x_m / self.width,
+        ]
+        matrix[1] = [
+            0,
+            -2 * self.fy / self.height,
+            1 - 2 * self.cy / self.height,
+            2 * self.fy * self.eye_y_m / self.height,
+        ]
         matrix[2] = [0, 0, w_far / (w_near - w_far), 1 / (w_near - w_far)]
         matrix[3] = [0, 0, -1, 0]
         return matrix
@@ -168,7 +178,9 @@ def check_camera(camera: Camera) -> None:
             path=camera.path,
         )
     if not (np.isfinite(camera.f_stop) and camera.f_stop >= 0):
-        raise CameraError(f"camera {camera.path}: f-number must be 0 (pinhole) or more, got {camera.f_stop}", path=camera.path)
+        raise CameraError(
+            f"camera {camera.path}: f-number must be 0 (pinhole) or more, got {camera.f_stop}", path=camera.path
+        )
     if np.isnan(camera.focus_distance_m) or camera.focus_distance_m < 0:
         raise CameraError(
             f"camera {camera.path}: focus distance must be 0 (infinity) or more, got {camera.focus_distance_m} m",

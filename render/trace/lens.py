@@ -95,7 +95,9 @@ def guard_band_px(view: PinholeView, bundle: RayBundle, surface: FocalSurface, s
     """Layer pixels beyond each edge of the picture that its rays may reach: the largest circle of confusion, capped."""
     x, y = np.array([0, view.width, 0, view.width]), np.array([0, 0, view.height, view.height])
     focus = surface.w0 + surface.slope_x * x + surface.slope_y * y
-    largest = max(view.fx, view.fy) * bundle.pupil_radius_m * max(np.abs(focus).max(), np.abs(1 / view.near_m - focus).max())
+    largest = (
+        max(view.fx, view.fy) * bundle.pupil_radius_m * max(np.abs(focus).max(), np.abs(1 / view.near_m - focus).max())
+    )
     room = (MAX_PICTURE_SIDE_PX - supersample * max(view.width, view.height)) // 2
     cap = min(MAX_GUARD_SHARE * max(view.width, view.height), largest) * supersample
     return int(min(np.ceil(cap) + 2 * supersample, max(room, 0)))

@@ -27,7 +27,7 @@ class RayBundle:
     @property
     def count(self) -> int:
         """Rays per pixel."""
-        return self.table.shape[1]
+        return int(self.table.shape[1])
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ class Tracer:
 
     def _bind(self, layers: Layers, nbuffers: NBuffers, bundle: RayBundle) -> None:
         targets = layers.targets
-        textures = {
+        textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w,
             "radiance": targets.radiance,
             "ranges": nbuffers.ranges,
@@ -97,7 +97,13 @@ class Tracer:
         self._rays.bind_to_storage_buffer(4)
 
     def _set_uniforms(
-        self, layers: Layers, nbuffers: NBuffers, bundle: RayBundle, surface: FocalSurface, supersample: int, guard_px: int
+        self,
+        layers: Layers,
+        nbuffers: NBuffers,
+        bundle: RayBundle,
+        surface: FocalSurface,
+        supersample: int,
+        guard_px: int,
     ) -> None:
         program = self._program
         program["tile_origin"] = (0, 0)

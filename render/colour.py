@@ -1,97 +1,129 @@
-"""The working colour space: the ``scene_linear`` role of an OpenColorIO configuration, and the way into it."""
+"""Colour into the working space, through OpenColorIO.
+
+USD's own colours (authored constants, light colours, displayColor) are linear with Rec. 709 primaries. Textures say by their
+``sourceColorSpace`` what they hold. All of it is converted to the working space, which is the role ``scene_linear`` of the
+configuration: ACEScg in OpenColorIO's default one.
+"""
 
 from __future__ import annotations
 
+import functools
 import os
-from functools import cache, lru_cache
+from pathlib import Path
 
 import numpy as np
-import PyOpenColorIO
+import PyOpenColorIO as ocio
+from numpy.typing import NDArray
 
-from render.errors import SettingsError
-from render.scene import FloatArray
+from render.errors import InputError, SettingsError
 
-BUILT_IN_CONFIG = "ocio://default"
-
-# What UsdUVTexture and the older colorSpace metadata say, in the colour interop ids that USD and OpenColorIO share.
-_USD_TOKENS = {"sRGB": "srgb_rec709_scene", "lin_rec709": "lin_rec709_scene", "raw": "data", "": "data"}
-# Numbers that are no colours, or whose colours nobody knows: they are taken as they are.
-_NOT_CONVERTED = frozenset({"data", "identity", "unknown"})
+USD_LINEAR = "lin_rec709"
+_WORKING_ROLE = ocio.ROLE_SCENE_LINEAR
+_BUILTIN_NAMES = {"sRGB": "srgb_texture", "lin_rec709": "lin_rec709"}
+_UNCONVERTED = ("raw", "data", "unknown", "identity", "")
 
 
-def working_config(path: str | os.PathLike[str] | None = None) -> PyOpenColorIO.Config:
-    """The OpenColorIO configuration that says what the working space and the displays are. Read once and kept.
+def working_config(path: str | Path | None = None) -> ocio.Config:
+    """The OpenColorIO configuration to work in.
 
     Args:
-        path: a file, or ``ocio://name`` for a built-in one; None takes what the environment variable ``OCIO`` names,
-            else OpenColorIO's default built-in configuration (whose working space is ACEScg).
+        path: a configuration file, or a built-in name such as ``ocio://default``; by default the environment variable
+            ``OCIO`` where it is set, else OpenColorIO's default built-in configuration.
 
     Raises:
-        SettingsError: it cannot be read, or has no ``scene_linear`` role.
+        SettingsError: the file is missing, damaged, or has no ``scene_linear`` role.
     """
-    return _read_config(os.fspath(path) if path is not None else os.environ.get("OCIO") or BUILT_IN_CONFIG)
+    return _read_config(str(path or os.environ.get("OCIO") or "ocio://default"))
 
 
-def to_working(pixels: FloatArray, source: str, config_path: str | None = None) -> FloatArray:
-    """Pixels converted from a colour space into the working space.
-
-    Args:
-        pixels: ``(..., 3 or 4)`` float32; a fourth channel, alpha, is left as it is.
-        source: a USD token: ``sRGB``, ``raw``, ``lin_rec709``, or any name of USD's colour spaces
-            (``srgb_p3d65_scene``) or of the configuration's. ``auto`` is decided by the caller.
-        config_path: as `working_config`.
-
-    Returns:
-        A new contiguous float32 array of the same shape.
-
-    Raises:
-        SettingsError: nobody knows the colour space.
-    """
-    converted = np.array(pixels, np.float32, order="C")
-    name = _USD_TOKENS.get(source, source)
-    if name in _NOT_CONVERTED:
-        return converted
-    processor = _into_working(name, working_config(config_path).getCacheID(), config_path)
-    # A single colour is a picture of one pixel to OpenColorIO.
-    flat = converted.reshape(-1, converted.shape[-1])
-    (processor.applyRGBA if converted.shape[-1] == 4 else processor.applyRGB)(flat)
-    return converted
-
-
-@cache
-def _read_config(name: str) -> PyOpenColorIO.Config:
+@functools.cache
+def _read_config(name: str) -> ocio.Config:
     try:
-        config = PyOpenColorIO.Config.CreateFromFile(name)
-    except (PyOpenColorIO.Exception, PyOpenColorIO.ExceptionMissingFile) as error:
-        raise SettingsError(f"OpenColorIO configuration '{name}' cannot be read: {error}", code="bad_config") from error
-    if not config.hasRole(PyOpenColorIO.ROLE_SCENE_LINEAR):
+        config = ocio.Config.CreateFromFile(name)
+    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
+        reason = str(error).splitlines()[0]
         raise SettingsError(
-            f"OpenColorIO configuration '{name}' has no role '{PyOpenColorIO.ROLE_SCENE_LINEAR}' to work in",
-            code="bad_config",
+            f"cannot read the OpenColorIO configuration {name}: {reason}", code="bad_colour_config"
+        ) from error
+    if not config.hasRole(_WORKING_ROLE):
+        raise SettingsError(
+            f"the OpenColorIO configuration {name} has no role {_WORKING_ROLE}, which is where rendering happens",
+            code="bad_colour_config",
         )
     return config
 
 
-@lru_cache(maxsize=64)
-def _into_working(source: str, _config_id: str, config_path: str | None) -> PyOpenColorIO.CPUProcessor:
-    """Processor from a named space to the working space (``_config_id`` tells configurations apart in the cache).
+def to_working(
+    pixels: NDArray[np.float32], source: str = USD_LINEAR, config: ocio.Config | None = None
+) -> NDArray[np.float32]:
+    """Convert colours to the working space.
 
-    A space that the configuration lacks is looked up in the built-in one, and the two are joined by their ACES
-    interchange role.
+    Args:
+        pixels: ``(..., 3)`` or ``(..., 4)`` float32; alpha passes through.
+        source: ``sRGB``, ``raw``, or a colour space name that OpenColorIO's default configuration knows, such as
+            ``lin_rec709`` or ``lin_ap1_scene``. ``raw`` and ``data`` are not converted.
+        config: the configuration; by default ``working_config()``.
+
+    Returns:
+        A new array of the same shape.
+
+    Raises:
+        InputError: the source colour space is not known.
     """
-    config = working_config(config_path)
+    if source in _UNCONVERTED:
+        return np.array(pixels, np.float32)
+    return _apply(_to_working_processor(source, config or working_config()), pixels)
+
+
+def linearise(pixels: NDArray[np.float32], source: str) -> NDArray[np.float32]:
+    """Undo a colour space's transfer function and keep Rec. 709 primaries: for single channels that were stored as colour.
+
+    Args:
+        pixels: ``(..., 3)`` or ``(..., 4)`` float32.
+        source: as for :func:`to_working`.
+
+    Raises:
+        InputError: the source colour space is not known.
+    """
+    if source in (*_UNCONVERTED, USD_LINEAR):
+        return np.array(pixels, np.float32)
+    return _apply(_linear_processor(source), pixels)
+
+
+def rgb_to_working(rgb: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Convert one authored USD colour (linear Rec. 709) to the working space."""
+    red, green, blue = to_working(np.array([rgb], np.float32))[0].tolist()
+    return (red, green, blue)
+
+
+@functools.lru_cache(maxsize=64)
+def _to_working_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
     try:
-        if config.getColorSpace(source):
-            return config.getProcessor(source, PyOpenColorIO.ROLE_SCENE_LINEAR).getDefaultCPUProcessor()
-        built_in = _read_config(BUILT_IN_CONFIG)
-        if built_in.getColorSpace(source):
-            joined = PyOpenColorIO.Config.GetProcessorFromConfigs(
-                built_in, source, config, PyOpenColorIO.ROLE_SCENE_LINEAR
-            )
-            return joined.getDefaultCPUProcessor()
-    except (PyOpenColorIO.Exception, PyOpenColorIO.ExceptionMissingFile) as error:
-        raise SettingsError(f"colour space '{source}' cannot be converted: {error}", code="bad_color_space") from error
-    raise SettingsError(
-        f"unknown colour space '{source}': expected sRGB, raw, or a name that OpenColorIO knows, like lin_rec709_scene",
-        code="unknown_color_space",
-    )
+        return ocio.Config.GetProcessorFromBuiltinColorSpace(
+            _BUILTIN_NAMES.get(source, source), config, _WORKING_ROLE
+        ).getDefaultCPUProcessor()
+    except ocio.Exception as error:
+        raise InputError(
+            f"colour space {source!r} is not known: expected sRGB, raw or a name of OpenColorIO's default configuration",
+            code="unknown_colour_space",
+        ) from error
+
+
+@functools.lru_cache(maxsize=64)
+def _linear_processor(source: str) -> ocio.CPUProcessor:
+    builtin = ocio.Config.CreateFromBuiltinConfig("ocio://default")
+    try:
+        return builtin.getProcessor(_BUILTIN_NAMES.get(source, source), USD_LINEAR).getDefaultCPUProcessor()
+    except ocio.Exception as error:
+        raise InputError(f"colour space {source!r} is not known", code="unknown_colour_space") from error
+
+
+def _apply(processor: ocio.CPUProcessor, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    out = np.array(pixels, np.float32, order="C")
+    if out.size == 0:
+        return out
+    if out.shape[-1] == 4:
+        processor.applyRGBA(out)
+    else:
+        processor.applyRGB(out)
+    return out

@@ -1,0 +1,116 @@
+"""Binds frozen dataclasses to USD properties: reads them at a time, and authors what changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from pxr import Sdf, Usd
+
+from usd_schemas.errors import SchemaError
+from usd_schemas.keys import following_interpolation, set_key, takes_spline
+from usd_schemas.values import Time, is_animated, read_value, stored_value, usd_value
+
+Data = TypeVar("Data")
+
+
+def property_names(kind: type) -> Iterator[str]:
+    """Names of the USD properties that a dataclass stands for, without any instance's prefix."""
+    for item in fields(kind):
+        if "group" in item.metadata:
+            yield from property_names(item.metadata["group"])
+        elif "usd" in item.metadata:
+            yield item.metadata["usd"]
+
+
+def read(kind: type[Data], prim: Usd.Prim, time: Time = None, prefix: str = "", **given: Any) -> Data:
+    """Read a dataclass from a prim that has its schema applied.
+
+    Args:
+        kind: the dataclass.
+        prim: the camera.
+        time: USD time code, None for the default time.
+        prefix: what stands before each property's name.
+        given: fields that are not attributes.
+    """
+    values: dict[str, Any] = dict(given)
+    for item in fields(kind):  # type: ignore[arg-type]
+        if "group" in item.metadata:
+            values[item.name] = read(item.metadata["group"], prim, time, prefix)
+        elif "usd" in item.metadata:
+            value = read_value(prim.GetAttribute(prefix + item.metadata["usd"]), time)
+            values[item.name] = item.default if value is None else value
+    return kind(**values)
+
+
+def author(data: Any, prim: Usd.Prim, time: Time = None, prefix: str = "") -> None:
+    """Author those fields of a dataclass that differ from what the prim says at the time.
+
+    Without a time the value is authored as the attribute's default; with one, and unless the property is uniform, as a
+    key. What the prim says already is left alone, so that an edit pins nothing that it does not mean.
+
+    Raises:
+        SchemaError: a value is not allowed; or it differs from an attribute that has keys and no time is given. Nothing
+            is authored then.
+    """
+    for attribute, value, keyed_at in list(_changes(data, prim, time, prefix)):
+        if keyed_at is None:
+            attribute.Set(usd_value(attribute, value))
+        else:
+            style = following_interpolation(attribute, keyed_at) if takes_spline(attribute) else "linear"
+            set_key(attribute, keyed_at, value, style)
+
+
+def _changes(data: Any, prim: Usd.Prim, time: Time, prefix: str) -> Iterator[tuple[Usd.Attribute, Any, Time]]:
+    """What is to be authored: attribute, value, and the time of the key or None for a default; all of it checked."""
+    for item in fields(data):
+        value = getattr(data, item.name)
+        if "group" in item.metadata:
+            yield from _changes(value, prim, time, prefix)
+        elif "usd" in item.metadata:
+            attribute = prim.GetAttribute(prefix + item.metadata["usd"])
+            keyed_at = None if attribute.GetVariability() == Sdf.VariabilityUniform else time
+            if stored_value(attribute, value) != _said(attribute, keyed_at, item.default):
+                _refuse_hidden(attribute, value, keyed_at)
+                yield attribute, value, keyed_at
+
+
+def _said(attribute: Usd.Attribute, time: Time, fallback: Any) -> Any:
+    value = read_value(attribute, time)
+    return fallback if value is None else value
+
+
+def _refuse_hidden(attribute: Usd.Attribute, value: Any, keyed_at: Time) -> None:
+    """Raise where a default would not be seen, because keys hide it."""
+    if keyed_at is None and is_animated(attribute):
+        raise SchemaError(
+            f"{attribute.GetPath()} has keys: expected the time at which it shall be {value!r}, or its keys to be "
+            "removed first"
+        )
+
+
+def author_all(data: Any, prim: Usd.Prim, prefix: str = "") -> None:
+    """Author every attribute of a dataclass as a default, over keys and values of weaker layers.
+
+    Raises:
+        SchemaError: a value is not allowed; nothing is authored then.
+    """
+    pairs = [
+        (prim.GetAttribute(prefix + item.metadata["usd"]), getattr(data, item.name))
+        for item in fields(data)
+        if "usd" in item.metadata
+    ]
+    for attribute, value in [(attribute, usd_value(attribute, value)) for attribute, value in pairs]:
+        attribute.Clear()
+        attribute.Set(value)
+
+
+def says_something(attribute: Usd.Attribute) -> bool:
+    """Whether an attribute has keys, or an authored value other than its fallback."""
+    if not attribute or not attribute.HasAuthoredValue():
+        return False
+    if is_animated(attribute):
+        return True
+    fallback = attribute.GetFallbackValue() if attribute.HasFallbackValue() else Sdf.AssetPath()
+    return bool(attribute.Get() != fallback)

@@ -109,6 +109,8 @@ class Geometry:
         prim_ids: ``(m,)`` int32 index into ``Scene.prim_paths`` for each triangle.
         face_ids: ``(m,)`` int32 index of the authored face for each triangle.
         fan_ids: ``(m,)`` int32: triangle i of the face's fan is its corners ``(0, i + 1, i + 2)``, in authored order.
+        swapped: ``(m,)`` bool: triangles whose last two corners stand in the other order here, since the face or its
+            transform is left-handed; or None for none. Barycentric coordinates of a hit swap likewise.
     """
 
     positions: FloatArray
@@ -119,6 +121,7 @@ class Geometry:
     fan_ids: IntArray
     uvs: FloatArray | None = None
     colors: FloatArray | None = None
+    swapped: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,27 @@
-"""What holds for every test of every room."""
+"""Fixtures that several rooms share."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
+
+from render.frame import FrameRenderer
+
+
+@pytest.fixture(scope="session")
+def _session_renderer() -> Iterator[FrameRenderer]:
+    with FrameRenderer() as renderer:
+        yield renderer
+
+
+@pytest.fixture()
+def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
+    """The session's renderer; no OpenGL error before a test, and none after it."""
+    ctx = _session_renderer.graphics.ctx
+    assert ctx.error == "GL_NO_ERROR"
+    yield _session_renderer
+    assert ctx.error == "GL_NO_ERROR"
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

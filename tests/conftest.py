@@ -15,7 +15,7 @@ def _session_renderer() -> Iterator[FrameRenderer]:
         yield renderer
 
 
-@pytest.fixture()
+@pytest.fixture
 def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
     """The session's renderer; no OpenGL error before a test, and none after it."""
     ctx = _session_renderer.graphics.ctx

@@ -1,0 +1,86 @@
+"""Everything that a stage refers to must lie in one folder: checked before anything is composed or any pixel is read."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from pxr import Ar, Sdf, Tf, UsdUtils
+
+from render.errors import StageError
+
+_SCHEME = re.compile(r"^[A-Za-z][A-Za-z0-9+.-]+:")
+
+
+def check_confined(file: Path, folder: Path) -> None:
+    """Follow every reference of a stage's files, used or not: sublayers, references, payloads, clips and textures.
+
+    Args:
+        file: the root layer.
+        folder: what nothing may leave. Symbolic links and ``..`` are followed first.
+
+    Raises:
+        StageError: code ``outside_reference``; names the path and who refers to it.
+    """
+    if not is_inside(str(file), folder):
+        raise _outside(str(file), str(file), folder)
+    waiting, seen = [str(file)], set[str]()
+    while waiting:
+        name = waiting.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        layer = _layer(name)
+        for asset in _references(name) if layer else ():
+            target = _target(layer, asset)
+            if target is None or not is_inside(target, folder):
+                raise _outside(asset, name, folder)
+            waiting.append(target)
+
+
+def is_inside(path: str, folder: Path) -> bool:
+    """Whether an asset path leads to a place in a folder. A path in a package counts as the package."""
+    while Ar.IsPackageRelativePath(path):
+        path = Ar.SplitPackageRelativePathOuter(path)[0]
+    if _SCHEME.match(path):
+        return False
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+
+
+def _layer(name: str) -> Sdf.Layer | None:
+    """The layer, or None for what is no layer (a texture), is missing or is damaged: opening the stage will say so."""
+    try:
+        return Sdf.Layer.FindOrOpen(name)
+    except Tf.ErrorException:
+        return None
+
+
+def _references(name: str) -> list[str]:
+    sublayers, references, payloads = UsdUtils.ExtractExternalReferences(name)
+    return [*sublayers, *references, *payloads]
+
+
+def _target(layer: Sdf.Layer, asset: str) -> str | None:
+    """Where an asset path that a layer names leads to; None where that cannot be told beforehand (an expression)."""
+    path = Sdf.Layer.SplitIdentifier(asset)[0]
+    if path.startswith("`"):
+        return None
+    absolute = str(layer.ComputeAbsolutePath(path))
+    resolved = str(Ar.GetResolver().Resolve(absolute) or absolute)
+    return resolved if os.path.isabs(resolved) or _SCHEME.match(resolved) else str(_folder_of(layer) / resolved)
+
+
+def _folder_of(layer: Sdf.Layer) -> Path:
+    path = layer.realPath or layer.identifier
+    while Ar.IsPackageRelativePath(path):
+        path = Ar.SplitPackageRelativePathOuter(path)[0]
+    return Path(path).parent
+
+
+def _outside(asset: str, referrer: str, folder: Path) -> StageError:
+    return StageError(
+        f"{Path(referrer).name} refers to {asset}, which lies outside what was given ({folder.name}/)",
+        code="outside_reference",
+        path=asset,
+    )

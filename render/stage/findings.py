@@ -1,0 +1,36 @@
+"""What a stage asks for that is not honoured, and what in it could not be used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing to tell the user about a stage.
+
+    Attributes:
+        code: a short stable word for programs, such as ``unsupported_light``.
+        path: the prim (or file) that it is about.
+        message: one sentence.
+    """
+
+    code: str
+    path: str
+    message: str
+
+
+class FindingLog:
+    """Collects findings, each once for its code and path."""
+
+    def __init__(self) -> None:
+        self._findings: dict[tuple[str, str], Finding] = {}
+
+    def add(self, code: str, path: object, message: str) -> None:
+        """Note a finding, unless the same one is there already."""
+        key = (code, str(path))
+        self._findings.setdefault(key, Finding(code, str(path), message))
+
+    def as_list(self) -> list[Finding]:
+        """All findings, in the order they were made."""
+        return list(self._findings.values())

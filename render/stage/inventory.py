@@ -1,0 +1,203 @@
+"""What a stage draws: every surface, instancer and light that is visible and of the asked purpose, found in one walk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
+
+from render.stage.findings import FindingLog
+from render.stage.surface import is_drawable
+
+_DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+# Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.
+_PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract)
+_INSTANCER_ATTRIBUTES = (
+    "positions",
+    "orientations",
+    "orientationsf",
+    "scales",
+    "protoIndices",
+    "invisibleIds",
+    "velocities",
+    "accelerations",
+    "angularVelocities",
+)
+_MAX_NESTED_INSTANCERS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class InstancerLink:
+    """One instancer on the way to a surface.
+
+    Attributes:
+        instancer: the PointInstancer.
+        prototype: which of its prototypes the surface belongs to.
+        root: that prototype's root prim.
+    """
+
+    instancer: Usd.Prim
+    prototype: int
+    root: Usd.Prim
+
+
+@dataclass(frozen=True, eq=False)
+class Occurrence:
+    """One surface at one place of the stage.
+
+    Attributes:
+        prim: the mesh or implicit prim; an instance proxy for native instances.
+        source: path of the prim that holds its data, the same for all native instances of it.
+        mover: nearest prim at or above whose transform varies, or None.
+        hiders: prims at or above whose visibility varies.
+        chain: point instancers from the outermost inwards, empty for a surface that stands by itself.
+        moves: whether anything in where it stands varies.
+    """
+
+    prim: Usd.Prim
+    source: Sdf.Path
+    mover: Usd.Prim | None = None
+    hiders: tuple[Usd.Prim, ...] = ()
+    chain: tuple[InstancerLink, ...] = ()
+    moves: bool = False
+
+    @property
+    def path(self) -> str:
+        """The prim's path on the stage."""
+        return str(self.prim.GetPath())
+
+
+@dataclass(frozen=True)
+class _State:
+    """What a prim hands down to its children."""
+
+    purpose: UsdGeom.Imageable.PurposeInfo
+    mover: Usd.Prim | None = None
+    hiders: tuple[Usd.Prim, ...] = ()
+    chain: tuple[InstancerLink, ...] = ()
+    moves: bool = False
+    predicate: object = field(default=_DRAWN)
+
+
+@dataclass
+class Inventory:
+    """Everything found.
+
+    Attributes:
+        surfaces: what is drawn.
+        lights: UsdLux light prims with the prims that may hide them.
+    """
+
+    surfaces: list[Occurrence] = field(default_factory=list)
+    lights: list[tuple[Usd.Prim, tuple[Usd.Prim, ...]]] = field(default_factory=list)
+
+
+def take_inventory(stage: Usd.Stage, purposes: Iterable[str], mask: Sequence[str] | None, log: FindingLog) -> Inventory:
+    """Walk the stage.
+
+    Args:
+        stage: the stage.
+        purposes: which of default, render, proxy and guide are drawn.
+        mask: only what lies at, below or above these paths exists, as in a population mask; None for everything.
+        log: notes prims of kinds that are not honoured.
+    """
+    walk = _Walk(frozenset(purposes), mask, log)
+    walk.children(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
+    return walk.found
+
+
+class _Walk:
+    def __init__(self, purposes: frozenset[str], mask: Sequence[str] | None, log: FindingLog) -> None:
+        self._purposes, self._log = purposes, log
+        self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in mask]) if mask is not None else None
+        self.found = Inventory()
+
+    def children(self, prim: Usd.Prim, state: _State) -> None:
+        for child in prim.GetFilteredChildren(state.predicate):
+            self.visit(child, state)
+
+    def visit(self, prim: Usd.Prim, state: _State) -> None:
+        if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdGeom.Subset):
+            return
+        if self._mask is not None and not state.chain and not self._mask.Includes(prim.GetPath()):
+            return
+        below = self._inherit(prim, state)
+        if below is None:
+            return
+        if prim.IsA(UsdGeom.PointInstancer):
+            self._instancer(prim, below)
+            return
+        self._take(prim, below)
+        self.children(prim, below)
+
+    def _inherit(self, prim: Usd.Prim, state: _State) -> _State | None:
+        """The state below a prim, or None where it is invisible for good."""
+        imageable = UsdGeom.Imageable(prim)
+        if not imageable:
+            return state
+        hiders, mover, moves = state.hiders, state.mover, state.moves
+        visibility = imageable.GetVisibilityAttr()
+        if visibility.ValueMightBeTimeVarying():
+            hiders = (*hiders, prim)
+        elif visibility.Get() == UsdGeom.Tokens.invisible:
+            return None
+        xformable = UsdGeom.Xformable(prim)
+        if xformable:
+            if xformable.GetResetXformStack():
+                mover, moves = None, bool(state.chain) and moves
+            if xformable.TransformMightBeTimeVarying():
+                mover, moves = prim, True
+        purpose = imageable.ComputePurposeInfo(state.purpose)
+        return replace(state, purpose=purpose, hiders=hiders, mover=mover, moves=moves)
+
+    def _take(self, prim: Usd.Prim, state: _State) -> None:
+        if prim.HasAPI(UsdLux.LightAPI):
+            self._light(prim, state)
+        elif is_drawable(prim):
+            if state.purpose.purpose in self._purposes:
+                self._note_draw_mode(prim)
+                source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+                self.found.surfaces.append(
+                    Occurrence(prim, source.GetPath(), state.mover, state.hiders, state.chain, state.moves)
+                )
+        elif prim.IsA(UsdGeom.Gprim):
+            kind, path = prim.GetTypeName(), prim.GetPath()
+            self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
+        elif prim.HasAPI(UsdGeom.ModelAPI):
+            self._note_draw_mode(prim)
+
+    def _note_draw_mode(self, prim: Usd.Prim) -> None:
+        attribute = prim.GetAttribute("model:drawMode")
+        mode = attribute.Get() if attribute else None
+        if mode not in (None, "default", "inherited"):
+            path = prim.GetPath()
+            self._log.add("draw_mode", path, f"draw mode {mode} of {path} is not honoured: its geometry is drawn")
+
+    def _light(self, prim: Usd.Prim, state: _State) -> None:
+        path = prim.GetPath()
+        if state.chain:
+            self._log.add("instanced_light", path, f"light {path} in a point instancer is not honoured")
+            return
+        self.found.lights.append((prim, state.hiders))
+
+    def _instancer(self, prim: Usd.Prim, state: _State) -> None:
+        path = prim.GetPath()
+        if len(state.chain) >= _MAX_NESTED_INSTANCERS:
+            self._log.add(
+                "instancers_too_deep", path, f"{path} is nested in {_MAX_NESTED_INSTANCERS} instancers: not drawn"
+            )
+            return
+        moves = state.moves or any(
+            prim.GetAttribute(name).ValueMightBeTimeVarying()
+            for name in _INSTANCER_ATTRIBUTES
+            if prim.HasAttribute(name)
+        )
+        for number, target in enumerate(UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()):
+            root = prim.GetStage().GetPrimAtPath(target)
+            if not root:
+                message = f"prototype {target} of {path} does not exist: its instances are not drawn"
+                self._log.add("missing_prototype", target, message)
+                continue
+            chain = (*state.chain, InstancerLink(prim, number, root))
+            self.visit(root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE))

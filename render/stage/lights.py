@@ -1,0 +1,242 @@
+"""UsdLux lights in physical terms.
+
+UsdLux: radiance = colour · intensity · 2^exposure, divided by the light's area where ``normalize`` is set. That area is in scene units, as
+in USD's reference renderer (hdEmbree), so that a shot keeps its exposure whatever its metersPerUnit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+
+from render import colour
+from render.errors import InputError
+from render.scene import Dome, Image, Light
+from render.stage.findings import FindingLog
+from render.stage.poses import is_hidden, world_pose
+from render.stage.textures import TextureCache, TextureError
+from render.stage.world import DoubleArray, rigid_frame, world_from_stage
+
+RGB = tuple[float, float, float]
+_DOMES = ("DomeLight", "DomeLight_1")
+# A zero-radius light with `normalize` has all its power at a point; it is drawn as a sphere this wide.
+_POINT_RADIUS_M = 1e-3
+# +Z-up from +Y-up: the turn that DomeLight_1's pole axis asks for on a Z-up stage.
+_Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
+
+# What is not honoured, and the value of it that changes nothing.
+_IGNORED: dict[str, tuple[str, object]] = {
+    "inputs:shaping:focus": ("shaping focus", 0.0),
+    "inputs:shaping:ies:file": ("IES profile", Sdf.AssetPath()),
+    "inputs:shadow:color": ("shadow colour", Gf.Vec3f(0, 0, 0)),
+    "inputs:shadow:distance": ("shadow distance", -1.0),
+    "inputs:shadow:falloff": ("shadow falloff", -1.0),
+}
+
+
+class LightReader:
+    """Reads the lights of a stage at a time.
+
+    Args:
+        stage: the stage.
+        textures: reads dome textures.
+        log: notes what is not honoured.
+    """
+
+    def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
+        self._stage, self._textures, self._log = stage, textures, log
+        self._world = world_from_stage(stage)
+        self._metres_per_unit = float(np.linalg.norm(self._world[:3, 0]))
+
+    def read(
+        self, lights: Sequence[tuple[Usd.Prim, tuple[Usd.Prim, ...]]], transforms: UsdGeom.XformCache
+    ) -> tuple[tuple[Light, ...], Dome | None]:
+        """The lights that are on at a time, and the dome.
+
+        Args:
+            lights: light prims, and with each the prims whose varying visibility may hide it.
+            transforms: at the asked time.
+        """
+        found: list[Light] = []
+        dome: Dome | None = None
+        for prim, hiders in lights:
+            if is_hidden(hiders, transforms.GetTime()):
+                continue
+            if not self.is_dome(prim):
+                light = self.light(prim, transforms)
+                found.extend([light] if light is not None else [])
+            elif dome is None:
+                dome = self.dome(prim, transforms)
+            else:
+                path = prim.GetPath()
+                self._log.add(
+                    "second_dome", path, f"dome light {path} is not honoured: {dome.path} is the one that shines"
+                )
+        return tuple(found), dome
+
+    def is_dome(self, prim: Usd.Prim) -> bool:
+        """Whether a light prim lights from all around."""
+        return prim.GetTypeName() in _DOMES
+
+    def light(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Light | None:
+        """A light with a place or a direction, or None (and a finding) where its kind is not honoured."""
+        readers: dict[str, Callable[[Usd.Prim, DoubleArray, Usd.TimeCode], Light | None]] = {
+            "DistantLight": self._distant,
+            "SphereLight": self._sphere,
+            "DiskLight": self._disk,
+            "RectLight": self._rect,
+        }
+        path, kind = prim.GetPath(), str(prim.GetTypeName())
+        reader = readers.get(kind)
+        if reader is None:
+            self._log.add(
+                "unsupported_light", path, f"light {path} is not honoured: {kind or 'its kind'} is not supported"
+            )
+            return None
+        self._note_ignored(prim)
+        return reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
+
+    def dome(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Dome:
+        """A dome light."""
+        time = transforms.GetTime()
+        self._note_ignored(prim)
+        # The dome's own axes are the stage's; what it shows is a direction, so units and scale drop out.
+        pose = rigid_frame(world_pose(prim, transforms, self._world))
+        pose[:3, 3] = 0.0
+        if str(prim.GetTypeName()) == "DomeLight_1" and self._pole_is_z(prim, time):
+            pose = pose @ _Z_UP_FROM_Y_UP
+        return Dome(_radiance(prim, time), pose, self._dome_image(prim, time), path=str(prim.GetPath()))
+
+    def _pole_is_z(self, prim: Usd.Prim, time: Usd.TimeCode) -> bool:
+        axis = prim.GetAttribute("poleAxis").Get(time)
+        return bool(axis == "Z" or (axis == "scene" and UsdGeom.GetStageUpAxis(self._stage) == UsdGeom.Tokens.z))
+
+    def _dome_image(self, prim: Usd.Prim, time: Usd.TimeCode) -> Image | None:
+        asset = prim.GetAttribute("inputs:texture:file").Get(time)
+        path = prim.GetPath()
+        if not isinstance(asset, Sdf.AssetPath) or not asset.path:
+            return None
+        layout = prim.GetAttribute("inputs:texture:format").Get(time)
+        if layout not in ("automatic", "latlong"):
+            self._log.add("dome_format", path, f"dome {path} is uniform: texture format {layout} is not honoured")
+            return None
+        attribute = prim.GetAttribute("inputs:texture:file")
+        space = str(attribute.GetColorSpace()) if attribute.HasColorSpace() else "auto"
+        try:
+            return self._textures.image(str(asset.resolvedPath or asset.path), space)
+        except (TextureError, InputError) as problem:
+            self._log.add("texture_unreadable", path, f"dome texture {asset.path} {problem}; dome {path} is uniform")
+            return None
+
+    def _distant(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light:
+        angle = float(np.radians(max(_number(prim, "inputs:angle", time), 0.0)))
+        # Irradiance of a disc of sky of that angle. Normalised, or without an angle, intensity is the irradiance itself.
+        solid = np.pi * np.sin(min(angle, np.pi) / 2) ** 2
+        factor = 1.0 if _flag(prim, "inputs:normalize", time) or angle == 0 else float(solid)
+        return self._light(prim, "distant", pose, time, factor, angle_rad=angle)
+
+    def _sphere(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+        radius_m = _number(prim, "inputs:radius", time) * float(np.mean(_scales(pose)))
+        return self._round(prim, "sphere", pose, time, radius_m, 4 * np.pi)
+
+    def _disk(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+        radius_m = _number(prim, "inputs:radius", time) * float(np.mean(_scales(pose)[:2]))
+        return self._round(prim, "disk", pose, time, radius_m, np.pi)
+
+    def _round(
+        self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, radius_m: float, area_factor: float
+    ) -> Light | None:
+        normalised = _flag(prim, "inputs:normalize", time)
+        if radius_m <= 0 and not normalised:
+            path = prim.GetPath()
+            self._log.add("light_without_area", path, f"light {path} is dark: its radius is 0 and it is not normalised")
+            return None
+        radius_m = max(radius_m, _POINT_RADIUS_M)
+        factor = 1 / (area_factor * (radius_m / self._metres_per_unit) ** 2) if normalised else 1.0
+        return self._light(prim, kind, pose, time, factor, radius_m=radius_m)
+
+    def _rect(self, prim: Usd.Prim, pose: DoubleArray, time: Usd.TimeCode) -> Light | None:
+        scales, path = _scales(pose), prim.GetPath()
+        width_m = _number(prim, "inputs:width", time) * float(scales[0])
+        height_m = _number(prim, "inputs:height", time) * float(scales[1])
+        if width_m <= 0 or height_m <= 0:
+            self._log.add("light_without_area", path, f"light {path} is dark: its width or height is 0")
+            return None
+        texture = prim.GetAttribute("inputs:texture:file").Get(time)
+        if isinstance(texture, Sdf.AssetPath) and texture.path:
+            self._log.add("light_texture", path, f"the texture of rect light {path} is not honoured: it shines evenly")
+        area = width_m * height_m / self._metres_per_unit**2
+        factor = 1 / area if _flag(prim, "inputs:normalize", time) else 1.0
+        return self._light(prim, "rect", pose, time, factor, width_m=width_m, height_m=height_m)
+
+    def _light(
+        self, prim: Usd.Prim, kind: str, pose: DoubleArray, time: Usd.TimeCode, factor: float, **measures: float
+    ) -> Light:
+        red, green, blue = (channel * factor for channel in _radiance(prim, time))
+        cone, softness = _cone(prim, time)
+        shadow = prim.GetAttribute("inputs:shadow:enable")
+        return Light(
+            kind=kind,  # type: ignore[arg-type]
+            radiance=(red, green, blue),
+            pose=rigid_frame(pose),
+            cone_angle_rad=cone,
+            cone_softness=softness,
+            diffuse=_number(prim, "inputs:diffuse", time),
+            specular=_number(prim, "inputs:specular", time),
+            casts_shadow=bool(shadow.Get(time)) if shadow else True,
+            path=str(prim.GetPath()),
+            **measures,
+        )
+
+    def _note_ignored(self, prim: Usd.Prim) -> None:
+        path = prim.GetPath()
+        if UsdLux.LightAPI(prim).GetFiltersRel().GetTargets():
+            self._log.add("light_filter", path, f"the light filters of {path} are not honoured")
+        for name, (what, neutral) in _IGNORED.items():
+            attribute = prim.GetAttribute(name)
+            value = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+            if value is not None and value != neutral:
+                self._log.add(f"light_{what.replace(' ', '_')}", path, f"the {what} of light {path} is not honoured")
+        for name in ("lightLink", "shadowLink"):
+            collection = Usd.CollectionAPI.Get(prim, name)
+            if collection and not collection.ComputeMembershipQuery().IsPathIncluded(Sdf.Path.absoluteRootPath):
+                self._log.add("light_linking", path, f"light {path} lights everything: {name} is not honoured")
+
+
+def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:
+    """colour · intensity · 2^exposure, with the colour temperature where it is enabled, in the working space."""
+    color = np.array(prim.GetAttribute("inputs:color").Get(time), np.float64)
+    if _flag(prim, "inputs:enableColorTemperature", time):
+        kelvin = _number(prim, "inputs:colorTemperature", time)
+        color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
+    strength = _number(prim, "inputs:intensity", time) * 2.0 ** _number(prim, "inputs:exposure", time)
+    rgb = color * strength
+    return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
+
+
+def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float]:
+    """Half angle (radians) and softness of the shaping cone; pi where the light is not shaped."""
+    if not prim.HasAPI(UsdLux.ShapingAPI):
+        return float(np.pi), 0.0
+    angle = float(np.radians(_number(prim, "inputs:shaping:cone:angle", time)))
+    return min(angle, float(np.pi)), min(max(_number(prim, "inputs:shaping:cone:softness", time), 0.0), 1.0)
+
+
+def _scales(pose: DoubleArray) -> NDArray[np.float64]:
+    """Lengths of the axes: what a unit of the light's own space is in metres."""
+    lengths: NDArray[np.float64] = np.linalg.norm(pose[:3, :3], axis=0)
+    return lengths
+
+
+def _number(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
+    attribute = prim.GetAttribute(name)
+    value = attribute.Get(time) if attribute else None
+    return float(value) if value is not None else 0.0
+
+
+def _flag(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> bool:
+    attribute = prim.GetAttribute(name)
+    return bool(attribute and attribute.Get(time))

@@ -1,0 +1,115 @@
+"""Opening stages: damage, missing files and references that reach outside are told apart, and named."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from pxr import Pcp, Sdf, Tf, Usd, UsdUtils
+
+from render.errors import StageError
+from render.stage.confinement import check_confined
+from render.stage.findings import FindingLog
+
+# In the session layer's customLayerData: the folder that nothing may leave. The session layer is ours, so a file cannot say it.
+_CONFINED_TO = "pullfocus:confinedTo"
+_TF_REASON = re.compile(r" : '(.*?)'(?:\n|$)", re.DOTALL)
+_ASSET = re.compile(r"@(.+?)@")
+
+
+def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confined_to: Path | None = None) -> Usd.Stage:
+    """Open a stage, all payloads loaded.
+
+    Args:
+        path: a .usd, .usda, .usdc or .usdz file.
+        edit_layer: goes strongest into the session layer and becomes the edit target, so that files are never written.
+        confined_to: the folder that everything the stage refers to must lie in, after links and ``..`` are followed.
+
+    Raises:
+        StageError: code ``stage_missing``, ``stage_unreadable`` (not USD, or damaged), ``missing_reference`` (or payload or
+            sublayer; it is named) or ``outside_reference``.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise StageError(f"{file} is not a file that can be opened", code="stage_missing", path=str(file))
+    session = Sdf.Layer.CreateAnonymous("session.usda")
+    with quiet_diagnostics():
+        if confined_to is not None:
+            check_confined(file, confined_to)
+            session.customLayerData = {_CONFINED_TO: str(Path(confined_to).resolve())}
+        if edit_layer is not None:
+            session.subLayerPaths.append(edit_layer.identifier)
+        stage = _open(file, session)
+    _refuse_missing(stage)
+    if edit_layer is not None:
+        stage.SetEditTarget(Usd.EditTarget(edit_layer))
+    return stage
+
+
+def confinement(stage: Usd.Stage) -> Path | None:
+    """The folder that a stage was confined to when it was opened, or None."""
+    folder = stage.GetSessionLayer().customLayerData.get(_CONFINED_TO) if stage.GetSessionLayer() else None
+    return Path(folder) if folder else None
+
+
+def composition_findings(stage: Usd.Stage, log: FindingLog) -> None:
+    """Note composition errors that leave the rest of the stage usable."""
+    for error in stage.GetCompositionErrors():
+        text = _one_line(str(error))
+        if not _is_materialx(text):
+            log.add("composition", text, f"the stage does not compose cleanly: {text}")
+
+
+@contextlib.contextmanager
+def quiet_diagnostics() -> Iterator[None]:
+    """Keep USD's own warnings off the terminal; what matters of them comes back as errors and findings."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        delegate.TakeUncoalescedDiagnostics()
+
+
+def _open(file: Path, session: Sdf.Layer) -> Usd.Stage:
+    try:
+        layer = Sdf.Layer.FindOrOpen(str(file))
+        stage = Usd.Stage.Open(layer, session) if layer else None
+    except Tf.ErrorException as error:
+        reasons = _TF_REASON.findall(str(error))
+        reason = _one_line(reasons[0]) if reasons else "it is damaged"
+        raise StageError(
+            f"{file} is not a readable USD file: {reason}", code="stage_unreadable", path=str(file)
+        ) from error
+    if not stage:
+        message = f"{file} is not a USD file: expected .usd, .usda, .usdc or .usdz content"
+        raise StageError(message, code="stage_unreadable", path=str(file))
+    return stage
+
+
+def _refuse_missing(stage: Usd.Stage) -> None:
+    for error in stage.GetCompositionErrors():
+        if not isinstance(error, (Pcp.ErrorInvalidAssetPathBase, Pcp.ErrorInvalidSublayerPath)):
+            continue
+        text = _one_line(str(error))
+        if _is_materialx(text):
+            continue
+        found = _ASSET.search(text)
+        asset = found.group(1) if found else ""
+        exists = Path(asset).is_file()
+        raise StageError(
+            f"the stage refers to {asset}, which {'cannot be read' if exists else 'is missing'}: {text}",
+            code="unreadable_reference" if exists else "missing_reference",
+            path=asset or None,
+        )
+
+
+def _is_materialx(text: str) -> bool:
+    """Whether an error is only about a MaterialX file, which usd-core has no reader for."""
+    found = _ASSET.search(text)
+    return found is not None and found.group(1).split(":SDF_FORMAT_ARGS:")[0].endswith(".mtlx")
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split()).rstrip(".")

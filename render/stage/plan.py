@@ -1,0 +1,106 @@
+"""What is drawn with what: the inventory cut into pieces by material and gathered into groups."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterable
+
+from pxr import Usd, UsdGeom
+
+from render.stage.bindings import bound_parts, subsets_vary
+from render.stage.findings import FindingLog
+from render.stage.groups import Group, InstancedGroup, RigidGroup
+from render.stage.inventory import Occurrence
+from render.stage.looks import LookReader
+from render.stage.pieces import Piece, ShapeReader
+from render.stage.primvars import find_primvar
+from render.stage.shape import Wanted
+from render.stage.skinning import Skeletons
+from render.stage.surface import surface_varies
+
+# A surface that occurs several times is drawn by instancing only if that spares more than this many triangles; below it, another
+# draw call costs more than the copies (pyrender needs about 0.5 ms for each primitive and pass).
+INSTANCING_PAYS_FROM = 10_000
+
+
+def plan_groups(
+    surfaces: Iterable[Occurrence],
+    looks: LookReader,
+    skeletons: Skeletons,
+    time: Usd.TimeCode,
+    log: FindingLog,
+) -> list[Group]:
+    """Gather surfaces into groups.
+
+    Args:
+        surfaces: what is drawn.
+        looks: reads materials.
+        skeletons: which surfaces a skeleton bends.
+        time: any time: the plan does not depend on it, but what the materials want is read there.
+        log: for findings.
+    """
+    shapes = ShapeReader(skeletons, time, log)
+    rigid: dict[Hashable, list[Piece]] = defaultdict(list)
+    shared: dict[Hashable, list[Piece]] = defaultdict(list)
+    for surface in surfaces:
+        for piece in _pieces(surface, looks, skeletons, time, log):
+            if surface.chain:
+                shared[(piece.shape_key, piece.part, piece.material, piece.double_sided, surface.path)].append(piece)
+            else:
+                shared[(piece.shape_key, piece.part, piece.material, piece.double_sided)].append(piece)
+    groups: list[Group] = []
+    for pieces in shared.values():
+        if _pays_to_instance(pieces, shapes):
+            groups.append(InstancedGroup(pieces))
+        else:
+            for piece in pieces:
+                rigid[_rigid_key(piece)].append(piece)
+    return [RigidGroup(pieces) for pieces in rigid.values()] + groups
+
+
+def _pieces(
+    surface: Occurrence, looks: LookReader, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog
+) -> list[Piece]:
+    prim = surface.prim
+    parts = bound_parts(prim, time, log)
+    deforms = surface_varies(prim, skeletons) or subsets_vary(prim)
+    double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
+    pieces = []
+    for number, part in enumerate(parts):
+        wanted = looks.look(part.material, time).wanted
+        inherited, varies = _inherited(prim, wanted, time)
+        key = (surface.source, wanted, inherited)
+        pieces.append(Piece(surface, part.material, number, len(parts), double_sided, deforms or varies, wanted, key))
+    return pieces
+
+
+def _inherited(prim: Usd.Prim, wanted: Wanted, time: Usd.TimeCode) -> tuple[Hashable, bool]:
+    """What instances of the same prim may differ by, the primvars that come from above; and whether any primvar varies."""
+    values: list[Hashable] = []
+    varies = False
+    for name in (wanted.uv, wanted.color, wanted.opacity):
+        found = find_primvar(prim, name) if name else None
+        if found is not None:
+            varies = varies or found.varies()
+            if found.inherited:
+                values.append((name, str(found.primvar.Get(time))))
+    return tuple(values), varies
+
+
+def _pays_to_instance(pieces: list[Piece], shapes: ShapeReader) -> bool:
+    if pieces[0].occurrence.chain or pieces[0].deforms:
+        return True
+    if len(pieces) == 1:
+        return False
+    whole = shapes.whole(pieces[0])
+    return whole is not None and len(whole.triangles) * (len(pieces) - 1) > INSTANCING_PAYS_FROM
+
+
+def _rigid_key(piece: Piece) -> Hashable:
+    mover, hiders = piece.occurrence.mover, piece.occurrence.hiders
+    return (
+        piece.material,
+        piece.double_sided,
+        mover.GetPath() if mover is not None else None,
+        tuple(prim.GetPath() for prim in hiders),
+    )

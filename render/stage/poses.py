@@ -1,0 +1,122 @@
+"""Where things stand: transforms of prims and of point instances, as arrays for column vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
+
+from render.errors import StageError
+from render.stage.inventory import InstancerLink
+from render.stage.world import DoubleArray, column_matrix
+
+IntArray = NDArray[np.int32]
+
+
+def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray) -> DoubleArray:
+    """``(4, 4)`` world (metres, Y-up) from the prim's own space in stage units.
+
+    Raises:
+        StageError: the transform is not finite; names the prim.
+    """
+    pose: DoubleArray = world @ column_matrix(transforms.GetLocalToWorldTransform(prim))
+    if not np.isfinite(pose).all():
+        raise _not_finite(_culprit(prim, transforms))
+    return pose
+
+
+def instance_poses(
+    chain: Sequence[InstancerLink], prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
+) -> tuple[DoubleArray, IntArray]:
+    """Where the instances of a surface below one or more point instancers stand.
+
+    Nested instancers number their instances as digits: ``outer · (inner count) + inner``.
+
+    Args:
+        chain: the instancers, outermost first.
+        prim: the surface below the last prototype.
+        transforms: at the asked time.
+        world: world from stage.
+
+    Returns:
+        ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
+
+    Raises:
+        StageError: a transform is not finite.
+    """
+    poses = world_pose(chain[0].instancer, transforms, world)[None]
+    numbers = np.zeros(1, np.int32)
+    for link, below in zip(chain, [*(next_.instancer for next_ in chain[1:]), prim], strict=True):
+        matrices, indices, count = _instances(link, transforms.GetTime())
+        relative = relative_pose(below, link.root, transforms)
+        poses = (poses[:, None] @ (matrices @ relative)[None]).reshape(-1, 4, 4)
+        numbers = (numbers[:, None] * count + indices[None]).reshape(-1)
+    return poses, numbers
+
+
+def pose_of_instance(
+    chain: Sequence[InstancerLink], number: int, prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
+) -> DoubleArray | None:
+    """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time."""
+    poses, numbers = instance_poses(chain, prim, transforms, world)
+    found = np.flatnonzero(numbers == number)
+    return poses[found[0]] if len(found) else None
+
+
+def is_hidden(hiders: Sequence[Usd.Prim], time: Usd.TimeCode) -> bool:
+    """Whether any of these prims, whose visibility varies, is invisible at a time."""
+    return any(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(time) == UsdGeom.Tokens.invisible for prim in hiders)
+
+
+def _instances(link: InstancerLink, time: Usd.TimeCode) -> tuple[DoubleArray, IntArray, int]:
+    """``(k, 4, 4)`` instancer from prototype root for the visible instances of one prototype, their indices, and how many all are."""
+    instancer = UsdGeom.PointInstancer(link.instancer)
+    prototypes = np.array(instancer.GetProtoIndicesAttr().Get(time) or [], np.int32)
+    matrices = instancer.ComputeInstanceTransformsAtTime(
+        time, time, UsdGeom.PointInstancer.IncludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+    )
+    count = min(len(prototypes), len(matrices))
+    visible = prototypes[:count] == link.prototype
+    mask = instancer.ComputeMaskAtTime(time)
+    if mask:
+        visible &= np.array(mask, bool)[:count]
+    indices = np.flatnonzero(visible).astype(np.int32)
+    columns = np.array(matrices, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)[indices]
+    if not np.isfinite(columns).all():
+        raise _not_finite(link.instancer)
+    return columns, indices, count
+
+
+def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformCache) -> DoubleArray:
+    """``(4, 4)`` from a prim's own space to that of one of its ancestors, or of itself.
+
+    Raises:
+        StageError: the transform is not finite.
+    """
+    if prim == ancestor:
+        return np.eye(4)
+    matrix, _resets = transforms.ComputeRelativeTransform(prim, ancestor)
+    relative = column_matrix(matrix)
+    if not np.isfinite(relative).all():
+        raise _not_finite(_culprit(prim, transforms))
+    return relative
+
+
+def _culprit(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Usd.Prim:
+    """The outermost prim whose own transform is not finite."""
+    line = [prim]
+    while line[-1].GetParent():
+        line.append(line[-1].GetParent())
+    for ancestor in reversed(line):
+        if UsdGeom.Xformable(ancestor):
+            local = column_matrix(transforms.GetLocalTransformation(ancestor)[0])
+            if not np.isfinite(local).all():
+                return ancestor
+    return prim
+
+
+def _not_finite(prim: Usd.Prim) -> StageError:
+    path = str(prim.GetPath())
+    return StageError(f"the transform of {path} must be finite numbers, and is not", code="bad_transform", path=path)

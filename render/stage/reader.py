@@ -1,0 +1,133 @@
+"""The stage reader: a USD stage at a time as a `Scene`, with as little remade between times as can be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pxr import Sdf, Tf, Usd, UsdGeom
+
+from render.scene import Scene
+from render.stage.findings import Finding, FindingLog
+from render.stage.groups import Group, Moment
+from render.stage.inventory import Inventory, take_inventory
+from render.stage.lights import LightReader
+from render.stage.looks import LookReader
+from render.stage.opening import composition_findings, confinement, quiet_diagnostics
+from render.stage.pieces import ShapeReader
+from render.stage.plan import plan_groups
+from render.stage.skinning import Skeletons
+from render.stage.textures import TextureCache
+from render.stage.world import world_from_stage
+from usd_schemas.units import metres_per_unit
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What holds for all times, until the stage is edited."""
+
+    inventory: Inventory
+    groups: list[Group]
+    looks: LookReader
+    skeletons: Skeletons
+    lights: LightReader
+
+
+class StageReader:
+    """Reads a stage into scenes.
+
+    What does not change between two times is the same object in both scenes: geometry, images, materials and whole batches.
+    An edit of the stage (other than of cameras) starts over, and keeps the images.
+
+    Args:
+        stage: the stage; it stays open while the reader lives.
+        purposes: which of default, render, proxy and guide are drawn.
+        mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
+        complexity: ``low``, ``medium``, ``high`` or ``veryhigh`` as usdrecord has it. Subdivision surfaces are drawn as their cage
+            at all of them; those above low make a finding.
+        max_texture: width and height that no texture exceeds.
+    """
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        *,
+        purposes: Sequence[str] = ("default", "render"),
+        mask: Sequence[str] | None = None,
+        complexity: str = "low",
+        max_texture: int = 2048,
+    ) -> None:
+        self._stage, self._purposes, self._mask, self._complexity = stage, tuple(purposes), mask, complexity
+        self._log = FindingLog()
+        self._textures = TextureCache(max_texture, confined_to=confinement(stage))
+        self._prim_ids: dict[str, int] = {}
+        self._plan: _Plan | None = None
+        self._scene: Scene | None = None
+        self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What has been found so far that is not honoured or could not be used, each once."""
+        return self._log.as_list()
+
+    def read(self, time: float) -> Scene:
+        """The scene at a time.
+
+        Args:
+            time: USD time code.
+
+        Raises:
+            StageError: a transform is not finite.
+        """
+        if self._plan is None:
+            self._scene = None
+            self._plan = self._make_plan(Usd.TimeCode(time))
+        if self._scene is None or self._scene.time != time:
+            self._scene = self._scene_at(self._plan, UsdGeom.XformCache(Usd.TimeCode(time)))
+        return self._scene
+
+    def _scene_at(self, plan: _Plan, transforms: UsdGeom.XformCache) -> Scene:
+        time = transforms.GetTime()
+        moment = Moment(
+            transforms=transforms,
+            world=world_from_stage(self._stage),
+            scale=metres_per_unit(self._stage),
+            look=lambda path: plan.looks.look(path, time),
+            shapes=ShapeReader(plan.skeletons, time, self._log),
+            prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
+        )
+        with quiet_diagnostics():
+            batches = tuple(batch for group in plan.groups for batch in group.batches(moment))
+            lights, dome = plan.lights.read(plan.inventory.lights, transforms)
+        return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue())
+
+    def _make_plan(self, time: Usd.TimeCode) -> _Plan:
+        composition_findings(self._stage, self._log)
+        with quiet_diagnostics():
+            inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
+            looks = LookReader(self._stage, self._textures, self._log)
+            skeletons = Skeletons(self._stage)
+            groups = plan_groups(inventory.surfaces, looks, skeletons, time, self._log)
+        self._note_complexity(inventory)
+        return _Plan(inventory, groups, looks, skeletons, LightReader(self._stage, self._textures, self._log))
+
+    def _note_complexity(self, inventory: Inventory) -> None:
+        if self._complexity == "low":
+            return
+        for surface in inventory.surfaces:
+            scheme = surface.prim.GetAttribute("subdivisionScheme")
+            if scheme and scheme.Get() != UsdGeom.Tokens.none:
+                message = f"complexity {self._complexity} is not honoured: subdivision surfaces are drawn as their cage"
+                self._log.add("complexity", "/", message)
+                return
+
+    def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
+        for path in notice.GetResyncedPaths():
+            if not self._is_camera(path) or self._stage.GetPrimAtPath(path.GetPrimPath()).GetChildren():
+                self._plan = None
+        for path in notice.GetChangedInfoOnlyPaths():
+            if not self._is_camera(path):
+                self._plan = None
+
+    def _is_camera(self, path: Sdf.Path) -> bool:
+        return bool(self._stage.GetPrimAtPath(path.GetPrimPath()).IsA(UsdGeom.Camera))

@@ -1,0 +1,150 @@
+"""Texture files to images in the working space, through OpenImageIO and Ar (so also from inside a .usdz)."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+from numpy.typing import NDArray
+from pxr import Ar
+
+from render import colour
+from render.scene import Image
+from render.stage.confinement import is_inside
+
+Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
+_MAX_FLOAT16 = 65504.0
+_BAND_ROWS = 256
+_MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before memory is asked for
+
+
+class TextureError(ValueError):
+    """A texture cannot be read; the message says why."""
+
+
+class TextureCache:
+    """Reads each texture once for each way that it is used.
+
+    Args:
+        max_size: width and height that no image exceeds; larger ones are averaged down by a whole factor.
+        confined_to: the folder that every file must lie in, or None.
+    """
+
+    def __init__(self, max_size: int, confined_to: Path | None = None) -> None:
+        self._max_size, self._confined_to = max_size, confined_to
+        self._images: dict[tuple[object, ...], Image] = {}
+
+    def image(
+        self,
+        resolved_path: str,
+        source: str,
+        purpose: Purpose = "color",
+        scale: tuple[float, ...] = (1, 1, 1, 1),
+        bias: tuple[float, ...] = (0, 0, 0, 0),
+    ) -> Image:
+        """The image of a resolved asset path.
+
+        Args:
+            resolved_path: as Ar resolves it; may be inside a package.
+            source: its colour space: a token of :func:`render.colour.to_working` or ``auto``.
+            purpose: ``color`` or ``data``.
+            scale: applied to linear values, before the change of primaries.
+            bias: likewise, after the scale.
+
+        Raises:
+            TextureError: the file is missing, damaged, too large or in an unknown colour space.
+        """
+        key = (resolved_path, source, purpose, scale, bias)
+        if key not in self._images:
+            if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
+                raise TextureError("lies outside what was given")
+            with _as_file(resolved_path) as file:
+                pixels = self._read(file, source, purpose, np.float32(scale), np.float32(bias))
+            self._images[key] = Image(pixels, resolved_path)
+        return self._images[key]
+
+    def _read(
+        self, file: str, source: str, purpose: Purpose, scale: NDArray[np.float32], bias: NDArray[np.float32]
+    ) -> NDArray[np.float16]:
+        raw, source = _read_pixels(file, source)
+        height, width = raw.shape[:2]
+        factor = -(-max(height, width) // self._max_size)
+        rows = _BAND_ROWS * factor
+        out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
+        for first in range(0, height, rows):
+            band = _rgba(raw[first : first + rows])
+            linear = colour.linearise(band, source) * scale + bias
+            if purpose == "color":
+                linear = colour.to_working(linear)
+            top = first // factor
+            averaged = _averaged(linear, factor)
+            out[top : top + len(averaged)] = np.clip(np.nan_to_num(averaged), -_MAX_FLOAT16, _MAX_FLOAT16)
+        return out
+
+
+def _read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
+    """``(height, width, channels)`` pixels in the file's own type, and the colour space that ``auto`` stands for."""
+    request = oiio.ImageSpec()
+    request.attribute("oiio:UnassociatedAlpha", 1)
+    handle = oiio.ImageInput.open(file, request)
+    if handle is None:
+        raise TextureError(f"cannot be read: {oiio.geterror() or 'unknown format'}")
+    try:
+        spec = handle.spec()
+        if spec.width * spec.height > _MAX_PIXELS or spec.depth > 1:
+            raise TextureError(f"is {spec.width} x {spec.height} x {spec.depth} pixels, more than 16384 x 16384")
+        pixels = handle.read_image(0, 0, 0, min(spec.nchannels, 4), oiio.UNKNOWN)
+        if pixels is None:
+            raise TextureError(f"cannot be read: {handle.geterror()}")
+    finally:
+        handle.close()
+    if source == "auto":
+        # UsdPreviewSurface specification: 8-bit images of three or four channels are sRGB, the others linear.
+        source = "sRGB" if pixels.dtype == np.uint8 and pixels.shape[2] >= 3 else "raw"
+    return pixels, source
+
+
+def _rgba(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
+    """``(h, w, 4)`` float32; integers become 0 to 1, grey is spread over the colours, missing alpha is 1."""
+    scale = np.iinfo(pixels.dtype).max if np.issubdtype(pixels.dtype, np.integer) else 1.0
+    values = pixels.astype(np.float32) / np.float32(scale)
+    channels = values.shape[2]
+    out = np.ones((*values.shape[:2], 4), np.float32)
+    out[..., :3] = values[..., :3] if channels >= 3 else values[..., :1]
+    if channels in (2, 4):
+        out[..., 3] = values[..., -1]
+    return out
+
+
+def _averaged(pixels: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
+    """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
+    if factor == 1:
+        return pixels
+    height, width = pixels.shape[:2]
+    padded = np.pad(pixels, ((0, -height % factor), (0, -width % factor), (0, 0)), mode="edge")
+    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, 4)
+    mean: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
+    return mean
+
+
+@contextlib.contextmanager
+def _as_file(resolved_path: str) -> Iterator[str]:
+    """A plain file with the asset's bytes: itself, or a temporary copy of what lies in a package."""
+    if not Ar.IsPackageRelativePath(resolved_path):
+        if not os.path.isfile(resolved_path):
+            raise TextureError("is missing")
+        yield resolved_path
+        return
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved_path))
+    if not asset:
+        raise TextureError("is missing from its package")
+    inner = Ar.SplitPackageRelativePathInner(resolved_path)[1]
+    with asset, tempfile.TemporaryDirectory(prefix="pullfocus-") as folder:
+        copy = Path(folder) / f"texture{Path(inner).suffix}"
+        copy.write_bytes(asset.GetBuffer())
+        yield str(copy)

@@ -121,8 +121,9 @@ class SceneIndex:
             return node
         pose = batch.poses[instances[0]] if single else np.eye(4)
         mesh = pyrender.Mesh([self._primitive(batch, None if single else batch.poses[instances])])
-        node = pyrender.Node(mesh=mesh, matrix=pose)
+        node = pyrender.Node(mesh=mesh)
         self.graph.add_node(node)
+        self.graph.set_pose(node, pose)  # a matrix given to the Node is decomposed, and mirrors and shears are lost
         kept[key] = (node, (batch.geometry, batch.material, batch.poses))  # owners keep the ids in the key from reuse
         return node
 

@@ -1,8 +1,9 @@
 """Where rays start on the pupil and on the sensor: patterns that are written down, not drawn.
 
-The pattern is the additive recurrence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences") in four
-dimensions, two for the pupil and two for the pixel: point i is ``frac(s + i·(1/g, 1/g², 1/g³, 1/g⁴))`` with g the positive
-root of x⁵ = x + 1. Each pixel of an 8x8 tile starts it at another place, so that neighbours do not repeat each other's error.
+On the pupil the points follow the R2 sequence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences"):
+point i is ``frac(s + i·(1/g, 1/g²))`` with g the positive root of x³ = x + 1. On the pixel they follow the Halton sequence in
+bases 2 and 3 (Halton 1960), which does not beat with it. Each pixel of an 8x8 tile shifts both to another start, so that
+neighbours do not repeat each other's error (Cranley & Patterson 1976).
 """
 
 from __future__ import annotations
@@ -12,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.scene import DoubleArray
+from render.scene import DoubleArray, IntArray
 
 MAX_RAYS = 4096
 TILE = 8
-_G = 1.1673039782614187
-_STEPS = 1.0 / _G ** np.arange(1, 5)
+_R2 = 1.0 / 1.32471795724474602596 ** np.arange(1, 3)
+_R4 = 1.0 / 1.16730397826141868426 ** np.arange(1, 5)  # the same in four dimensions: where tiles and seeds start
 
 
 @dataclass(frozen=True)
@@ -79,8 +80,10 @@ def lens_samples(rays: int, iris: Iris, *, seed: int = 0, tiled: bool = True) ->
     if rays == 1:
         zero = np.zeros((tiles, 1, 2))
         return LensSamples(zero, zero)
-    starts = np.mod(0.5 + seed * _STEPS[::-1] + _tile_rank(tiles)[:, None] * _STEPS[[2, 0, 3, 1]], 1.0)
-    points = np.mod(starts[:, None, :] + np.arange(rays)[None, :, None] * _STEPS, 1.0)
+    starts = np.mod(0.5 + seed * _R4[::-1] + _tile_rank(tiles)[:, None] * _R4, 1.0)
+    index = np.arange(rays)
+    steps = np.concatenate([index[:, None] * _R2, np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], -1)], 1)
+    points = np.mod(starts[:, None, :] + steps, 1.0)
     return LensSamples(fill_iris(points[..., :2], iris), points[..., 2:] - 0.5)
 
 
@@ -124,6 +127,16 @@ def _bladed(radius: DoubleArray, angle: DoubleArray, iris: Iris) -> tuple[Double
     share = angle / (2 * half) - sector
     within = np.interp(share * area[-1], area, t)
     return radius * np.interp(within, t, rim), (sector + 0.5) * 2 * half + within
+
+
+def _radical_inverse(index: IntArray, base: int) -> DoubleArray:
+    """The digits of ``index`` mirrored at the point: ``(n,)`` in [0, 1)."""
+    left, inverse, place = np.array(index), np.zeros(len(index)), 1.0
+    while left.any():
+        place /= base
+        inverse += place * (left % base)
+        left //= base
+    return inverse
 
 
 def _tile_rank(tiles: int) -> DoubleArray:

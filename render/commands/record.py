@@ -1,0 +1,176 @@
+"""`pullfocus record`: frames of a shot as files, with usdrecord's arguments where it has them."""
+
+from __future__ import annotations
+
+import argparse
+import time as clock
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from render.commands import arguments as shared
+from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
+from render.errors import OutputError, SettingsError
+from render.film import Grade
+from render.frame_spec import frame_file_names, parse_frames
+from render.output import format_of, write_frame
+from render.shot import Shot, make_picture
+from render.shot.size import picture_height
+
+if TYPE_CHECKING:
+    from render.frame import FrameSettings
+
+PURPOSES = ("default", "render", "proxy", "guide")
+COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+
+OPTIONS_TO_COME = {"lens": "the lens library", "film": "the film library"}
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("record", help="render frames of a shot to EXR, PNG or JPEG files")
+    parser.set_defaults(run=run)
+    shared.add_stage(parser)
+    parser.add_argument(
+        "out",
+        metavar="OUT",
+        help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number",
+    )
+    shared.add_camera(parser)
+    shared.add_frames(parser, "the shot's first frame")
+    _add_scene_options(parser)
+    _add_picture_options(parser)
+    parser.add_argument("--json", action="store_true", help="print on standard output what was written")
+    for option in OPTIONS_TO_COME:
+        parser.add_argument(f"--{option}", help=argparse.SUPPRESS)
+
+
+def _add_scene_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("what is drawn")
+    group.add_argument(
+        "--purposes", "-p", default="render", metavar="LIST", help="of render, proxy and guide; default is always drawn"
+    )
+    group.add_argument("--mask", metavar="PATHS", help="only these prims, with commas between, and what is in them")
+    group.add_argument(
+        "--complexity", "-c", default="low", choices=COMPLEXITIES, help="how finely round prims are divided"
+    )
+
+
+def _add_picture_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("how it is rendered")
+    group.add_argument(
+        "--imageWidth", "-w", type=int, default=960, metavar="PX", help="width; the film gate's shape gives the height"
+    )
+    group.add_argument(
+        "--engine",
+        default="lens",
+        metavar="NAME",
+        help="lens, accumulation (the slow reference) or pinhole (all sharp)",
+    )
+    group.add_argument("--rays", type=int, default=100, metavar="N", help="lens rays for each pixel")
+    group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
+    group.add_argument(
+        "--supersample", type=int, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
+    )
+    group.add_argument("--shading", default="lit", metavar="NAME", help="lit, or unlit for the base colour as radiance")
+    group.add_argument(
+        "--aov", default="color", metavar="LIST", help="parts of an EXR: color, depth, coc, prim_id, face_id"
+    )
+    group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Render the frames and write them.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the arguments are out of range or do not fit together.
+        InputError: the shot or its camera cannot be used.
+        GraphicsError: no OpenGL context.
+        OutputError: a file cannot be written; those before it are whole.
+    """
+    _check_output(arguments)
+    asked = None if arguments.frames is None else parse_frames(arguments.frames)
+    shot = _open(arguments)
+    frames = asked or [shot.frame_range.start]
+    files = [Path(name) for name in frame_file_names(arguments.out, frames)]
+    _check_folders(files)
+    camera = shared.choose_camera(shot, arguments.camera)
+    settings = _settings(arguments, picture_height(shot, camera, frames[0], arguments.imageWidth))
+    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings)
+    warn_of(shot.findings(), arguments.stage)
+    if arguments.json:
+        print_json(
+            {
+                "stage": arguments.stage,
+                "camera": camera,
+                "settings": camel_case_keys(asdict(settings)),
+                "frames": written,
+                "findings": [asdict(finding) for finding in shot.findings()],
+            }
+        )
+
+
+def _check_output(arguments: argparse.Namespace) -> None:
+    for option, what in OPTIONS_TO_COME.items():
+        if getattr(arguments, option) is not None:
+            raise SettingsError(f"--{option} comes later, with {what}", code="comes_later")
+    if format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
+        raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
+
+
+def _check_folders(files: Sequence[Path]) -> None:
+    """Before anything is rendered: an hour's work would fail when it is to be written."""
+    for folder in {file.parent for file in files}:
+        if not folder.is_dir():
+            raise OutputError(f"the folder {folder} does not exist", code="missing_folder", path=str(folder))
+
+
+def _open(arguments: argparse.Namespace) -> Shot:
+    purposes = shared.known_words(arguments.purposes, PURPOSES, "--purposes")
+    return Shot.open(
+        arguments.stage,
+        purposes=tuple(dict.fromkeys(("default", *purposes))),
+        mask=shared.split_words(arguments.mask) if arguments.mask is not None else None,
+        complexity=arguments.complexity,
+        edits=arguments.edits,
+    )
+
+
+def _settings(arguments: argparse.Namespace, height: int) -> FrameSettings:
+    from render.frame import FrameSettings  # imports OpenGL, which takes seconds: not before the shot is found good
+
+    return FrameSettings(
+        width=arguments.imageWidth,
+        height=height,
+        engine=arguments.engine,
+        rays=arguments.rays,
+        layers=arguments.layers,
+        supersample=arguments.supersample,
+        shading=arguments.shading,
+        seed=arguments.seed,
+        aovs=shared.split_words(arguments.aov),
+    )
+
+
+def _record(
+    shot: Shot, camera: str | None, plan: Sequence[tuple[float, Path]], settings: FrameSettings
+) -> list[dict[str, Any]]:
+    """Render and write each frame of the plan; what was written, for --json."""
+    from render.frame import FrameRenderer
+
+    written = []
+    grade = Grade()
+    with FrameRenderer() as renderer, FrameProgress(len(plan)) as progress:
+        for time, file in plan:
+            began = clock.perf_counter()
+            progress.begin(file.name)
+            picture = make_picture(renderer, shot, camera, time, settings, grade, progress.within)
+            write_frame(file, picture.frame, picture.graded, picture.metadata)
+            seconds = clock.perf_counter() - began
+            progress.finish(str(file), seconds)
+            written.append({"time": time, "file": str(file), "seconds": round(seconds, 3)})
+    return written

@@ -1,0 +1,129 @@
+"""What commands tell people while they work. All of it goes to standard error; standard output is for results."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from render.stage.findings import Finding
+
+MAX_WARNINGS = 8
+
+_console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
+
+
+def say(message: str) -> None:
+    """Print one line, above the progress bar where there is one.
+
+    Args:
+        message: the line.
+    """
+    _console.print(message)
+
+
+def warn_of(findings: Sequence[Finding], stage: str) -> None:
+    """Warn of what is not honoured, shortly: `pullfocus inspect` has the whole list.
+
+    Args:
+        findings: what to warn of.
+        stage: the stage's name as the user typed it.
+    """
+    for finding in findings[:MAX_WARNINGS]:
+        say(f"warning: {finding.message}")
+    if len(findings) > MAX_WARNINGS:
+        say(f"warning: and {len(findings) - MAX_WARNINGS} more, see: pullfocus inspect {stage}")
+
+
+def print_json(result: Any) -> None:
+    """Print a machine-readable result on standard output.
+
+    Args:
+        result: dictionaries, lists, strings and finite numbers.
+    """
+    json.dump(result, sys.stdout, indent=2, allow_nan=False)
+    sys.stdout.write("\n")
+
+
+def camel_case_keys(record: dict[str, Any]) -> dict[str, Any]:
+    """A record with its keys as JSON has them: ``focus_distance_m`` becomes ``focusDistanceM``.
+
+    Args:
+        record: flat.
+    """
+    return {re.sub("_(.)", lambda letter: letter[1].upper(), key): value for key, value in record.items()}
+
+
+def finite(record: dict[str, Any]) -> dict[str, Any]:
+    """A record as JSON can hold it: null stands for what is infinite or no number.
+
+    Args:
+        record: flat.
+    """
+    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in record.items()}
+
+
+class FrameProgress:
+    """How many frames are done: a bar on a terminal, a line for each frame elsewhere.
+
+    Args:
+        total: number of frames.
+    """
+
+    def __init__(self, total: int) -> None:
+        self._total = total
+        self._done = 0
+        self._progress = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+            console=_console,
+            disable=not _console.is_terminal,
+            transient=True,
+        )
+        self._task = self._progress.add_task("frames", total=total)
+
+    def __enter__(self) -> FrameProgress:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def begin(self, name: str) -> None:
+        """Show which frame is at work.
+
+        Args:
+            name: of the frame's file.
+        """
+        self._progress.update(self._task, description=name)
+
+    def within(self, fraction: float) -> None:
+        """Show how far the frame at work is.
+
+        Args:
+            fraction: 0 to 1.
+        """
+        self._progress.update(self._task, completed=self._done + fraction)
+
+    def finish(self, name: str, seconds: float) -> None:
+        """Count a frame as done.
+
+        Args:
+            name: of the frame's file, which is written.
+            seconds: that it took.
+        """
+        self._done += 1
+        self._progress.update(self._task, completed=self._done)
+        if not _console.is_terminal:
+            say(f"{self._done}/{self._total} {name} {seconds:.1f} s")

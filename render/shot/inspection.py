@@ -1,0 +1,94 @@
+"""What a shot holds, what of it is not honoured, and what is wrong with its cameras."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from pxr import UsdGeom
+
+from render.errors import CameraError
+from render.scene import Scene
+from render.shot.focusing import Readout
+from render.shot.shot import Shot
+from render.stage import CameraChoice, Finding, FrameRange
+from usd_schemas.units import metres_per_unit
+from usd_schemas.validation import Problem, validate
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """A look into a shot at its first frame.
+
+    Attributes:
+        frame_range: first and last frame, and the rate.
+        up_axis: of the stage.
+        metres_per_unit: length of a scene unit.
+        cameras: prim paths.
+        default_camera: the camera that is used when none is named, and why.
+        readouts: the lens of each camera whose numbers are possible.
+        prim_count: prims with geometry that are drawn.
+        triangle_count: drawn, instances counted.
+        light_count: lights, a dome among them.
+        notes: what is not honoured or cannot be used.
+        validation: what the schemas' validators found.
+    """
+
+    frame_range: FrameRange
+    up_axis: Literal["Y", "Z"]
+    metres_per_unit: float
+    cameras: tuple[str, ...]
+    default_camera: CameraChoice
+    readouts: tuple[Readout, ...]
+    prim_count: int
+    triangle_count: int
+    light_count: int
+    notes: tuple[Finding, ...]
+    validation: tuple[Problem, ...]
+
+
+def inspect_shot(shot: Shot) -> Inspection:
+    """Read a shot at its first frame and look at all that is in it.
+
+    Args:
+        shot: the shot.
+
+    Raises:
+        StageError: the stage has numbers that no scene can be made of.
+    """
+    first = shot.frame_range.start
+    scene = shot.scene_at(first)
+    readouts, unusable = _read_lenses(shot, first)
+    return Inspection(
+        frame_range=shot.frame_range,
+        up_axis="Z" if UsdGeom.GetStageUpAxis(shot.stage) == UsdGeom.Tokens.z else "Y",
+        metres_per_unit=metres_per_unit(shot.stage),
+        cameras=tuple(shot.cameras()),
+        default_camera=shot.default_camera(),
+        readouts=readouts,
+        prim_count=_drawn_prims(scene),
+        triangle_count=scene.triangle_count,
+        light_count=len(scene.lights) + (scene.dome is not None),
+        notes=(*shot.findings(), *unusable),
+        validation=tuple(validate(shot.stage)),
+    )
+
+
+def _read_lenses(shot: Shot, time: float) -> tuple[tuple[Readout, ...], tuple[Finding, ...]]:
+    """The lens of each camera; a camera that cannot be used is a finding and does not hide the others."""
+    readouts, unusable = [], []
+    for path in shot.cameras():
+        try:
+            readouts.append(shot.readout(path, time))
+        except CameraError as error:
+            unusable.append(Finding(error.code, path, error.detail))
+    return tuple(readouts), tuple(unusable)
+
+
+def _drawn_prims(scene: Scene) -> int:
+    drawn: set[int] = set()
+    for batch in scene.batches:
+        ids = batch.geometry.prim_ids if batch.instance_prim_ids is None else batch.instance_prim_ids
+        drawn.update(np.unique(ids).tolist())
+    return len(drawn)

@@ -1,0 +1,33 @@
+"""The shape of a picture, where only its width is asked for."""
+
+from __future__ import annotations
+
+from render.errors import CameraError
+from render.optics.view import check_picture_size
+from render.shot.shot import Shot
+from render.stage import read_camera
+
+
+def picture_height(shot: Shot, camera_path: str | None, time: float, width: int) -> int:
+    """The height in pixels at which a picture shows the camera's own film gate, no more and no less.
+
+    Args:
+        shot: the shot.
+        camera_path: of a camera; None for the shot's default camera.
+        time: USD time code.
+        width: of the picture in pixels.
+
+    Raises:
+        SettingsError: the width is no number of pixels.
+        CameraError: it is no camera, or has impossible numbers.
+    """
+    check_picture_size(width, 1)
+    if camera_path is None:
+        choice = shot.default_camera()
+        camera = choice.framing or read_camera(shot.stage, str(choice.path), time)
+    else:
+        camera = read_camera(shot.stage, camera_path, time)
+    if not (camera.horizontal_aperture_mm > 0 and camera.vertical_aperture_mm > 0):
+        gate = f"{camera.horizontal_aperture_mm:g} × {camera.vertical_aperture_mm:g} mm"
+        raise CameraError(f"the film gate of {camera.path} must be larger than 0, got {gate}", path=camera.path)
+    return max(1, round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm))

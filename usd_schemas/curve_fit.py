@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from usd_schemas.errors import SchemaError
 
 Doubles = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,22 +64,44 @@ def fit_knots(times: ArrayLike, values: ArrayLike, tolerance: ArrayLike = 0.0) -
     allowed = np.broadcast_to(np.asarray(tolerance, np.float64), t.shape)
     slopes = _sample_slopes(t, v)
 
-    def through(chosen: NDArray[np.bool_]) -> Knots:
-        return Knots(t[chosen], v[chosen], _limited(slopes[chosen], t[chosen], v[chosen]))
+    chosen = np.array(sorted({0, len(t) - 1}))
+    while len(worst := _worst_between(chosen, _excess(chosen, t, v, slopes, allowed))):
+        chosen = np.union1d(chosen, worst)
+    chosen = _without_needless(chosen, t, v, slopes, allowed)
+    return _through(chosen, t, v, slopes)
 
-    def excess(chosen: NDArray[np.bool_]) -> Doubles:
-        """How far each sample is beyond its tolerance; a knot is never."""
-        return np.where(chosen, -np.inf, np.abs(through(chosen).at(t) - v) - allowed)
 
-    chosen = np.zeros(len(t), bool)
-    chosen[[0, -1]] = True
-    while len(worst := _worst_between(np.flatnonzero(chosen), excess(chosen))):
-        chosen[worst] = True
-    # Knots of the first rounds may have been made needless by later ones.
-    for index in np.flatnonzero(chosen)[1:-1]:
-        chosen[index] = False
-        chosen[index] = bool(np.any(excess(chosen) > 0))
-    return through(chosen)
+def _through(chosen: Indices, t: Doubles, v: Doubles, slopes: Doubles) -> Knots:
+    """The curve whose knots are the samples at ``(k,)`` indices."""
+    return Knots(t[chosen], v[chosen], _limited(slopes[chosen], t[chosen], v[chosen]))
+
+
+def _excess(chosen: Indices, t: Doubles, v: Doubles, slopes: Doubles, allowed: Doubles) -> Doubles:
+    """How far each sample is beyond its tolerance from the curve; a knot never is."""
+    excess: Doubles = np.abs(_through(chosen, t, v, slopes).at(t) - v) - allowed
+    excess[chosen] = -np.inf
+    return excess
+
+
+def _without_needless(chosen: Indices, t: Doubles, v: Doubles, slopes: Doubles, allowed: Doubles) -> Indices:
+    """Take out knots that the curve stays within its tolerance without.
+
+    A knot's going changes the slopes of its two neighbours, and so two segments on either side; to know these, the third
+    knot on either side is looked at as well.
+    """
+    kept = list(chosen)
+    position = 1
+    while position < len(kept) - 1:
+        first, last = max(position - 3, 0), min(position + 3, len(kept) - 1)
+        window = np.array(kept[first:position] + kept[position + 1 : last + 1])
+        span = slice(window[0], window[-1] + 1)
+        inner = slice(kept[max(position - 2, 0)] - span.start, kept[min(position + 2, len(kept) - 1)] + 1 - span.start)
+        excess = _excess(window - span.start, t[span], v[span], slopes[span], allowed[span])[inner]
+        if np.any(excess > 0):
+            position += 1
+        else:
+            del kept[position]
+    return np.array(kept)
 
 
 def checked_samples(times: ArrayLike, values: ArrayLike) -> tuple[Doubles, Doubles]:
@@ -118,7 +141,7 @@ def _limited(slopes: Doubles, t: Doubles, v: Doubles) -> Doubles:
     return np.where(turning, 0.0, np.sign(slopes) * np.minimum(np.abs(slopes), most))
 
 
-def _worst_between(index: NDArray[np.intp], excess: Doubles) -> NDArray[np.intp]:
+def _worst_between(index: Indices, excess: Doubles) -> Indices:
     """Index of the worst sample between each two knots, where one is beyond its tolerance."""
     worst = [left + 1 + int(np.argmax(excess[left + 1 : right])) for left, right in pairwise(index) if right - left > 1]
     return np.array([sample for sample in worst if excess[sample] > 0], np.intp)

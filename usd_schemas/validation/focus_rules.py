@@ -1,0 +1,158 @@
+"""Rules for focus points: their targets are there, and what they say of them can be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from pxr import Sdf, Usd, UsdGeom
+
+from usd_schemas.data import FocusPoint
+from usd_schemas.focus_point import FocusPointView
+from usd_schemas.topology import topology_fingerprint
+from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
+from usd_schemas.values import is_animated, read_value
+from usd_schemas.view import LensCamera
+
+_TOLERANCE = 1e-6  # of barycentric coordinates, which tools may have written in single precision
+
+
+def focus_mode(prim: Usd.Prim) -> Iterator[Fault]:
+    """A camera that focuses by points has some."""
+    camera = LensCamera(prim)
+    mode = camera.focus.read().mode
+    if mode != "manual" and not camera.focus_points():
+        path = prim.GetPath().AppendProperty("focus:mode")
+        yield Fault(path, f"focus:mode is {mode}, which needs focus points; the camera has none")
+
+
+def targets(prim: Usd.Prim) -> Iterator[Fault]:
+    """Each focus point's target is there and of a kind that can be anchored to."""
+    for view in LensCamera(prim).focus_points():
+        relationship, paths = view.target_relationship(), view.read().target
+        if len(paths) not in (1, 2):
+            yield Fault(
+                relationship.GetPath(),
+                f"focus point {view.name} needs one target, or a PointInstancer and its prototype's mesh, "
+                f"got {len(paths)}",
+            )
+            continue
+        for path in paths:
+            target = prim.GetStage().GetPrimAtPath(path)
+            if not target:
+                yield Fault(
+                    relationship.GetPath(), f"focus point {view.name} has the target {path}, which is not there"
+                )
+            elif not target.IsA(UsdGeom.Xformable):
+                kind = target.GetTypeName() or "no type"
+                yield Fault(
+                    relationship.GetPath(),
+                    f"focus point {view.name} needs an Xformable as its target, got {path} of {kind}",
+                )
+
+
+def anchors(prim: Usd.Prim) -> Iterator[Fault]:
+    """Face, triangle and instance of each focus point exist on its target."""
+    for view in LensCamera(prim).focus_points():
+        point = view.read(_first_time(view))
+        yield from _instance_fault(view, point)
+        mesh = _mesh(prim.GetStage(), point)
+        if mesh is None or point.face < 0:
+            continue
+        counts = mesh.GetFaceVertexCountsAttr().Get(Usd.TimeCode.EarliestTime()) or []
+        path = prim.GetPath().AppendProperty(f"focusPoint:{view.name}:face")
+        if point.face >= len(counts):
+            yield Fault(
+                path, f"focus point {view.name}: {mesh.GetPath()} has {len(counts)} faces, got face {point.face}"
+            )
+        elif point.fan_triangle >= counts[point.face] - 2:
+            fan = path.ReplaceName(f"focusPoint:{view.name}:fanTriangle")
+            yield Fault(
+                fan,
+                f"focus point {view.name}: face {point.face} of {mesh.GetPath()} has {max(counts[point.face] - 2, 0)} "
+                f"triangles, got triangle {point.fan_triangle}",
+            )
+
+
+def _first_time(view: FocusPointView) -> float | None:
+    """The time of the point's first key of face or instance, None where they do not change."""
+    times = [key.time for name in ("face", "instance", "fan_triangle") for key in view.keys(name)]
+    return min(times, default=None)
+
+
+def _instance_fault(view: FocusPointView, point: FocusPoint) -> Iterator[Fault]:
+    first = point.target[0] if point.target else "/"
+    instancer = UsdGeom.PointInstancer(view.prim.GetStage().GetPrimAtPath(first))
+    path = view.prim.GetPath().AppendProperty(f"focusPoint:{view.name}:instance")
+    if instancer:
+        count = len(instancer.GetProtoIndicesAttr().Get(Usd.TimeCode.EarliestTime()) or [])
+        if not 0 <= point.instance < count:
+            yield Fault(path, f"focus point {view.name}: {first} has {count} instances, got {point.instance}")
+    elif point.instance >= 0:
+        yield Fault(
+            path, f"focus point {view.name} names instance {point.instance} of a target that is no PointInstancer"
+        )
+
+
+def _mesh(stage: Usd.Stage, point: FocusPoint) -> UsdGeom.Mesh | None:
+    target = stage.GetPrimAtPath(point.target[-1]) if point.target else None
+    return UsdGeom.Mesh(target) if target and target.IsA(UsdGeom.Mesh) else None
+
+
+def topology(prim: Usd.Prim) -> Iterator[Fault]:
+    """The target mesh still has the topology on which the focus point was placed."""
+    for view in LensCamera(prim).focus_points():
+        point = view.read()
+        mesh = _mesh(prim.GetStage(), point)
+        if mesh is None or not point.topology:
+            continue
+        found = topology_fingerprint(mesh)
+        if found != point.topology:
+            yield Fault(
+                prim.GetPath().AppendProperty(f"focusPoint:{view.name}:topology"),
+                f"focus point {view.name} was placed on {mesh.GetPath()} with topology {point.topology}, which is now "
+                f"{found}: look whether its face still is what was meant",
+            )
+
+
+def barycentrics(prim: Usd.Prim) -> Iterator[Fault]:
+    """Barycentric coordinates sum to 1 and lie in the triangle."""
+    for view in LensCamera(prim).focus_points():
+        attribute = prim.GetAttribute(f"focusPoint:{view.name}:barycentric")
+        for where, weights in authored_values(attribute):
+            if abs(sum(weights) - 1) > _TOLERANCE or min(weights) < -_TOLERANCE:
+                yield Fault(
+                    attribute.GetPath(),
+                    f"barycentric coordinates of focus point {view.name}{where} must be 0 or more and sum to 1, "
+                    f"got {weights}",
+                )
+
+
+def _can_normalise(stage: Usd.Stage, path: Sdf.Path) -> bool:
+    attribute = stage.GetAttributeAtPath(path)
+    if not attribute or is_animated(attribute):
+        return False
+    weights = read_value(attribute)
+    return math.isfinite(sum(weights)) and min(weights) >= -_TOLERANCE and sum(weights) > 0
+
+
+def _normalise(stage: Usd.Stage, path: Sdf.Path) -> None:
+    attribute = stage.GetAttributeAtPath(path)
+    weights = [max(weight, 0.0) for weight in read_value(attribute)]
+    attribute.Set(tuple(weight / sum(weights) for weight in weights))
+
+
+FOCUS_RULES = (
+    Rule("FocusMode", focus_mode.__doc__ or "", "warning", "camera", focus_mode),
+    Rule("FocusPointTargets", targets.__doc__ or "", "error", "camera", targets),
+    Rule("FocusPointAnchors", anchors.__doc__ or "", "error", "camera", anchors),
+    Rule("FocusPointTopology", topology.__doc__ or "", "warning", "camera", topology),
+    Rule(
+        "FocusPointBarycentrics",
+        barycentrics.__doc__ or "",
+        "error",
+        "camera",
+        barycentrics,
+        Fix("Normalise", "Scale coordinates that do not change over time to sum to 1.", _can_normalise, _normalise),
+    ),
+)

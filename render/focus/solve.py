@@ -28,11 +28,12 @@ DoubleArray = NDArray[np.float64]
 
 PointKind = Literal["sharp", "soft"]
 
-PointState = Literal["used", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "pinhole"]
+PointState = Literal["used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "pinhole"]
 """What became of a focus point: it counts, or why it does not.
 
-``lost``: it has no place, as its target is missing. ``behind_camera``: it, or the focus that it asks for, is not in
-front. ``pinhole``: it should be soft, but a pinhole makes nothing soft.
+``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing.
+``behind_camera``: it, or the focus that it asks for, is not in front. ``pinhole``: it should be soft, but a pinhole makes
+nothing soft.
 """
 
 STATES: tuple[PointState, ...] = get_args(PointState)

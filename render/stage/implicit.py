@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Usd
 
 from render.stage.polygons import FloatArray, IntArray, Polygons, Values
+
+DoubleArray = NDArray[np.float64]
 
 STEPS_AROUND = 64
 STEPS_OVER_CAP = 16
@@ -48,13 +51,16 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
 
 
 def _turned(polygons: Polygons, axis: str) -> Polygons:
-    """Turn from the Z axis to another one, as UsdGeomPlane says: a plane's width stays on X for axis Y, its length on Y for axis X."""
+    """Turn from the Z axis to another one.
+
+    As UsdGeomPlane has it: a plane's width stays on X for axis Y, its length stays on Y for axis X.
+    """
     if axis == "Z" or polygons.normals is None:
         return polygons
     turn = {"X": ((2, 1, 0), (1, 1, -1)), "Y": ((0, 2, 1), (1, 1, -1))}[axis]
 
     def turned(vectors: FloatArray) -> FloatArray:
-        return (vectors[:, turn[0]] * np.array(turn[1])).astype(np.float32)
+        return np.array(vectors[:, turn[0]] * np.array(turn[1]), np.float32)
 
     normals = Values(turned(polygons.normals.values), polygons.normals.interpolation)
     return Polygons(turned(polygons.points), polygons.counts, polygons.corners, normals)
@@ -113,14 +119,14 @@ def _capsule_1(radius_bottom: float, radius_top: float, height: float) -> Polygo
     )
 
 
-def _arc(radius: float, centre: float, angle: FloatArray) -> FloatArray:
+def _arc(radius: float, centre: float, angle: DoubleArray) -> DoubleArray:
     """``(n, 4)`` profile rows (distance from the axis, height, normal out, normal up) of an arc about the axis."""
     cos, sin = np.cos(angle), np.sin(angle)
     cos[np.abs(angle) == np.pi / 2] = 0.0
     return np.stack([radius * cos, centre + radius * sin, cos, sin], axis=1)
 
 
-def _revolved(profiles: list[FloatArray]) -> Polygons:
+def _revolved(profiles: list[DoubleArray]) -> Polygons:
     """Turn profiles about Z: quads between neighbouring rows, triangles at the axis, a normal for each point."""
     around = np.arange(STEPS_AROUND) * (2 * np.pi / STEPS_AROUND)
     cos, sin = np.cos(around), np.sin(around)

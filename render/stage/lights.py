@@ -1,7 +1,7 @@
 """UsdLux lights in physical terms.
 
-UsdLux: radiance = colour · intensity · 2^exposure, divided by the light's area where ``normalize`` is set. That area is in scene units, as
-in USD's reference renderer (hdEmbree), so that a shot keeps its exposure whatever its metersPerUnit.
+UsdLux: radiance = colour · intensity · 2^exposure, divided by the light's area where ``normalize`` is set. That area is in
+scene units, as in USD's reference renderer (hdEmbree), so that a shot keeps its exposure whatever its metersPerUnit.
 """
 
 from __future__ import annotations

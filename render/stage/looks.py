@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pxr import Sdf, Usd, UsdShade
+from pxr import Usd, UsdShade
 
 from render.scene import Material
 from render.stage.findings import FindingLog

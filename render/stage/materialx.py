@@ -1,8 +1,8 @@
 """MaterialX files that a stage references, read roughly: usd-core cannot open .mtlx, so the reference itself stays empty.
 
-A ``standard_surface`` gives its base colour, metalness, roughness, normal and emission, as constants or as image files. That is enough
-for a wooden or a painted thing to look like itself; transmission, subsurface scattering, coats and everything computed by
-nodes other than ``image``, ``tiledimage`` and ``normalmap`` are left out, and a finding says so.
+A ``standard_surface`` gives its base colour, metalness, roughness, normal and emission, as constants or as image files. That
+is enough for a wooden or a painted thing to look like itself; transmission, subsurface scattering, coats and everything
+computed by nodes other than ``image``, ``tiledimage`` and ``normalmap`` are left out, and a finding says so.
 """
 
 from __future__ import annotations

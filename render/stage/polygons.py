@@ -194,8 +194,8 @@ def weld(polygons: Polygons, value_indices: Sequence[LongArray]) -> tuple[LongAr
 def merged_duplicates(values: FloatArray) -> tuple[FloatArray, LongArray]:
     """Equal rows made one: ``(u, k)`` distinct rows and ``(m,)`` which of them each row is.
 
-    Rows are told apart by a 64-bit hash of their bits (splitmix64's mixer), since sorting whole rows is ten times slower; should two
-    rows ever share a hash, nothing is merged.
+    Rows are told apart by a 64-bit hash of their bits (splitmix64's mixer), since sorting whole rows is ten times slower;
+    should two rows ever share a hash, nothing is merged.
     """
     bits = np.ascontiguousarray(values + np.float32(0)).view(np.uint32).astype(np.uint64)  # + 0 makes -0 and 0 equal
     hashed = np.zeros(len(values), np.uint64)

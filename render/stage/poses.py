@@ -71,7 +71,11 @@ def is_hidden(hiders: Sequence[Usd.Prim], time: Usd.TimeCode) -> bool:
 
 
 def _instances(link: InstancerLink, time: Usd.TimeCode) -> tuple[DoubleArray, IntArray, int]:
-    """``(k, 4, 4)`` instancer from prototype root for the visible instances of one prototype, their indices, and how many all are."""
+    """The visible instances of one prototype.
+
+    Returns:
+        ``(k, 4, 4)`` instancer from prototype root, ``(k,)`` their indices, and how many instances of all prototypes there are.
+    """
     instancer = UsdGeom.PointInstancer(link.instancer)
     prototypes = np.array(instancer.GetProtoIndicesAttr().Get(time) or [], np.int32)
     matrices = instancer.ComputeInstanceTransformsAtTime(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdSkel, Vt
 
 from render.stage.findings import FindingLog
@@ -104,7 +103,7 @@ def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time:
     transforms = UsdGeom.XformCache(time)
     world_from_skeleton = column_matrix(transforms.GetLocalToWorldTransform(skeleton))
     world_from_prim = column_matrix(transforms.GetLocalToWorldTransform(prim))
-    matrix: NDArray[np.float64] = np.linalg.solve(world_from_prim, world_from_skeleton)
+    matrix = np.linalg.solve(world_from_prim, world_from_skeleton)
     return (points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 from pxr import Ar
 
@@ -17,9 +17,13 @@ from render import colour
 from render.scene import Image
 from render.stage.confinement import is_inside
 
+FloatArray = NDArray[np.float32]
+HalfArray = NDArray[np.float16]
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
+# Which of a file's channels fills each of ours, by how many it has.
+_CHANNELS_OF_RGBA = {1: (0, 0, 0, 0), 2: (0, 0, 0, 1), 3: (0, 1, 2, 0), 4: (0, 1, 2, 3)}
 _MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before memory is asked for
 
 
@@ -64,27 +68,65 @@ class TextureCache:
             if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
                 raise TextureError("lies outside what was given")
             with _as_file(resolved_path) as file:
-                pixels = self._read(file, source, purpose, np.float32(scale), np.float32(bias))
+                pixels = self._read(file, source, purpose, np.array(scale, np.float32), np.array(bias, np.float32))
             self._images[key] = Image(pixels, resolved_path)
         return self._images[key]
 
-    def _read(
-        self, file: str, source: str, purpose: Purpose, scale: NDArray[np.float32], bias: NDArray[np.float32]
-    ) -> NDArray[np.float16]:
+    def _read(self, file: str, source: str, purpose: Purpose, scale: FloatArray, bias: FloatArray) -> HalfArray:
         raw, source = _read_pixels(file, source)
         height, width = raw.shape[:2]
         factor = -(-max(height, width) // self._max_size)
-        rows = _BAND_ROWS * factor
         out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
+        linear = _Linear(raw.dtype, raw.shape[2], source, scale, bias)
+        if purpose != "color" and factor == 1 and linear.is_table:
+            linear.fill(out, raw)
+            return out
+        rows = _BAND_ROWS * factor
         for first in range(0, height, rows):
-            band = _rgba(raw[first : first + rows])
-            linear = colour.linearise(band, source) * scale + bias
+            band = _averaged(linear(raw[first : first + rows]), factor)
             if purpose == "color":
-                linear = colour.to_working(linear)
+                band = colour.to_working(band)
             top = first // factor
-            averaged = _averaged(linear, factor)
-            out[top : top + len(averaged)] = np.clip(np.nan_to_num(averaged), -_MAX_FLOAT16, _MAX_FLOAT16)
+            out[top : top + len(band)] = band
         return out
+
+
+class _Linear:
+    """Makes rows of a file linear ``(h, w, 4)`` float32, scaled and biased; 8-bit files go through a table."""
+
+    def __init__(
+        self, dtype: np.dtype[np.generic], channels: int, source: str, scale: FloatArray, bias: FloatArray
+    ) -> None:
+        self._source, self._scale, self._bias = source, scale, bias
+        self._table: FloatArray | None = None
+        if dtype == np.uint8:
+            ramp = np.repeat(np.arange(256, dtype=np.uint8)[:, None, None], channels, axis=2)
+            self._table = self._computed(ramp)[:, 0]
+
+    @property
+    def is_table(self) -> bool:
+        """Whether each pixel is looked up in a table."""
+        return self._table is not None
+
+    def __call__(self, rows: NDArray[np.generic]) -> FloatArray:
+        if self._table is None:
+            return self._computed(rows)
+        out = np.empty((*rows.shape[:2], 4), np.float32)
+        self.fill(out, rows)
+        return out
+
+    def fill(self, out: FloatArray | HalfArray, rows: NDArray[np.generic]) -> None:
+        """Write rows of an 8-bit file to ``out``, through the table."""
+        assert self._table is not None
+        table = self._table.astype(out.dtype)
+        for channel, of_file in enumerate(_CHANNELS_OF_RGBA[rows.shape[2]]):
+            # A missing alpha is 1 in every row of the table, so any channel of the file finds it.
+            out[..., channel] = table[:, channel][rows[..., of_file]]
+
+    def _computed(self, rows: NDArray[np.generic]) -> FloatArray:
+        linear = colour.linearise(_rgba(rows), self._source) * self._scale + self._bias
+        finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
+        return finite
 
 
 def _read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
@@ -109,10 +151,11 @@ def _read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
     return pixels, source
 
 
-def _rgba(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
+def _rgba(pixels: NDArray[np.generic]) -> FloatArray:
     """``(h, w, 4)`` float32; integers become 0 to 1, grey is spread over the colours, missing alpha is 1."""
-    scale = np.iinfo(pixels.dtype).max if np.issubdtype(pixels.dtype, np.integer) else 1.0
-    values = pixels.astype(np.float32) / np.float32(scale)
+    values = pixels.astype(np.float32)
+    if pixels.dtype.kind == "u":
+        values /= np.float32(2 ** (8 * pixels.dtype.itemsize) - 1)
     channels = values.shape[2]
     out = np.ones((*values.shape[:2], 4), np.float32)
     out[..., :3] = values[..., :3] if channels >= 3 else values[..., :1]
@@ -121,14 +164,14 @@ def _rgba(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
     return out
 
 
-def _averaged(pixels: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
+def _averaged(pixels: FloatArray, factor: int) -> FloatArray:
     """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
     if factor == 1:
         return pixels
     height, width = pixels.shape[:2]
     padded = np.pad(pixels, ((0, -height % factor), (0, -width % factor), (0, 0)), mode="edge")
     blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, 4)
-    mean: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
+    mean: FloatArray = blocks.mean(axis=(1, 3), dtype=np.float32)
     return mean
 
 

@@ -1,0 +1,27 @@
+"""USD stage to Scene: flat arrays, materials, lights and the camera at one time. The one room that reads pxr and textures."""
+
+from __future__ import annotations
+
+from render.stage.anchors import AnchorReader, anchor_position
+from render.stage.cameras import CameraChoice, conformed, default_camera, framing_camera, list_cameras, read_camera
+from render.stage.findings import Finding
+from render.stage.opening import open_stage
+from render.stage.reader import StageReader
+from render.stage.world import FrameRange, frame_range, world_from_stage
+
+__all__ = [
+    "AnchorReader",
+    "CameraChoice",
+    "Finding",
+    "FrameRange",
+    "StageReader",
+    "anchor_position",
+    "conformed",
+    "default_camera",
+    "frame_range",
+    "framing_camera",
+    "list_cameras",
+    "open_stage",
+    "read_camera",
+    "world_from_stage",
+]

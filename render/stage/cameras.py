@@ -1,0 +1,243 @@
+"""Cameras of a stage as the renderer has them: metres, millimetres, Y-up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdRender, UsdUtils
+
+from render.errors import CameraError, SettingsError, StageError
+from render.scene import Camera
+from render.stage.poses import world_pose
+from render.stage.world import rigid_frame, world_from_stage
+from usd_schemas import LensCamera
+from usd_schemas.units import metres_from_units, mm_from_tenths
+
+Conform = Literal[
+    "expandAperture", "cropAperture", "adjustApertureWidth", "adjustApertureHeight", "adjustPixelAspectRatio"
+]
+# The nearest depth that is drawn, where a camera says 0 or less: nothing can be projected at the pinhole itself.
+_NEAREST_M = 1e-4
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """Which camera to look through.
+
+    Attributes:
+        path: of a camera on the stage, or None where there is none to prefer.
+        reason: why this one, in words that follow a camera's name.
+        framing: where path is None, a camera that has everything in view.
+    """
+
+    path: str | None
+    reason: str
+    framing: Camera | None = None
+
+
+def list_cameras(stage: Usd.Stage) -> list[str]:
+    """Paths of all cameras on the stage, those in native instances included, in the order of the stage."""
+    prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate))
+    return [str(prim.GetPath()) for prim in prims if prim.IsA(UsdGeom.Camera)]
+
+
+def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float | None = None) -> CameraChoice:
+    """The camera that is meant where none is named.
+
+    The one that the stage's render settings name, else one called ``main_cam``, else the only one; else a camera that frames
+    the stage as usdrecord's does.
+
+    Args:
+        stage: the stage.
+        time: the time code to frame at, where framing is needed; by default the stage's first.
+        aspect: width over height of the picture, for the framing camera.
+
+    Raises:
+        StageError: there is no camera and nothing to frame; code ``empty_stage``.
+    """
+    cameras = list_cameras(stage)
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
+    if targets and str(targets[0]) in cameras:
+        return CameraChoice(str(targets[0]), f"the render settings {settings.GetPath()} name it")
+    main = str(UsdUtils.GetPrimaryCameraName())
+    named = [path for path in cameras if Sdf.Path(path).name == main]
+    if named:
+        return CameraChoice(named[0], f"it is called {main}")
+    if len(cameras) == 1:
+        return CameraChoice(cameras[0], "it is the only one")
+    why = f"none of the {len(cameras)} cameras is called {main}" if cameras else "the stage has no camera"
+    framing = framing_camera(stage, stage.GetStartTimeCode() if time is None else time)
+    return CameraChoice(None, f"{why}, so the whole stage is framed", conformed(framing, aspect))
+
+
+def read_camera(
+    stage: Usd.Stage, path: str, time: float, *, aspect: float | None = None, conform: str = "expandAperture"
+) -> Camera:
+    """The camera at a prim path, at a time.
+
+    Args:
+        stage: the stage.
+        path: of a Camera or LensCamera prim.
+        time: USD time code.
+        aspect: width over height of the picture; None keeps the film gate as it is.
+        conform: how the gate becomes the picture's shape: UsdRenderSettings' aspectRatioConformPolicy.
+
+    Raises:
+        CameraError: there is no camera at the path, or its numbers are impossible.
+        StageError: its transform is not finite.
+    """
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdGeom.Camera):
+        raise _no_camera(stage, path, prim)
+    code = Usd.TimeCode(time)
+    usd = UsdGeom.Camera(prim)
+    if usd.GetProjectionAttr().Get(code) != UsdGeom.Tokens.perspective:
+        raise CameraError(
+            f"camera {path} must be a perspective camera, and is orthographic", code="orthographic", path=path
+        )
+    camera = _with_lens(_gate(usd, stage, code), usd, stage, code)
+    _check(camera)
+    return conformed(camera, aspect, conform)
+
+
+def conformed(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
+    """A camera whose film gate has the picture's shape, by one of UsdRenderSettings' policies.
+
+    ``expandAperture`` shows more than the gate, ``cropAperture`` less; the width or the height alone may be adjusted; with
+    ``adjustPixelAspectRatio`` the gate stays and pixels are not square.
+
+    Raises:
+        SettingsError: the policy is not known, or the aspect is no positive number.
+    """
+    if conform not in get_args(Conform):
+        raise SettingsError(f"the conform policy must be one of {', '.join(get_args(Conform))}, got {conform}")
+    if aspect is None or conform == "adjustPixelAspectRatio":
+        return camera
+    if not (math.isfinite(aspect) and aspect > 0):
+        raise SettingsError(f"the picture's aspect ratio must be a positive number, got {aspect}")
+    width, height = camera.horizontal_aperture_mm, camera.vertical_aperture_mm
+    is_wider = aspect > width / height
+    adjusts_width = {
+        "expandAperture": is_wider,
+        "cropAperture": not is_wider,
+        "adjustApertureWidth": True,
+        "adjustApertureHeight": False,
+    }[conform]
+    if adjusts_width:
+        return replace(camera, horizontal_aperture_mm=height * aspect)
+    return replace(camera, vertical_aperture_mm=width / aspect)
+
+
+def framing_camera(stage: Usd.Stage, time: float) -> Camera:
+    """A camera that has the whole stage in view, placed as usdrecord (UsdAppUtils' frame recorder) places it.
+
+    Raises:
+        StageError: there is nothing to frame; code ``empty_stage``.
+    """
+    purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
+    boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), purposes, useExtentsHint=True)
+    box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
+    if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
+        name = stage.GetRootLayer().GetDisplayName()
+        raise StageError(f"{name} has no camera, and nothing that a camera could frame", code="empty_stage")
+    world = world_from_stage(stage)
+    corners = [(world @ [*box.GetCorner(i), 1.0])[:3] for i in range(8)]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    size = high - low
+    camera = Camera(np.eye(4), 50.0, 20.955, 15.2908)  # GfCamera's own defaults
+    half_view = camera.horizontal_aperture_mm / 2 / camera.focal_length_mm
+    # A stage of a single point still needs to be looked at from somewhere.
+    distance = max(float(np.hypot(size[0], size[1])) / 2 / half_view, 0.1) + size[2] / 2
+    pose = np.eye(4)
+    pose[:3, 3] = (low + high) / 2 + [0, 0, distance]
+    return replace(camera, world_from_camera=pose, focus_distance_m=float(distance), near_m=float(distance) * 1e-3)
+
+
+def _no_camera(stage: Usd.Stage, path: str, prim: Usd.Prim | None) -> CameraError:
+    cameras = list_cameras(stage)
+    known = f"the cameras are {', '.join(cameras)}" if cameras else "the stage has no camera"
+    if prim:
+        return CameraError(
+            f"{path} is a {prim.GetTypeName() or 'prim without a type'}, not a camera: {known}", path=path
+        )
+    return CameraError(f"there is no camera at {path}: {known}", code="no_such_camera", path=path)
+
+
+def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
+    """Where the camera stands, and its film gate."""
+    transforms = UsdGeom.XformCache(time)
+
+    def mm(attribute: Usd.Attribute) -> float:
+        return mm_from_tenths(float(attribute.Get(time)), stage)
+
+    near, far = usd.GetClippingRangeAttr().Get(time)
+    return Camera(
+        world_from_camera=rigid_frame(world_pose(usd.GetPrim(), transforms, world_from_stage(stage))),
+        focal_length_mm=mm(usd.GetFocalLengthAttr()),
+        horizontal_aperture_mm=mm(usd.GetHorizontalApertureAttr()),
+        vertical_aperture_mm=mm(usd.GetVerticalApertureAttr()),
+        horizontal_offset_mm=mm(usd.GetHorizontalApertureOffsetAttr()),
+        vertical_offset_mm=mm(usd.GetVerticalApertureOffsetAttr()),
+        near_m=max(metres_from_units(float(near), stage), _NEAREST_M),
+        far_m=metres_from_units(float(far), stage),
+        path=str(usd.GetPath()),
+    )
+
+
+def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
+    """The camera with its focus, iris, shutter and exposure."""
+    lens = LensCamera(usd.GetPrim())
+    aperture, glass = lens.aperture.read(time.GetValue()), lens.lens.read(time.GetValue())
+    return replace(
+        camera,
+        f_stop=0.0 if glass.model == "pinhole" else float(usd.GetFStopAttr().Get(time)),
+        focus_distance_m=metres_from_units(float(usd.GetFocusDistanceAttr().Get(time)), stage),
+        exposure_scale=float(usd.ComputeLinearExposureScale(time)),
+        iris_blades=aperture.blades,
+        iris_roundness=aperture.roundness,
+        iris_rotation_rad=math.radians(aperture.rotation),
+        shutter_open=float(usd.GetShutterOpenAttr().Get(time)),
+        shutter_close=float(usd.GetShutterCloseAttr().Get(time)),
+        breathing=glass.breathing,
+    )
+
+
+def _check(camera: Camera) -> None:
+    """Raise CameraError for numbers that no camera can have."""
+    lengths = {
+        "focalLength": camera.focal_length_mm,
+        "horizontalAperture": camera.horizontal_aperture_mm,
+        "verticalAperture": camera.vertical_aperture_mm,
+    }
+    for name, value in lengths.items():
+        _require(camera, math.isfinite(value) and value > 0, name, "a positive number", f"{value:g} mm")
+    settings = {
+        "fStop": camera.f_stop,
+        "focusDistance": camera.focus_distance_m,
+        "exposure": camera.exposure_scale,
+        "clippingRange": camera.near_m,
+    }
+    for name, value in settings.items():
+        _require(camera, math.isfinite(value) and value >= 0, name, "0 or more", f"{value:g}")
+    offsets = {
+        "horizontalApertureOffset": camera.horizontal_offset_mm,
+        "verticalApertureOffset": camera.vertical_offset_mm,
+    }
+    for name, value in offsets.items():
+        _require(camera, math.isfinite(value), name, "a finite number", f"{value:g} mm")
+    _require(
+        camera,
+        camera.far_m > camera.near_m,
+        "clippingRange",
+        "near before far",
+        f"{camera.near_m:g} m to {camera.far_m:g} m",
+    )
+
+
+def _require(camera: Camera, holds: bool, name: str, expected: str, got: str) -> None:
+    if not holds:
+        raise CameraError(f"{name} of camera {camera.path} must be {expected}, got {got}", path=camera.path)

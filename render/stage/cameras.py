@@ -75,7 +75,7 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
 
 
 def read_camera(
-    stage: Usd.Stage, path: str, time: float, *, aspect: float | None = None, conform: str = "expandAperture"
+    stage: Usd.Stage, path: str, time: float, *, aspect: float | None = None, conform: str | None = None
 ) -> Camera:
     """The camera at a prim path, at a time.
 
@@ -84,7 +84,8 @@ def read_camera(
         path: of a Camera or LensCamera prim.
         time: USD time code.
         aspect: width over height of the picture; None keeps the film gate as it is.
-        conform: how the gate becomes the picture's shape: UsdRenderSettings' aspectRatioConformPolicy.
+        conform: how the gate becomes the picture's shape: a token of UsdRenderSettings' aspectRatioConformPolicy; by
+            default what the stage's own render settings say, else ``expandAperture``.
 
     Raises:
         CameraError: there is no camera at the path, or its numbers are impossible.
@@ -101,7 +102,7 @@ def read_camera(
         )
     camera = _with_lens(_gate(usd, stage, code), usd, stage, code)
     _check(camera)
-    return conformed(camera, aspect, conform)
+    return conformed(camera, aspect, conform or _stage_policy(stage))
 
 
 def conformed(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
@@ -151,10 +152,15 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
     camera = Camera(np.eye(4), 50.0, 20.955, 15.2908)  # GfCamera's own defaults
     half_view = camera.horizontal_aperture_mm / 2 / camera.focal_length_mm
     # A stage of a single point still needs to be looked at from somewhere.
-    distance = max(float(np.hypot(size[0], size[1])) / 2 / half_view, 0.1) + size[2] / 2
+    distance = (float(np.hypot(size[0], size[1])) / 2 / half_view or 1.0) + float(size[2]) / 2
     pose = np.eye(4)
     pose[:3, 3] = (low + high) / 2 + [0, 0, distance]
-    return replace(camera, world_from_camera=pose, focus_distance_m=float(distance), near_m=float(distance) * 1e-3)
+    return replace(camera, world_from_camera=pose, focus_distance_m=distance, near_m=distance * 1e-3)
+
+
+def _stage_policy(stage: Usd.Stage) -> str:
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    return str(settings.GetAspectRatioConformPolicyAttr().Get()) if settings else "expandAperture"
 
 
 def _no_camera(stage: Usd.Stage, path: str, prim: Usd.Prim | None) -> CameraError:

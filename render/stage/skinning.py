@@ -104,7 +104,7 @@ def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time:
     world_from_skeleton = column_matrix(transforms.GetLocalToWorldTransform(skeleton))
     world_from_prim = column_matrix(transforms.GetLocalToWorldTransform(prim))
     matrix = np.linalg.solve(world_from_prim, world_from_skeleton)
-    return (points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    return np.array(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
 
 
 def _has_smooth_normals(polygons: Polygons) -> bool:

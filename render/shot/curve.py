@@ -1,0 +1,120 @@
+"""The focus curve of a camera: the solved focus over time, and the layer that carries it to other tools."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from pxr import Sdf, Usd
+
+from render.errors import SettingsError
+from render.focus import FocusCurve, PointState, PointTrack
+from render.shot.focusing import Focused, focus_camera
+from render.stage import AnchorReader
+from usd_schemas import LensCamera, curves
+from usd_schemas.units import units_from_metres
+
+MAX_CURVE_FRAMES = 100_000
+"""About an hour at 24 frames a second: more than that in one curve is a slip of the hand."""
+
+FAR_AWAY_M = 1e5
+"""Stands for infinity where a curve must be finite to be interpolated.
+
+At 100 km, a 300 mm lens at f/2 makes a circle of confusion of half a micron of a star.
+"""
+
+
+def solve_curve(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, frames: Sequence[float]) -> FocusCurve:
+    """The lens of a camera over some frames, its focus solved at each.
+
+    Args:
+        stage: the stage.
+        anchors: finds focus points on that stage.
+        camera_path: of a camera.
+        frames: rising USD time codes.
+
+    Raises:
+        SettingsError: there are no frames, too many, or they do not rise.
+        CameraError: it is no camera, or has impossible numbers.
+    """
+    if not 1 <= len(frames) <= MAX_CURVE_FRAMES:
+        raise SettingsError(
+            f"a focus curve has from 1 to {MAX_CURVE_FRAMES} frames, but {len(frames)} were asked for",
+            code="bad_frames",
+        )
+    times = np.array(frames, np.float64)
+    if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
+        raise SettingsError("the frames of a focus curve must be finite and rise", code="bad_frames")
+    solved = [focus_camera(stage, anchors, camera_path, time) for time in times.tolist()]
+    fields = [s.depth_of_field for s in solved]
+    time_codes_per_second = stage.GetTimeCodesPerSecond()
+    return FocusCurve(
+        camera=camera_path,
+        frames_per_second=stage.GetFramesPerSecond(),
+        time_codes_per_second=time_codes_per_second,
+        time_codes=times,
+        focus_distance_m=np.array([s.camera.focus_distance_m for s in solved]),
+        f_stop=np.array([s.camera.f_stop for s in solved]),
+        focal_length_mm=np.array([s.camera.focal_length_mm for s in solved]),
+        near_m=np.array([f.near_m for f in fields]),
+        far_m=np.array([f.far_m for f in fields]),
+        hyperfocal_m=np.array([f.hyperfocal_m for f in fields]),
+        coc_limit_mm=np.array([s.coc_limit_mm for s in solved]),
+        sources=tuple(s.solution.source for s in solved),
+        reasons=tuple(s.solution.reason for s in solved),
+        points=tuple(_track(solved, index) for index in range(len(solved[0].points))),
+    )
+
+
+def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool) -> str:
+    """A layer that gives the camera its solved focus, to be sublayered over the shot by any tool.
+
+    It sets ``focus:mode`` to manual where the camera asks its points, so that a tool which knows the schemas takes the
+    curve and does not solve once more.
+
+    Args:
+        stage: the stage that the curve is of.
+        curve: the curve.
+        baked: time samples, for tools that read no splines, in place of a native spline.
+
+    Returns:
+        usda text.
+    """
+    distances = units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage)
+    form: Literal["spline", "samples"] = "samples" if baked else "spline"
+    layer = curves.focus_layer(stage, curve.camera, curve.time_codes, distances, form, _tolerance(curve))
+    layer.comment = f"Focus of {curve.camera}, solved by Pullfocus: sublayer this over the shot."
+    if LensCamera(stage.GetPrimAtPath(curve.camera)).focus.read().mode != "manual":
+        spec = layer.GetPrimAtPath(curve.camera)
+        mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
+        mode.default = "manual"
+    return str(layer.ExportToString())
+
+
+def _tolerance(curve: FocusCurve) -> float:
+    """How far, relative to the distance, a spline may be off: by a tenth of what can be seen, and never over 1 in 1000.
+
+    A focus that is off by the share e of its distance z makes a circle of confusion of slope · e / z.
+    """
+    z = np.minimum(curve.focus_distance_m, FAR_AWAY_M)
+    with np.errstate(divide="ignore"):
+        slope_mm_m = np.where(curve.f_stop > 0, curve.focal_length_mm**2 / curve.f_stop / 1000, 0.0)
+        return float(min(curves.FOCUS_TOLERANCE, np.min(0.1 * curve.coc_limit_mm * z / slope_mm_m)))
+
+
+def _track(solved: Sequence[Focused], index: int) -> PointTrack:
+    """One focus point through all frames; which points there are does not change over time."""
+    depths_m = [s.targets[index].depth_m for s in solved]
+    states: tuple[PointState, ...] = tuple(s.solution.states[index] for s in solved)
+    return PointTrack(
+        name=solved[0].points[index].name,
+        depth_m=np.array(depths_m),
+        weight=np.array([s.points[index].weight for s in solved]),
+        share=np.array([s.solution.shares[index] for s in solved]),
+        coc_mm=np.array(
+            [s.coc_mm(depth) if depth > 0 else math.nan for s, depth in zip(solved, depths_m, strict=True)]
+        ),
+        states=states,
+    )

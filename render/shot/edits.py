@@ -1,0 +1,150 @@
+"""The one layer that edits go to. Nobody's own file is ever written.
+
+The layer is the strongest sublayer of the stage's session layer, so it wins over all that the shot says, and it can be
+saved, downloaded and sublayered over the shot by anyone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd
+
+from render.errors import SettingsError, StageError
+from render.output import write_atomic
+from usd_schemas import SchemaError, keys
+from usd_schemas.values import usd_value
+
+
+class Edits:
+    """The edit layer of one opened stage.
+
+    Attributes:
+        layer: the anonymous layer that holds the edits.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        """Start without edits, or with a copy of saved ones.
+
+        Args:
+            path: a layer that `save` wrote.
+
+        Raises:
+            StageError: the layer is missing or damaged.
+        """
+        self.layer = Sdf.Layer.CreateAnonymous("edits.usda")
+        self._stage: Usd.Stage | None = None
+        if path is not None:
+            self.layer.TransferContent(_read_layer(path))
+
+    def attach(self, stage: Usd.Stage) -> None:
+        """Say which stage is edited.
+
+        A new layer takes over the stage's time codes per second, as USD retimes a sublayer that says otherwise.
+
+        Args:
+            stage: opened with `layer` among its session layer's sublayers.
+        """
+        self._stage = stage
+        if self.layer.empty:
+            self.layer.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
+            self.layer.comment = "Edits made in Pullfocus: sublayer this over the shot."
+
+    @contextmanager
+    def editing(self) -> Iterator[None]:
+        """Direct what USD authors to the edit layer; if an error comes out, take back all that was authored.
+
+        Raises:
+            SettingsError: in place of a `SchemaError`: what was to be authored is not allowed.
+        """
+        stage = self._attached()
+        before = Sdf.Layer.CreateAnonymous("before.usda")
+        before.TransferContent(self.layer)
+        try:
+            with Usd.EditContext(stage, stage.GetEditTargetForLocalLayer(self.layer)):
+                yield
+        except BaseException as error:
+            self.layer.TransferContent(before)
+            if isinstance(error, SchemaError):
+                raise SettingsError(str(error), code="bad_value") from error
+            raise
+
+    def replace(self, text: str) -> None:
+        """Put other edits in place of all there are.
+
+        Args:
+            text: of a usda layer, as `export` gives it.
+
+        Raises:
+            StageError: it is no usda; the edits there were stay.
+        """
+        if text == self.export():
+            return
+        other = Sdf.Layer.CreateAnonymous("other.usda")
+        try:
+            read = other.ImportFromString(text)
+        except Tf.ErrorException:
+            read = False
+        if not read:
+            raise StageError("the given edits are no readable USD layer", code="bad_edits")
+        self.layer.TransferContent(other)
+
+    def export(self) -> str:
+        """The edit layer as usda text."""
+        return str(self.layer.ExportToString())
+
+    def save(self, path: Path) -> None:
+        """Write the edit layer as a whole, or not at all.
+
+        Args:
+            path: of a .usda file; a file that the shot itself is made of is refused.
+
+        Raises:
+            SettingsError: it is not named .usda, or the shot is made of that file.
+            OutputError: it cannot be written.
+        """
+        if path.suffix != ".usda":
+            raise SettingsError(f"edits are saved as a .usda file, not as {path}", path=str(path))
+        own = {Path(layer.realPath).resolve() for layer in self._attached().GetUsedLayers() if layer.realPath}
+        if path.resolve() in own:
+            raise SettingsError(f"the shot itself is made of {path}: save its edits under another name", path=str(path))
+        write_atomic(path, self.export().encode())
+
+    def _attached(self) -> Usd.Stage:
+        if self._stage is None:
+            raise RuntimeError("Edits.attach must say which stage is edited before anything is")
+        return self._stage
+
+
+def set_value(attribute: Usd.Attribute, value: Any, time: float | None) -> None:
+    """Give an attribute a value for all time, or a key at one time, in the stage's edit target.
+
+    Args:
+        attribute: what to set.
+        value: in the attribute's own unit.
+        time: USD time code of the key; None drops the keys there and holds the value for all time.
+
+    Raises:
+        SchemaError: the value or the time is not allowed.
+    """
+    if time is not None:
+        keys.set_key(attribute, time, value, keys.following_interpolation(attribute, time))
+        return
+    checked = usd_value(attribute, value)
+    attribute.Clear()
+    attribute.Set(checked)
+
+
+def _read_layer(path: Path) -> Sdf.Layer:
+    if not path.is_file():
+        raise StageError(f"there is no layer of saved edits at {path}", code="missing_edits", path=str(path))
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    except Tf.ErrorException:
+        layer = None
+    if layer is None:
+        raise StageError(f"the saved edits at {path} are no readable USD layer", code="bad_edits", path=str(path))
+    return layer

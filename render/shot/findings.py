@@ -1,0 +1,75 @@
+"""What the cameras of a shot ask for that is not honoured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from pxr import Usd
+
+from render.stage import Finding
+from usd_schemas import LensCamera
+
+_HONOURED = frozenset(
+    {
+        "lens:breathing",
+        "lens:name",
+        "lens:manufacturer",
+        "lens:serialNumber",
+        "aperture:blades",
+        "aperture:roundness",
+        "aperture:rotation",
+        "focus:mode",
+        "focus:circleOfConfusion",
+        "focus:nearPriority",
+        "focus:offScreen",
+    }
+)
+"""Schema properties that change the picture as documented, or need not. ``focus:mode`` is told by its value."""
+
+_HONOURED_OF_POINTS = frozenset(
+    {
+        "face",
+        "fanTriangle",
+        "barycentric",
+        "instance",
+        "offset",
+        "kind",
+        "blur",
+        "surfaceOffset",
+        "weight",
+        "enabled",
+    }
+)
+
+
+def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Finding]:
+    """One finding for each schema property that a camera sets and that is not honoured.
+
+    Args:
+        stage: the stage.
+        camera_paths: of its cameras.
+    """
+    return [finding for path in camera_paths for finding in _of_camera(LensCamera(stage.GetPrimAtPath(path)), path)]
+
+
+def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
+    mode = camera.focus.read().mode
+    if mode in ("tiltPlane", "surface"):
+        yield Finding(
+            "focus_mode",
+            path,
+            f"focus:mode {mode} of {path} is not honoured: the focus points set the focus distance alone",
+        )
+    if mode == "manual" and camera.focus_points():
+        yield Finding(
+            "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"
+        )
+    for name in camera.authored():
+        if not _is_honoured(name):
+            yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")
+
+
+def _is_honoured(name: str) -> bool:
+    if name.startswith("focusPoint:"):
+        return name.rsplit(":", 1)[1] in _HONOURED_OF_POINTS
+    return name in _HONOURED

@@ -1,0 +1,83 @@
+"""From a shot to a graded picture: the one way that the command line and the service share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+from pxr import Usd
+
+from render.film import Grade, develop
+from render.output import FrameMetadata
+from render.scene import Camera, FloatArray
+from render.shot.shot import Shot
+
+if TYPE_CHECKING:  # so that a process without GL can import the shot
+    from render.frame import Frame, FrameRenderer, FrameSettings
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A rendered and graded frame.
+
+    Attributes:
+        frame: scene-linear radiance, and the measurements that were asked for.
+        graded: ``(height, width, 3)`` float32, encoded for the display, 0 to 1.
+        camera: as it was rendered, its focus solved.
+        metadata: what a file says about it.
+    """
+
+    frame: Frame
+    graded: FloatArray
+    camera: Camera
+    metadata: FrameMetadata
+
+
+def make_picture(
+    renderer: FrameRenderer,
+    shot: Shot,
+    camera: str | None,
+    time: float,
+    settings: FrameSettings,
+    grade: Grade,
+    on_progress: Callable[[float], None] | None = None,
+) -> Picture:
+    """Read the scene at a time, focus the camera, render, expose and grade.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        camera: prim path; None for the shot's default camera.
+        time: USD time code.
+        settings: how it is rendered.
+        grade: for which display.
+        on_progress: called with the share of the rendering that is done, from 0 to 1.
+
+    Raises:
+        SettingsError: the time is not finite.
+        CameraError: it is no camera, or has impossible numbers.
+        GraphicsError: the device refuses.
+    """
+    scene = shot.scene_at(time)
+    lens = shot.camera_at(camera, time, settings.width, settings.height)
+    frame = renderer.render(scene, lens, settings, on_progress)
+    prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
+    metadata = FrameMetadata(
+        camera=lens,
+        time=time,
+        frames_per_second=shot.stage.GetFramesPerSecond(),
+        grade=grade,
+        settings=asdict(settings),
+        stage=shot.path.name,
+        prim_paths=frame.prim_paths,
+        exposure_time_s=_authored(prim, "exposure:time", time),
+        iso=_authored(prim, "exposure:iso", time),
+    )
+    return Picture(frame, develop(frame.color, lens.exposure_scale, grade), lens, metadata)
+
+
+def _authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:
+    """The value of an attribute that the shot sets, or None."""
+    attribute = prim.GetAttribute(name) if prim else None
+    return float(attribute.Get(time)) if attribute and attribute.HasAuthoredValue() else None

@@ -1,0 +1,76 @@
+"""The door: who may ask, and how much they may send. A pure ASGI layer in front of everything.
+
+The service has no passwords: on its own machine it trusts whoever can reach 127.0.0.1. A web page from elsewhere runs
+in a browser that can, so two doors stay shut: requests under a host name that is not ours (DNS rebinding), and
+requests that change something and come from another site (the browser says so in ``Sec-Fetch-Site``).
+"""
+
+from __future__ import annotations
+
+import re
+
+from fastapi import HTTPException
+from starlette.datastructures import Headers
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.errors import problem
+from service.settings import MEBIBYTE, Settings
+
+SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
+MAX_JSON_BYTES = MEBIBYTE
+# The multipart wrapping of an upload: boundaries, headers and the small fields.
+WRAPPING_BYTES = 64 * 1024
+UPLOAD_PATH = "/v1/shots"
+
+
+class GuardMiddleware:
+    """Refuses foreign hosts, foreign pages and bodies that are too large, in the one shape.
+
+    Args:
+        app: what is guarded.
+        settings: for the allowed hosts and the size of an upload.
+    """
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        self.app = app
+        self._hosts = settings.allowed_hosts
+        self._max_upload_bytes = settings.max_upload_mb * MEBIBYTE + WRAPPING_BYTES
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request, or refuse it."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        limit = self._max_upload_bytes if scope["path"] == UPLOAD_PATH else MAX_JSON_BYTES
+        refusal = self._refusal(scope["method"], Headers(scope=scope), limit)
+        if refusal is not None:
+            await refusal(scope, receive, send)
+            return
+        taken = 0
+
+        async def receive_counted() -> Message:
+            nonlocal taken
+            message = await receive()
+            taken += len(message.get("body", b""))
+            if taken > limit:  # FastAPI passes this one on through its reading of the body
+                raise HTTPException(413, _too_large(limit))
+            return message
+
+        await self.app(scope, receive_counted, send)
+
+    def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
+        host = re.sub(r":\d+$", "", headers.get("host", "")).lower()
+        if self._hosts and host not in self._hosts:
+            detail = f"The service does not answer to the name {host[:80]!r}."
+            return problem(421, "unknown_host", detail, path="host")
+        if method not in SAFE_METHODS and headers.get("sec-fetch-site") == "cross-site":
+            return problem(403, "cross_site", "A page of another site may change nothing here.", path="sec-fetch-site")
+        length = headers.get("content-length", "0")
+        if length.isdecimal() and int(length) > limit:
+            return problem(413, "too_large", _too_large(limit), path="content-length")
+        return None
+
+
+def _too_large(limit: int) -> str:
+    return f"The request is larger than the {limit / MEBIBYTE:.4g} MiB that are taken."

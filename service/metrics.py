@@ -1,0 +1,86 @@
+"""Counters for Prometheus: what was asked, how long it took, and how the workers are doing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.lane import Lane
+
+BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)
+LABELS = ("method", "route", "status")
+
+
+class Metrics:
+    """The counters of one service; each has a registry of its own, so that two can live in one process.
+
+    Args:
+        lanes: whose queues and workers are watched.
+    """
+
+    def __init__(self, lanes: Sequence[Lane[Any]]) -> None:
+        self.registry = CollectorRegistry()
+        self.requests = Histogram(
+            "pullfocus_request_seconds", "Time to answer a request.", LABELS, buckets=BUCKETS_S, registry=self.registry
+        )
+        self.frames = Counter(
+            "pullfocus_frames", "Frames by where they came from.", ("source",), registry=self.registry
+        )
+        self.registry.register(_LaneCollector(lanes))
+
+    def text(self) -> bytes:
+        """All counters in Prometheus' text format."""
+        return generate_latest(self.registry)
+
+
+class _LaneCollector(Collector):
+    """Reads the lanes when somebody asks."""
+
+    def __init__(self, lanes: Sequence[Lane[Any]]) -> None:
+        self._lanes = lanes
+
+    def collect(self) -> Iterable[Metric]:
+        return self._families()
+
+    def _families(self) -> Iterator[Metric]:
+        waiting = GaugeMetricFamily("pullfocus_lane_waiting", "Requests that wait for a worker.", labels=["worker"])
+        starts = CounterMetricFamily("pullfocus_worker_starts", "Times a worker was started.", labels=["worker"])
+        for lane in self._lanes:
+            waiting.add_metric([lane.worker.name], lane.waiting)
+            starts.add_metric([lane.worker.name], lane.worker.starts)
+        yield waiting
+        yield starts
+
+
+class MetricsMiddleware:
+    """Times each request. Routes count by their template, so that addresses do not become labels without end."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request and count it."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        status = 500
+        began_s = time.perf_counter()
+
+        async def send_and_see(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_and_see)
+        finally:
+            route = getattr(scope.get("route"), "path", "none")
+            histogram = scope["app"].state.hub.metrics.requests
+            histogram.labels(scope["method"], route, str(status)).observe(time.perf_counter() - began_s)

@@ -1,0 +1,58 @@
+"""What all models share: camelCase names, no unknown fields, finite numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic.alias_generators import to_camel
+from pydantic.config import JsonDict
+
+NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
+PRIM_PATH_PATTERN = r"^/.*$"
+
+
+class Model(BaseModel):
+    """Base of every model: camelCase outside, snake_case inside; NaN and unknown fields are refused."""
+
+    model_config = ConfigDict(
+        alias_generator=to_camel,
+        populate_by_name=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        from_attributes=True,
+        frozen=True,
+    )
+
+
+def shown_as(example: JsonDict) -> ConfigDict:
+    """A model's configuration that adds an example to the OpenAPI document."""
+    return ConfigDict(json_schema_extra={"example": example})
+
+
+def _finite_or_none(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+# JSON has no infinity and no NaN: a distance that is infinite, or that does not exist, is null.
+Distance = Annotated[float | None, BeforeValidator(_finite_or_none)]
+PrimPath = Annotated[str, Field(pattern=PRIM_PATH_PATTERN, max_length=2000)]
+PointName = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
+Vector3 = tuple[float, float, float]
+
+
+class Finding(Model):
+    """One thing that was found, and what it is about."""
+
+    path: str = Field(description="File, prim or parameter.")
+    detail: str = Field(description="One sentence.")
+
+
+class Problem(Model):
+    """Every error has this shape."""
+
+    code: str = Field(description="Short stable word for programs.", examples=["shot_not_found"])
+    detail: str = Field(description="One sentence for people.", examples=["There is no shot 'night'."])
+    path: str | None = Field(default=None, description="File, prim or parameter that it is about.", examples=["night"])
+    errors: list[Finding] = Field(default=[], description="The single findings, where there are several.")

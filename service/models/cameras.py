@@ -1,0 +1,107 @@
+"""Cameras: the lens as it is, what may be set on it, and what it holds sharp."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Distance, Finding, Model, shown_as
+from service.models.shots import CameraChoice
+
+CAMERA_EXAMPLE: JsonDict = {
+    "path": "/World/Camera",
+    "time": 24.0,
+    "fStop": 2.0,
+    "focalLengthMm": 50.0,
+    "focusDistanceM": 3.42,
+    "focusMode": "points",
+    "horizontalApertureMm": 24.89,
+    "verticalApertureMm": 14.0,
+    "exposureScale": 1.0,
+}
+READOUT_EXAMPLE: JsonDict = {
+    "camera": "/World/Camera",
+    "time": 24.0,
+    "fStop": 2.0,
+    "focalLengthMm": 50.0,
+    "focusDistanceM": 3.42,
+    "focusMode": "points",
+    "nearM": 3.28,
+    "farM": 3.58,
+    "hyperfocalM": 65.7,
+    "cocLimitMm": 0.019,
+    "source": "points",
+    "reason": "focused by driver",
+}
+
+
+FocusMode = Literal["manual", "points", "tiltPlane", "surface"]
+
+
+class CameraState(Model):
+    """A camera at one time, focus points solved in."""
+
+    model_config = shown_as(CAMERA_EXAMPLE)
+
+    path: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
+    time: float = Field(description="USD time code.")
+    f_stop: float = Field(description="f-number; 0 is a pinhole.")
+    focal_length_mm: float
+    focus_distance_m: Distance = Field(description="Where the lens is focused; null is infinity.")
+    focus_mode: FocusMode = Field(description="Whether it is focused by hand or by its focus points.")
+    horizontal_aperture_mm: float
+    vertical_aperture_mm: float
+    exposure_scale: float = Field(description="What the camera's exposure attributes multiply radiance by.")
+
+
+class CameraList(Model):
+    """The cameras of a shot at one time."""
+
+    model_config = shown_as(
+        {
+            "default": {"path": "/World/Camera", "reason": "the only camera"},
+            "cameras": [CAMERA_EXAMPLE],
+            "unusable": [],
+        }
+    )
+
+    default: CameraChoice
+    cameras: list[CameraState] = Field(description="Of a shot without any: the one that frames it.")
+    unusable: list[Finding] = Field(description="Cameras whose numbers make no picture, and why.")
+
+
+class CameraEdit(Model):
+    """What to set on a camera; what is left out stays as it is."""
+
+    model_config = shown_as({"fStop": 2.8, "focusDistanceM": 3.5})
+
+    f_stop: float | None = Field(default=None, ge=0, le=1000, description="f-number; 0 is a pinhole.")
+    focal_length_mm: float | None = Field(default=None, gt=0, le=100_000)
+    focus_distance_m: float | None = Field(
+        default=None, ge=0, description="0 focuses at infinity. Without a `focusMode`, it sets that to `manual`."
+    )
+    focus_mode: FocusMode | None = Field(default=None, description="`points` gives the focus back to the focus points.")
+    time: float | None = Field(
+        default=None, description="USD time code of a key; without it, keys go and the values hold for all time."
+    )
+
+
+class Readout(Model):
+    """What the lens does at one time: the numbers that a focus puller reads off."""
+
+    model_config = shown_as(READOUT_EXAMPLE)
+
+    camera: str | None
+    time: float
+    f_stop: float
+    focal_length_mm: float
+    focus_distance_m: Distance = Field(description="null is infinity.")
+    focus_mode: FocusMode
+    near_m: float = Field(description="Nearest depth that is sharp.")
+    far_m: Distance = Field(description="Farthest depth that is sharp; null is infinity.")
+    hyperfocal_m: Distance
+    coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
+    source: str = Field(description="Whether focus points decided, or the camera's own focus distance was kept.")
+    reason: str = Field(description="One sentence that says why.")

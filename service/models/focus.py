@@ -1,0 +1,216 @@
+"""Focus points, their keys, and the focus curve."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Distance, Model, PointName, PrimPath, Vector3, shown_as
+
+ANCHOR_EXAMPLE: JsonDict = {
+    "target": ["/World/Tram/Driver"],
+    "face": 1042,
+    "fanTriangle": 0,
+    "barycentric": [0.2, 0.3, 0.5],
+    "instance": -1,
+}
+KEY_EXAMPLE: JsonDict = {"time": 24.0, "value": 1.0, "interpolation": "linear"}
+POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
+    "name": "driver",
+    "offset": [0.0, 0.0, 0.0],
+    "kind": "sharp",
+    "blurMm": 0.0,
+    "weight": 1.0,
+    "falloff": 0.0,
+    "enabled": True,
+    "surfaceOffset": 0.0,
+    "extent": 1.0,
+    "positionM": [0.4, 1.6, -3.1],
+    "depthM": 3.42,
+    "screen": [0.43, 0.55],
+    "visibleInFrame": True,
+    "state": "used",
+    "share": 1.0,
+    "cocMm": 0.0,
+    "problem": "",
+    "keys": {"weight": [KEY_EXAMPLE]},
+}
+
+Kind = Literal["sharp", "soft"]
+Interpolation = Literal["held", "linear", "bezier", "auto"]
+
+
+class Anchor(Model):
+    """A place on a surface that stays with it, however it moves."""
+
+    target: tuple[PrimPath, ...] = Field(
+        min_length=1, max_length=2, description="The mesh; or a PointInstancer, then the prototype's mesh."
+    )
+    face: int = Field(
+        default=-1, ge=-1, description="Index of the authored face; -1 for the origin of the target's space."
+    )
+    fan_triangle: int = Field(default=0, ge=0, description="Triangle i of the face has its corners 0, i+1 and i+2.")
+    barycentric: Vector3 = Field(default=(1.0, 0.0, 0.0), description="Weights of those three corners.")
+    instance: int = Field(default=-1, ge=-1, description="Of a PointInstancer, else -1.")
+
+
+class Pick(Model):
+    """What is under a pixel."""
+
+    model_config = shown_as(
+        {
+            "hit": True,
+            "anchor": ANCHOR_EXAMPLE,
+            "depthM": 3.42,
+            "positionM": [0.4, 1.6, -3.1],
+        }
+    )
+
+    hit: bool = Field(description="Whether there is anything under the pixel; without it the rest is null.")
+    anchor: Anchor | None = None
+    depth_m: float | None = Field(default=None, description="Along the view axis.")
+    position_m: Vector3 | None = Field(default=None, description="In the world: metres, +Y up.")
+
+
+class FocusPointCreate(Anchor):
+    """A new focus point: the anchor that a pick gave, and what is wanted there."""
+
+    model_config = shown_as(ANCHOR_EXAMPLE | {"name": "driver", "weight": 1.0})
+
+    name: PointName | None = Field(default=None, description="A free name is made up when left out.")
+    offset: Vector3 = Field(
+        default=(0.0, 0.0, 0.0), description="From the anchor; scene units, the target's own space."
+    )
+    kind: Kind = "sharp"
+    blur_mm: float = Field(
+        default=0.0, ge=0, description="Wanted circle of confusion of a soft point: diameter on the film."
+    )
+    weight: float = Field(default=1.0, ge=0)
+    falloff: float = Field(
+        default=0.0, ge=0, description="Distance in frame widths where its influence ends; 0: nowhere."
+    )
+    enabled: bool = True
+    surface_offset: float = Field(
+        default=0.0, description="For a soft point without blur: how far behind the target the focus lies; scene units."
+    )
+    extent: float = Field(
+        default=1.0, ge=0, description="Depth of field around it in surface mode, relative to the lens's."
+    )
+
+
+class FocusPointEdit(Model):
+    """What to change on a focus point; what is left out stays as it is."""
+
+    model_config = shown_as({"weight": 0.5, "enabled": True})
+
+    target: tuple[PrimPath, ...] | None = Field(default=None, min_length=1, max_length=2)
+    face: int | None = Field(default=None, ge=-1)
+    fan_triangle: int | None = Field(default=None, ge=0)
+    barycentric: Vector3 | None = None
+    instance: int | None = Field(default=None, ge=-1)
+    offset: Vector3 | None = None
+    kind: Kind | None = None
+    blur_mm: float | None = Field(default=None, ge=0)
+    weight: float | None = Field(default=None, ge=0)
+    falloff: float | None = Field(default=None, ge=0)
+    enabled: bool | None = None
+    surface_offset: float | None = None
+    extent: float | None = Field(default=None, ge=0)
+
+
+KeyedAttribute = Literal["weight", "enabled", "blur", "falloff", "surfaceOffset", "extent"]
+
+
+class Key(Model):
+    """A key of one attribute."""
+
+    model_config = shown_as(KEY_EXAMPLE)
+
+    time: float = Field(description="USD time code.")
+    value: float = Field(description="For `enabled`: 0 or 1. For `blur`: mm.")
+    interpolation: Interpolation = Field(
+        default="linear", description="From this key to the next; `enabled` holds, whatever this says."
+    )
+
+
+class FocusPoint(Model):
+    """A focus point at one time, and where it is in the picture."""
+
+    model_config = shown_as(POINT_EXAMPLE)
+
+    name: str
+    target: tuple[str, ...]
+    face: int
+    fan_triangle: int
+    barycentric: Vector3
+    instance: int
+    offset: Vector3
+    kind: Kind
+    blur_mm: float
+    weight: float
+    falloff: float
+    enabled: bool
+    surface_offset: float
+    extent: float
+    position_m: Vector3 | None = Field(description="In the world: metres, +Y up; null without a place.")
+    depth_m: Distance = Field(description="Along the view axis, negative behind the camera; null without a place.")
+    screen: tuple[float, float] | None = Field(
+        description="In the picture, 0 to 1 from its top left corner; null where it is not in front of the camera."
+    )
+    visible_in_frame: bool = Field(description="Whether it lies in the picture (something may still hide it).")
+    state: str = Field(description="`used` for the focus, or why it does not count.")
+    share: float = Field(description="Of the weight that decides the focus, 0 to 1.")
+    coc_mm: Distance = Field(description="Diameter of its circle of confusion on the film; null behind the camera.")
+    problem: str = Field(description="Why it has no place, or empty.")
+    keys: dict[KeyedAttribute, list[Key]] = Field(description="Keys in order of time, for each attribute that has any.")
+
+
+class FocusPointList(Model):
+    """The focus points of a camera at one time."""
+
+    model_config = shown_as({"focusPoints": [POINT_EXAMPLE]})
+
+    focus_points: list[FocusPoint]
+
+
+class CurvePoint(Model):
+    """A focus point in one sample of a focus curve."""
+
+    name: str
+    state: str = Field(description="`used`, or why it did not count.")
+    depth_m: Distance
+    weight: float
+    share: float = Field(description="Of the weight that decided the focus, 0 to 1.")
+    coc_mm: Distance = Field(description="Diameter of its circle of confusion on the film.")
+
+
+class CurveSample(Model):
+    """The lens at one frame."""
+
+    frame: float
+    time_code: float
+    seconds: float
+    focus_distance_m: Distance = Field(description="null is infinity.")
+    f_stop: float
+    focal_length_mm: float
+    near_m: float
+    far_m: Distance = Field(description="null is infinity.")
+    hyperfocal_m: Distance
+    coc_limit_mm: float
+    source: Literal["points", "camera"]
+    reason: str
+    sharp: list[str] = Field(description="Names of the focus points that are sharp.")
+    points: list[CurvePoint]
+
+
+class FocusCurve(Model):
+    """The lens, frame by frame."""
+
+    format: Literal["pullfocus.focusCurve"]
+    version: int
+    camera: str
+    frames_per_second: float
+    time_codes_per_second: float
+    samples: list[CurveSample]

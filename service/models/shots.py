@@ -1,0 +1,130 @@
+"""Shots: what is stored, and what is found in it."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Model, PrimPath, shown_as
+
+SUMMARY_EXAMPLE: JsonDict = {
+    "id": "demo",
+    "name": "Night tram",
+    "root": "shot.usda",
+    "createdAt": "2026-11-21T08:00:00Z",
+    "sizeBytes": 48_112_640,
+    "fileCount": 14,
+}
+RANGE_EXAMPLE: JsonDict = {"start": 1.0, "end": 96.0, "framesPerSecond": 24.0}
+NOTE_EXAMPLE: JsonDict = {
+    "code": "subdivision",
+    "path": "/World/Statue",
+    "message": "loop subdivision is drawn as its cage",
+}
+SHOT_EXAMPLE: JsonDict = SUMMARY_EXAMPLE | {
+    "revision": "5f70bf18a0860070",
+    "frameRange": RANGE_EXAMPLE,
+    "cameras": ["/World/Camera"],
+    "defaultCamera": {"path": "/World/Camera", "reason": "the only camera"},
+}
+
+
+class ShotSummary(Model):
+    """A stored shot."""
+
+    model_config = shown_as(SUMMARY_EXAMPLE)
+
+    id: str = Field(description="Names the shot in every address.")
+    name: str = Field(description="For people: the name of the file that was sent.")
+    root: str = Field(description="The root layer, relative to the shot's folder.")
+    created_at: datetime
+    size_bytes: int = Field(description="Of all files of the shot, unpacked.")
+    file_count: int
+
+
+class ShotList(Model):
+    """All stored shots, newest last."""
+
+    model_config = shown_as({"shots": [SUMMARY_EXAMPLE]})
+
+    shots: list[ShotSummary]
+
+
+class FrameRange(Model):
+    """When a shot happens. Times are USD time codes; `start` and `end` are both in it."""
+
+    start: float
+    end: float
+    frames_per_second: float
+
+
+class CameraChoice(Model):
+    """The camera that is taken when a request names none."""
+
+    path: str | None = Field(description="Prim path; null where the shot has no camera and one is made to frame it.")
+    reason: str = Field(description="Why this one.")
+
+
+class Shot(ShotSummary):
+    """A stored shot and what does not change while it is looked at."""
+
+    model_config = shown_as(SHOT_EXAMPLE)
+
+    revision: str = Field(description="Of the edits: another one after every edit.")
+    frame_range: FrameRange
+    cameras: list[str] = Field(description="Prim paths.")
+    default_camera: CameraChoice
+
+
+class Note(Model):
+    """Something of the stage that is not honoured, and why."""
+
+    code: str
+    path: str = Field(description="Prim path.")
+    message: str
+
+
+class Inspection(Model):
+    """What a shot holds and what will not be honoured."""
+
+    model_config = shown_as(
+        {
+            "frameRange": RANGE_EXAMPLE,
+            "cameras": ["/World/Camera"],
+            "defaultCamera": SHOT_EXAMPLE["defaultCamera"],
+            "triangleCount": 243_118,
+            "primCount": 214,
+            "lightCount": 9,
+            "metersPerUnit": 0.01,
+            "upAxis": "Y",
+            "notes": [NOTE_EXAMPLE],
+        }
+    )
+
+    frame_range: FrameRange
+    cameras: list[str]
+    default_camera: CameraChoice
+    triangle_count: int = Field(description="Drawn at the first frame, instances counted.")
+    prim_count: int = Field(description="Prims with geometry that are drawn at the first frame.")
+    light_count: int
+    meters_per_unit: float
+    up_axis: Literal["Y", "Z"]
+    notes: list[Note] = Field(description="What the shot uses that is not honoured.")
+
+
+class PickRequest(Model):
+    """Which pixel of which picture."""
+
+    model_config = shown_as(
+        {"camera": "/World/Camera", "time": 24, "width": 960, "height": 540, "x": 412.5, "y": 300.5}
+    )
+
+    camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
+    time: float = Field(description="USD time code.")
+    width: int = Field(ge=1, le=8192, description="Of the picture, px.")
+    height: int = Field(ge=1, le=8192, description="Of the picture, px.")
+    x: float = Field(ge=0, description="From the picture's left edge, px; a pixel's centre is at .5.")
+    y: float = Field(ge=0, description="From the picture's top edge, px; a pixel's centre is at .5.")

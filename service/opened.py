@@ -1,0 +1,88 @@
+"""Shots that a worker process holds open, so that the next request need not open them again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from render.errors import NotFoundError, PullfocusError
+from service.store import ShotRecord
+
+if TYPE_CHECKING:
+    from render.shot import Shot
+
+MAX_OPEN = 4
+
+
+class OpenedShots:
+    """The shots that were used last, by id. Lives in a worker process.
+
+    USD is imported when the first shot is opened: the process that speaks HTTP imports this module, and no USD.
+    """
+
+    def __init__(self) -> None:
+        self._shots: OrderedDict[str, Shot] = OrderedDict()
+
+    @contextmanager
+    def use(self, record: ShotRecord, edit_text: str = "") -> Iterator[Shot]:
+        """Work with a shot. Errors that come out name files as they were sent, not as they lie on this machine.
+
+        Args:
+            record: which shot.
+            edit_text: its edit layer; empty takes the one that it has, or else the saved one.
+
+        Raises:
+            NotFoundError: it was removed in the meantime.
+            StageError: it is no stage, or refers to what was not sent with it.
+        """
+        try:
+            shot = self._get(record)
+            if edit_text and edit_text != shot.export_edits():
+                shot.replace_edits(edit_text)
+            yield shot
+        except PullfocusError as error:
+            raise _as_sent(error, record) from error
+
+    @contextmanager
+    def edit(self, record: ShotRecord) -> Iterator[Shot]:
+        """Change a shot. What was changed is on disk when this ends, or else it is as if it had never been."""
+        with self.use(record) as shot:
+            before = shot.export_edits()
+            try:
+                yield shot
+                shot.save_edits(record.edits)
+            except BaseException:
+                if shot.export_edits() != before:
+                    shot.replace_edits(before)
+                raise
+
+    def forget(self, shot_id: str) -> None:
+        """Close a shot, if it is open."""
+        self._shots.pop(shot_id, None)
+
+    def _get(self, record: ShotRecord) -> Shot:
+        from render.shot import Shot
+
+        if record.id not in self._shots:
+            if not record.root_path.is_file():
+                raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
+            edits = record.edits if record.edits.is_file() else None
+            self._shots[record.id] = Shot.open(record.root_path, confined_to=record.files, edits=edits)
+            if len(self._shots) > MAX_OPEN:
+                self._shots.popitem(last=False)
+        self._shots.move_to_end(record.id)
+        return self._shots[record.id]
+
+
+def _as_sent(error: PullfocusError, record: ShotRecord) -> PullfocusError:
+    """The same error, with paths relative to what was sent: where this machine keeps it is nobody's business."""
+    places = {str(folder) for folder in (record.files, record.files.resolve())}
+
+    def cut(text: str) -> str:
+        for place in places:
+            text = text.replace(f"{place}/", "").replace(place, "the shot's folder")
+        return text
+
+    return type(error)(cut(error.detail), code=error.code, path=cut(error.path) if error.path else None)

@@ -1,0 +1,125 @@
+"""What the picture process is asked for: frames and picks. It alone owns GL, in its one thread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from service.models.focus import Anchor, Pick
+from service.models.shots import PickRequest
+from service.opened import OpenedShots
+from service.store import ShotRecord
+
+if TYPE_CHECKING:
+    from render.film import Grade
+    from render.frame import FrameRenderer
+
+
+class Darkroom:
+    """The picture process's state: the GL context and the opened shots.
+
+    Both are made by the first request that needs them, so that a machine without GL gets an error that says so, and
+    the process that speaks HTTP imports neither GL nor USD.
+    """
+
+    def __init__(self) -> None:
+        self.opened = OpenedShots()
+
+    @cached_property
+    def renderer(self) -> FrameRenderer:
+        """Raises `GraphicsError` where no context can be made."""
+        from render.frame import FrameRenderer
+
+        return FrameRenderer()
+
+    @cached_property
+    def grade(self) -> Grade:
+        """How pictures are graded: as the environment's OpenColorIO configuration says, like the command line's."""
+        from render.film import Grade
+
+        return Grade()
+
+
+@dataclass(frozen=True)
+class Warm:
+    """Be ready: have a context."""
+
+    def run(self, room: Darkroom) -> None:
+        """Raises `GraphicsError`."""
+        _ = room.renderer
+
+
+@dataclass(frozen=True)
+class ForgetPictures:
+    """Close a shot that was removed."""
+
+    shot_id: str
+
+    def run(self, room: Darkroom) -> None:
+        """Close it."""
+        room.opened.forget(self.shot_id)
+
+
+@dataclass(frozen=True)
+class RenderPicture:
+    """Render one frame.
+
+    Attributes:
+        record: of which shot.
+        edits: its edit layer at the moment of asking.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        height: pixels, or None for the film gate's shape.
+        settings: the other fields of `render.frame.FrameSettings`.
+        format: png, jpeg or exr.
+    """
+
+    record: ShotRecord
+    edits: str
+    camera: str | None
+    time: float
+    height: int | None
+    settings: dict[str, Any]
+    format: str
+
+    def run(self, room: Darkroom) -> bytes:
+        """The encoded picture: the same that `pullfocus record` writes. Raises what `make_picture` raises."""
+        from render.frame import FrameSettings
+        from render.output import encode
+        from render.shot import make_picture
+        from render.shot.size import picture_height
+
+        with room.opened.use(self.record, self.edits) as shot:
+            height = self.height or picture_height(shot, self.camera, self.time, self.settings["width"])
+            settings = FrameSettings(**self.settings, height=height)
+            picture = make_picture(room.renderer, shot, self.camera, self.time, settings, room.grade)
+            return encode(self.format, picture.frame, picture.graded, picture.metadata)
+
+
+@dataclass(frozen=True)
+class PickSurface:
+    """Find what is under a pixel."""
+
+    record: ShotRecord
+    edits: str
+    asked: PickRequest
+
+    def run(self, room: Darkroom) -> Pick:
+        """What is there, if anything. Raises `CameraError` or `SettingsError`."""
+        asked = self.asked
+        with room.opened.use(self.record, self.edits) as shot:
+            scene = shot.scene_at(asked.time)
+            camera = shot.camera_at(asked.camera, asked.time, asked.width, asked.height)
+            found = room.renderer.pick(scene, camera, asked.width, asked.height, asked.x, asked.y)
+        if found is None:
+            return Pick(hit=False)
+        target = (found.prim_path,) if found.prototype_path is None else (found.prim_path, found.prototype_path)
+        anchor = Anchor(
+            target=target,
+            face=found.face,
+            fan_triangle=found.fan_triangle,
+            barycentric=found.barycentric,
+            instance=found.instance,
+        )
+        return Pick(hit=True, anchor=anchor, depth_m=found.depth_m, position_m=found.position_m)

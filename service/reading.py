@@ -1,0 +1,188 @@
+"""From an opened shot to models. Runs in the stage process, the one that imports USD."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, get_args
+
+from pxr import UsdGeom
+
+from render.errors import CameraError, NotFoundError, SettingsError, StageError
+from render.frame_spec import parse_frames
+from render.scene import Camera
+from render.shot import PlacedPoint
+from render.shot import Shot as OpenShot
+from render.stage import read_camera
+from service.models.base import Finding, Vector3
+from service.models.cameras import CameraList, CameraState
+from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute
+from service.models.shots import CameraChoice, FrameRange, Inspection, Note, Shot, ShotSummary
+from service.store import ShotRecord, revision_of
+from usd_schemas import FocusPoint as AuthoredPoint
+
+# The one name that differs between REST and the schema: it carries its unit.
+FIELD_OF_NAME = {"blur_mm": "blur"}
+CAMERA_NAMES = set(CameraState.model_fields) - {"path", "time", "focus_mode"}
+AUTHORED_NAMES = tuple(FocusPointEdit.model_fields)
+
+
+def describe(record: ShotRecord, shot: OpenShot) -> Shot:
+    """A shot and what does not change while it is looked at."""
+    return Shot(
+        **ShotSummary.model_validate(record).model_dump(),
+        revision=revision_of(record.edit_text()),
+        frame_range=_frame_range(shot),
+        cameras=shot.cameras(),
+        default_camera=_default_camera(shot),
+    )
+
+
+def inspect(shot: OpenShot) -> Inspection:
+    """What a shot holds at its first frame, and what of it is not honoured."""
+    frame_range = _frame_range(shot)
+    scene = shot.scene_at(frame_range.start)
+    return Inspection(
+        frame_range=frame_range,
+        cameras=shot.cameras(),
+        default_camera=_default_camera(shot),
+        triangle_count=scene.triangle_count,
+        prim_count=len(scene.prim_paths),
+        light_count=len(scene.lights) + (scene.dome is not None),
+        meters_per_unit=UsdGeom.GetStageMetersPerUnit(shot.stage),
+        up_axis=UsdGeom.GetStageUpAxis(shot.stage),
+        notes=[Note.model_validate(finding) for finding in shot.findings()],
+    )
+
+
+def _frame_range(shot: OpenShot) -> FrameRange:
+    found = shot.frame_range
+    if not all(map(math.isfinite, (found.start, found.end, found.frames_per_second))):
+        raise StageError(f"the frame range of the stage is not finite: {found}", code="bad_frame_range")
+    return FrameRange.model_validate(found)
+
+
+def _default_camera(shot: OpenShot) -> CameraChoice:
+    choice = shot.default_camera()
+    return CameraChoice(path=choice.path, reason=choice.reason)
+
+
+def list_cameras(shot: OpenShot, time: float) -> CameraList:
+    """The cameras of a shot at one time; those whose numbers make no picture are told apart."""
+    usable, unusable = [], []
+    for path in shot.cameras():
+        try:
+            usable.append(read_camera_state(shot, path, time))
+        except CameraError as error:
+            unusable.append(Finding(path=path, detail=error.detail))
+    choice = shot.default_camera()
+    if choice.framing is not None:
+        usable.append(_camera_state(choice.framing, None, time, "manual"))
+    return CameraList(default=_default_camera(shot), cameras=usable, unusable=unusable)
+
+
+def read_camera_state(shot: OpenShot, path: str | None, time: float) -> CameraState:
+    """A camera with its own film gate, its focus solved.
+
+    Raises:
+        CameraError: it is no camera, or has impossible numbers.
+    """
+    lens = shot.readout(path, time)
+    camera = replace(read_camera(shot.stage, lens.camera, time), focus_distance_m=lens.focus_distance_m)
+    return _camera_state(camera, lens.camera, time, lens.focus_mode)
+
+
+def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str) -> CameraState:
+    values = {name: getattr(camera, name) for name in CAMERA_NAMES}
+    values["focus_distance_m"] = camera.focus_distance_m or math.inf  # a scene's camera may say 0 for infinity
+    return CameraState.model_validate(values | {"path": path, "time": time, "focus_mode": focus_mode})
+
+
+def read_points(shot: OpenShot, camera: str | None, time: float, aspect: float | None = None) -> list[FocusPoint]:
+    """The focus points of a camera as they stand in its picture."""
+    return [_point(shot, camera, placed) for placed in shot.focus_points(camera, time, aspect=aspect)]
+
+
+def read_point(shot: OpenShot, camera: str | None, time: float, name: str) -> FocusPoint:
+    """One of them.
+
+    Raises:
+        NotFoundError: the camera has no such point.
+    """
+    for placed in shot.focus_points(camera, time):
+        if placed.point.name == name:
+            return _point(shot, camera, placed)
+    raise NotFoundError(f"the camera has no focus point named {name!r}", code="point_not_found", path=name)
+
+
+def _point(shot: OpenShot, camera: str | None, placed: PlacedPoint) -> FocusPoint:
+    point = placed.point
+    authored = {name: getattr(point, FIELD_OF_NAME.get(name, name)) for name in AUTHORED_NAMES}
+    return FocusPoint(
+        **authored,
+        name=point.name,
+        position_m=_place(placed.position_m),
+        depth_m=placed.depth_m,
+        screen=placed.screen,
+        visible_in_frame=placed.visible_in_frame,
+        state=placed.state,
+        share=placed.share,
+        coc_mm=placed.coc_mm,
+        problem=placed.problem,
+        keys=_keys(shot, camera, point.name),
+    )
+
+
+def _place(position: Sequence[float] | None) -> Vector3 | None:
+    if position is None or not all(map(math.isfinite, position)):
+        return None
+    x, y, z = position
+    return x, y, z
+
+
+def _keys(shot: OpenShot, camera: str | None, name: str) -> dict[KeyedAttribute, list[Key]]:
+    attributes: tuple[KeyedAttribute, ...] = get_args(KeyedAttribute)
+    found = {attribute: shot.keys(camera, name, attribute) for attribute in attributes}
+    return {
+        attribute: [Key(time=k.time, value=float(k.value), interpolation=k.interpolation) for k in keys]
+        for attribute, keys in found.items()
+        if keys
+    }
+
+
+def new_point(name: str, wanted: FocusPointCreate) -> AuthoredPoint:
+    """A focus point as the schema has it."""
+    return AuthoredPoint(name=name, **_schema_fields(wanted.model_dump(exclude={"name"})))
+
+
+def point_fields(edit: FocusPointEdit) -> dict[str, Any]:
+    """What to change, by the schema's names: what was sent, and null means what was left out."""
+    return _schema_fields(edit.model_dump(exclude_none=True))
+
+
+def _schema_fields(values: dict[str, Any]) -> dict[str, Any]:
+    return {FIELD_OF_NAME.get(name, name): value for name, value in values.items()}
+
+
+def free_name(shot: OpenShot, camera: str | None, time: float) -> str:
+    """A name that no focus point of the camera has."""
+    taken = {placed.point.name for placed in shot.focus_points(camera, time)}
+    return next(name for name in (f"point{n}" for n in range(1, len(taken) + 2)) if name not in taken)
+
+
+def curve_frames(shot: OpenShot, spec: str | None, most: int) -> list[float]:
+    """The frames of a curve: those that were asked for, or the whole shot.
+
+    Raises:
+        SettingsError: the specification cannot be read, or they are too many.
+    """
+    if spec is not None:
+        frames = parse_frames(spec)
+        count = len(frames)
+    else:
+        whole = _frame_range(shot)
+        count = max(1, math.floor(whole.end - whole.start) + 1)
+    if count > most:
+        raise SettingsError(f"a focus curve of {count:,} frames was asked for; at most {most:,} come at once")
+    return frames if spec is not None else [whole.start + n for n in range(count)]

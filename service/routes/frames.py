@@ -1,0 +1,120 @@
+"""Frames and picks: what the process that owns GL is asked for."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Header, Query, Response
+from pydantic import Field
+
+from service.errors import ServiceError
+from service.frame_cache import frame_tag, matches
+from service.hub import Hub, HubDep
+from service.models.base import Model, PrimPath
+from service.models.focus import Pick
+from service.models.shots import PickRequest
+from service.picture_work import PickSurface, RenderPicture
+from service.routes.parameters import ShotId, problems
+from service.store import ShotRecord, revision_of
+
+router = APIRouter(tags=["frames"])
+
+MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
+BINARY = {"schema": {"type": "string", "format": "binary"}}
+
+
+class FrameQuery(Model):
+    """Which frame, and how it is rendered."""
+
+    camera: PrimPath | None = Field(
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+    )
+    time: float = Field(description="USD time code.", examples=[24])
+    width: int = Field(default=960, ge=1, le=8192, description="px", examples=[960])
+    height: int | None = Field(
+        default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
+    )
+    engine: Literal["lens", "accumulation", "pinhole"] = Field(
+        default="lens",
+        description="`lens` traces peeled layers, `accumulation` renders once for each ray, `pinhole` has all sharp.",
+        examples=["lens"],
+    )
+    rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
+    layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
+    supersample: int = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
+    shading: Literal["lit", "unlit"] = Field(
+        default="lit", description="`unlit`: base colour as radiance.", examples=["lit"]
+    )
+    seed: int = Field(default=0, ge=0, description="Of the sampling pattern.", examples=[0])
+    format: Literal["png", "jpeg", "exr"] = Field(
+        default="png", description="`exr` is scene-linear light, the others the graded picture.", examples=["png"]
+    )
+    client: str | None = Field(
+        default=None,
+        max_length=64,
+        description="Names one viewer. A newer frame request of the same viewer for the same shot takes the place of "
+        "those that still wait, which are answered 409 `superseded`. Left out: nothing is superseded.",
+        examples=["viewer-1"],
+    )
+
+
+@router.get(
+    "/shots/{shot}/frame",
+    operation_id="getFrame",
+    response_class=Response,
+    responses=problems(404, 409, 503, 504)
+    | {
+        200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture."},
+        304: {"description": "The picture is the one that `If-None-Match` names."},
+    },
+)
+async def get_frame(
+    hub: HubDep,
+    shot: ShotId,
+    query: Annotated[FrameQuery, Query()],
+    if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
+) -> Response:
+    """One frame. Its `ETag` is made of everything that it depends on: same tag, same pixels."""
+    _check_size(query, hub.settings.max_picture_px)
+    record = hub.store.get(shot)
+    edits = record.edit_text()
+    tag = frame_tag(_inputs(record, edits, query))
+    headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
+    if matches(if_none_match, tag):
+        hub.metrics.frames.labels("not_modified").inc()
+        return Response(status_code=304, headers=headers)
+    picture = await _picture(hub, record, edits, query, tag)
+    return Response(picture, media_type=MEDIA_TYPES[query.format], headers=headers)
+
+
+async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, tag: str) -> bytes:
+    cached = hub.frames.get(tag)
+    if cached is not None:
+        hub.metrics.frames.labels("cache").inc()
+        return cached
+    settings = query.model_dump(exclude={"camera", "time", "height", "format", "client"})
+    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format)
+    group = (query.client, record.id) if query.client else None
+    picture = await hub.ask_picture(work, group)
+    hub.frames.put(tag, picture)
+    hub.metrics.frames.labels("rendered").inc()
+    return picture
+
+
+def _inputs(record: ShotRecord, edits: str, query: FrameQuery) -> dict[str, object]:
+    """All that a picture depends on. A shot's files never change under its id, but a shot may be sent again."""
+    asked = query.model_dump(mode="json", exclude={"client"})
+    return asked | {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
+
+
+def _check_size(query: FrameQuery, max_px: int) -> None:
+    if query.width * (query.height or 1) > max_px:
+        detail = f"A picture of {query.width} × {query.height} px was asked for; at most {max_px:,} px are rendered."
+        raise ServiceError(422, "too_many_pixels", detail, path="query.width")
+
+
+@router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))
+async def pick(hub: HubDep, shot: ShotId, asked: PickRequest) -> Pick:
+    """The surface under a pixel. Its `anchor` is what a focus point is made of."""
+    record = hub.store.get(shot)
+    return await hub.ask_picture(PickSurface(record, record.edit_text(), asked))

@@ -1,0 +1,133 @@
+"""A real service on a free port, and small shots to send to it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+import uvicorn
+
+from service.app import create_app
+from service.settings import Settings
+
+
+@dataclass(frozen=True)
+class Running:
+    """A service that runs, a client of it, and the settings that it runs with."""
+
+    client: httpx.Client
+    settings: Settings
+    app: object
+
+    @property
+    def hub(self):
+        return self.app.state.hub
+
+
+@contextmanager
+def running(settings: Settings) -> Iterator[Running]:
+    """Run a service in a thread of this process (its workers are processes of their own, as always)."""
+    app = create_app(settings)
+    server = uvicorn.Server(uvicorn.Config(app, port=0, log_config=None, access_log=False))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            assert thread.is_alive(), "the service did not start"
+            time.sleep(0.01)
+        port = server.servers[0].sockets[0].getsockname()[1]
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=120) as client:
+            yield Running(client, settings, app)
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory) -> Iterator[Running]:
+    """The service that most tests share, with limits that a small bomb or a few bytes too many can reach."""
+    data = tmp_path_factory.mktemp("data")
+    settings = Settings(data=data, demo=False, max_upload_mb=2, max_unpacked_mb=80, max_archive_entries=50)
+    with running(settings) as service:
+        yield service
+
+
+@pytest.fixture
+def client(service) -> httpx.Client:
+    return service.client
+
+
+ROOM = """#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    upAxis = "Y"
+    startTimeCode = 1
+    endTimeCode = 24
+    framesPerSecond = 24
+    timeCodesPerSecond = 24
+)
+
+def Xform "World"
+{
+    def Camera "cam"
+    {
+        float focalLength = 0.5
+        float horizontalAperture = 0.36
+        float verticalAperture = 0.2025
+        float fStop = 1.4
+        float focusDistance = 3
+        float2 clippingRange = (0.1, 100)
+    }
+
+    def Mesh "near"
+    {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-1, -0.6, -3), (0, -0.6, -3), (0, 0.6, -3), (-1, 0.6, -3)]
+        color3f[] primvars:displayColor = [(0.8, 0.3, 0.1)]
+    }
+
+    def Mesh "far"
+    {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, -1.5, -8), (3, -1.5, -8), (3, 1.5, -8), (0, 1.5, -8)]
+        color3f[] primvars:displayColor = [(0.1, 0.3, 0.8)]
+    }
+
+    def DistantLight "sun"
+    {
+        float inputs:intensity = 3
+        bool inputs:normalize = 1
+    }
+}
+"""
+
+
+@pytest.fixture(scope="session")
+def room_file(tmp_path_factory) -> Path:
+    """A shot of two cards, one three metres away and one eight."""
+    file = tmp_path_factory.mktemp("room") / "room.usda"
+    file.write_text(ROOM)
+    return file
+
+
+def send(client: httpx.Client, name: str, content: bytes, **fields: str) -> httpx.Response:
+    """Upload a file."""
+    return client.post("/v1/shots", files={"file": (name, content)}, data=fields)
+
+
+@pytest.fixture
+def room(client, room_file) -> Iterator[str]:
+    """The room as a shot of the service; its id."""
+    sent = send(client, "room.usda", room_file.read_bytes())
+    assert sent.status_code == 201, sent.text
+    yield sent.json()["id"]
+    client.delete(f"/v1/shots/{sent.json()['id']}")

@@ -15,6 +15,7 @@ from pxr import Sdf, Tf, Usd
 
 from render.errors import SettingsError, StageError
 from render.output import write_atomic
+from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys
 from usd_schemas.values import usd_value
 
@@ -50,7 +51,9 @@ class Edits:
         """
         self._stage = stage
         if self.layer.empty:
-            self.layer.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
+            # This composes the stage anew, which would repeat USD's warnings about it on the terminal.
+            with quiet_diagnostics():
+                self.layer.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
             self.layer.comment = "Edits made in Pullfocus: sublayer this over the shot."
 
     @contextmanager

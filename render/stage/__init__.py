@@ -5,7 +5,7 @@ from __future__ import annotations
 from render.stage.anchors import AnchorReader, anchor_position
 from render.stage.cameras import CameraChoice, conformed, default_camera, framing_camera, list_cameras, read_camera
 from render.stage.findings import Finding
-from render.stage.opening import open_stage
+from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.reader import StageReader
 from render.stage.world import FrameRange, frame_range, world_from_stage
 
@@ -22,6 +22,7 @@ __all__ = [
     "framing_camera",
     "list_cameras",
     "open_stage",
+    "quiet_diagnostics",
     "read_camera",
     "world_from_stage",
 ]

@@ -201,9 +201,16 @@ class LightReader:
             if value is not None and value != neutral:
                 self._log.add(f"light_{what.replace(' ', '_')}", path, f"the {what} of light {path} is not honoured")
         for name in ("lightLink", "shadowLink"):
-            collection = Usd.CollectionAPI.Get(prim, name)
-            if collection and not collection.ComputeMembershipQuery().IsPathIncluded(Sdf.Path.absoluteRootPath):
+            if _is_partial(Usd.CollectionAPI.Get(prim, name)):
                 self._log.add("light_linking", path, f"light {path} lights everything: {name} is not honoured")
+
+
+def _is_partial(collection: Usd.CollectionAPI) -> bool:
+    """Whether a light's collection leaves anything out; by default it includes the root and so everything."""
+    if not collection:
+        return False
+    is_whole = collection.GetIncludeRootAttr().Get() and not collection.GetExcludesRel().GetTargets()
+    return not is_whole
 
 
 def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:

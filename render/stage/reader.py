@@ -122,12 +122,10 @@ class StageReader:
                 return
 
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
-        for path in notice.GetResyncedPaths():
-            if not self._is_camera(path) or self._stage.GetPrimAtPath(path.GetPrimPath()).GetChildren():
-                self._plan = None
-        for path in notice.GetChangedInfoOnlyPaths():
-            if not self._is_camera(path):
-                self._plan = None
+        paths = [*notice.GetResyncedPaths(), *notice.GetChangedInfoOnlyPaths()]
+        if not all(self._is_only_a_camera(path) for path in paths):
+            self._plan = None
 
-    def _is_camera(self, path: Sdf.Path) -> bool:
-        return bool(self._stage.GetPrimAtPath(path.GetPrimPath()).IsA(UsdGeom.Camera))
+    def _is_only_a_camera(self, path: Sdf.Path) -> bool:
+        prim = self._stage.GetPrimAtPath(path.GetPrimPath())
+        return bool(prim) and prim.IsA(UsdGeom.Camera) and not prim.GetChildren()

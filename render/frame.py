@@ -26,7 +26,7 @@ from render.optics.sampling import MAX_RAYS, lens_samples
 from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
 from render.optics.view import PinholeView, check_picture_size
 from render.reference.accumulation import Accumulator
-from render.scene import Camera, FloatArray, Light, Scene
+from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.lens import LensEngine
 from render.trace.rays import camera_iris, plane_of_focus, thin_lens_bundle
 
@@ -205,14 +205,13 @@ class FrameRenderer:
         return {name: made[name] for name in settings.aovs if name != "color"}
 
     def _with_light(self, scene: Scene, camera: Camera) -> Scene:
-        """The scene, lit from the camera where it has no light at all, as usdrecord does."""
+        """The scene, lit from the camera where it has no light at all, as usdrecord does; a faint dome shows metals' shapes."""
         if scene.lights or scene.dome is not None:
             return scene
         if self._lit is None or self._lit[0] is not scene or self._lit[1] is not camera:
-            headlight = Light(
-                "distant", (np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light"
-            )
-            self._lit = (scene, camera, replace(scene, lights=(headlight,)))
+            lights = (Light("distant", (0.8 * np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light"),)
+            dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
+            self._lit = (scene, camera, replace(scene, lights=lights, dome=dome))
         return self._lit[2]
 
 

@@ -58,7 +58,9 @@ class SceneIndex:
     Objects are recognised by identity: the same `Geometry`, `Material`, `Image` object is uploaded once.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, anisotropy: float = 1.0) -> None:
+        """``anisotropy``: most samples of an anisotropic texture look-up."""
+        self._anisotropy = anisotropy
         self.graph = pyrender.Scene(ambient_light=np.zeros(3))
         self.draws: list[Draw] = []
         self._nodes: dict[DrawKey, HeldNode] = {}
@@ -150,7 +152,7 @@ class SceneIndex:
     def _texture(self, image: Image, wrap_s: Wrap, wrap_t: Wrap) -> HalfTexture:
         key = (id(image), wrap_s, wrap_t)
         if key not in self._textures:
-            self._textures[key] = HalfTexture(image, wrap_s, wrap_t)
+            self._textures[key] = HalfTexture(image, wrap_s, wrap_t, self._anisotropy)
         return self._textures[key]
 
     def _forget_unused(self) -> None:

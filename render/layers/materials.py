@@ -16,18 +16,18 @@ _WRAPS: dict[Wrap, int] = {
     "mirror": GL.GL_MIRRORED_REPEAT,
     "black": GL.GL_CLAMP_TO_BORDER,
 }
-_MAX_ANISOTROPY = 4.0
 _GL_TEXTURE_MAX_ANISOTROPY = 0x84FE
 
 
 class HalfTexture(pyrender.Texture):  # type: ignore[misc]
     """A half-float image with mipmaps, row 0 first. pyrender's own textures hold eight bits."""
 
-    def __init__(self, image: Image, wrap_s: Wrap = "repeat", wrap_t: Wrap = "repeat") -> None:
+    def __init__(self, image: Image, wrap_s: Wrap = "repeat", wrap_t: Wrap = "repeat", anisotropy: float = 1.0) -> None:
         height, width = image.pixels.shape[:2]
         super().__init__(name=image.name, source=None, source_channels="RGBA", width=width, height=height)
         self.image = image
         self.wraps = (wrap_s, wrap_t)
+        self.anisotropy = anisotropy
 
     def _add_to_context(self) -> None:
         self._texid = GL.glGenTextures(1)
@@ -38,7 +38,7 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
         GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
         GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
         GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_T, _WRAPS[self.wraps[1]])
-        GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, _MAX_ANISOTROPY)
+        GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
         GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
         GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
 

@@ -84,6 +84,8 @@ def _describe(
     geometry = batch.geometry
     own_path = scene.prim_paths[geometry.prim_ids[triangle]]
     number = -1 if batch.instance_numbers is None else int(batch.instance_numbers[pose])
+    if geometry.swapped is not None and geometry.swapped[triangle]:
+        weights = weights[[0, 2, 1]]
     instance_path = None if batch.instance_prim_ids is None else scene.prim_paths[batch.instance_prim_ids[pose]]
     return Pick(
         prim_path=instance_path or own_path,

@@ -165,6 +165,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         primitive = draw.node.mesh.primitives[0]
         material: PreviewSurface = primitive.material
         maps = tuple(f"{name}_map" for name in material.maps)
+        if _may_be_clear(material, draw):
+            defines = {**defines, "MAY_BE_CLEAR": 1}
         key = (fragment, maps, primitive.texcoord_0 is None, primitive.color_0 is None, *sorted(defines))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]
@@ -200,6 +202,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glFrontFace(GL.GL_CCW)
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
+
+
+def _may_be_clear(material: PreviewSurface, draw: Draw) -> bool:
+    """Whether a fragment may be wholly transparent; where none can be, the device tests depth before it shades."""
+    m, colors = material.source, draw.batch.geometry.colors
+    faded = m.uses_display_color and colors is not None and bool((colors[:, 3] < 1).any())
+    return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups or faded
 
 
 def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:

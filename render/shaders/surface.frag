@@ -33,7 +33,9 @@ void main()
     if (w >= abs(last_w) - (last_w > 0.0 ? umbra : 0.0)) discard;  // a transparent surface hides nothing
 #endif
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
+#ifdef MAY_BE_CLEAR
     if (s.opacity <= 0.0) discard;
+#endif
 #ifdef UNLIT
     vec3 radiance = s.base_color + s.emissive;
 #else

@@ -1,0 +1,74 @@
+"""The lens engine against the accumulation buffer with the same lens samples: at least 40 dB and 0.99.
+
+What is left between them is at edges: the layers hold one sample in each of their pixels, two to a picture pixel along each
+axis, while the reference samples every view anew. It shrinks with the layers' resolution, as the last test shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.reference.metrics import psnr_db, ssim
+from render.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.scene import Camera, Scene
+
+SETTINGS = FrameSettings(640, 480, rays=64, tiled=False)
+
+
+def compare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> tuple[float, float]:
+    traced = renderer.render(scene, camera, settings).color
+    reference = renderer.render(scene, camera, replace(settings, engine="accumulation")).color
+    np.testing.assert_allclose(traced.mean((0, 1)), reference.mean((0, 1)), rtol=5e-3)
+    return psnr_db(traced, reference), ssim(traced, reference)
+
+
+@pytest.mark.parametrize("make", [spheres_over_checkerboard, posts_before_wall])
+def test_generated_scenes(renderer: FrameRenderer, make: Callable[[], tuple[Scene, Camera]]) -> None:
+    psnr, similarity = compare(renderer, *make(), SETTINGS)
+    assert psnr >= 40
+    assert similarity >= 0.99
+
+
+def test_the_demo_shot(renderer: FrameRenderer, tmp_path: Path) -> None:
+    from render.demo import write_demo
+    from render.shot import Shot
+
+    shot = Shot.open(write_demo(tmp_path))
+    camera = shot.camera_at(None, 48.0, SETTINGS.width, SETTINGS.height)
+    psnr, similarity = compare(renderer, shot.scene_at(48.0), camera, SETTINGS)
+    assert psnr >= 40
+    assert similarity >= 0.99
+
+
+def test_finer_layers_come_closer(renderer: FrameRenderer) -> None:
+    scene, camera = spheres_over_checkerboard()
+    small = replace(SETTINGS, width=320, height=240, rays=32)
+    reference = renderer.render(scene, camera, replace(small, engine="accumulation")).color
+    errors = [
+        psnr_db(renderer.render(scene, camera, replace(small, supersample=s)).color, reference) for s in (1, 2, 4)
+    ]
+    assert errors[1] > errors[0] + 3
+    assert errors[2] > errors[1] + 3
+
+
+def test_tiled_patterns_converge_to_the_same_picture(renderer: FrameRenderer) -> None:
+    """Patterns that differ from pixel to pixel make noise, not another picture: with many rays both are the same."""
+    scene, camera = spheres_over_checkerboard()
+    many = FrameSettings(160, 120, rays=1024)
+    tiled = renderer.render(scene, camera, many).color
+    shared = renderer.render(scene, camera, replace(many, tiled=False)).color
+    assert psnr_db(tiled, shared) > 45
+
+
+def test_the_same_frame_twice_is_the_same_to_the_bit(renderer: FrameRenderer) -> None:
+    scene, camera = posts_before_wall()
+    settings = FrameSettings(160, 120, rays=32)
+    first = renderer.render(scene, camera, settings).color
+    renderer.render(scene, replace(camera, f_stop=4.0), settings)
+    assert np.array_equal(first, renderer.render(scene, camera, settings).color)

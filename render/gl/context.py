@@ -31,7 +31,9 @@ class GraphicsContext:
             self._platform = pyrender_egl.EGLPlatform(1, 1)
             self._platform.init_context()
             self._platform.make_current()
-            self.ctx = moderngl.create_context()
+            # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
+            moderngl.init_context()
+            self.ctx = moderngl.get_context()
         except Exception as error:  # EGL and PyOpenGL raise their own kinds, bare assertions included
             raise GraphicsError(
                 f"no OpenGL context could be made through EGL ({type(error).__name__}: {error}); on a machine without a GPU "

@@ -242,6 +242,14 @@ def _check(camera: Camera) -> None:
         "near before far",
         f"{camera.near_m:g} m to {camera.far_m:g} m",
     )
+    rotation = camera.world_from_camera[:3, :3]
+    _require(
+        camera,
+        abs(np.linalg.det(rotation)) > 0.5,
+        "transform",
+        "one that turns and scales by more than 0",
+        "a flat one",
+    )
 
 
 def _require(camera: Camera, holds: bool, name: str, expected: str, got: str) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 
 from pxr import Usd, UsdShade
 
-from render.scene import Material
+from render.scene import TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.materials import DEFAULT_LOOK, Look, preview_surface_look
 from render.stage.materialx import MaterialXFiles
@@ -30,6 +31,7 @@ class LookReader:
         self._nodes = TextureNodes(textures, log)
         self._materialx = MaterialXFiles(stage, textures, log)
         self._looks: dict[str, Look] = {_NO_PATH: DEFAULT_LOOK}
+        self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
 
     def look(self, path: str, time: Usd.TimeCode) -> Look:
         """The look of the material at a path, or the default look for an empty path.
@@ -40,10 +42,15 @@ class LookReader:
         if known is not None and not known.varies:
             return known
         fresh = self._read(path, time)
-        if known is not None and _same_material(known.material, fresh.material):
+        if known is not None and _signature(known) == _signature(fresh):
             fresh = replace(fresh, material=known.material)
         self._looks[path] = fresh
         return fresh
+
+    def representative(self, path: str, time: Usd.TimeCode) -> str:
+        """The first material path whose look is the same as this one's, so that copies of an asset are drawn together."""
+        look = self.look(path, time)
+        return path if look.varies else self._representatives.setdefault(_signature(look), path)
 
     def _read(self, path: str, time: Usd.TimeCode) -> Look:
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
@@ -61,21 +68,12 @@ class LookReader:
         return replace(DEFAULT_LOOK, material=replace(DEFAULT_LOOK.material, name=path))
 
 
-def _same_material(one: Material, other: Material) -> bool:
-    """Whether two materials draw the same; texture lookups count as the same only when their images and numbers are."""
-    if one.lookups.keys() != other.lookups.keys():
-        return False
-    for name, lookup in one.lookups.items():
-        against = other.lookups[name]
-        if lookup.image is not against.image or (lookup.wrap_s, lookup.wrap_t) != (against.wrap_s, against.wrap_t):
-            return False
-        for left, right in ((lookup.uv_transform, against.uv_transform), (lookup.scale, against.scale)):
-            if not (left == right).all():
-                return False
-        if lookup.channel != against.channel or not (lookup.bias == against.bias).all():
-            return False
-    return _constants(one) == _constants(other)
+def _signature(look: Look) -> Hashable:
+    """Equal for looks that draw the same and want the same primvars, whatever their names."""
+    constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
+    return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.wanted
 
 
-def _constants(material: Material) -> dict[str, object]:
-    return {name: value for name, value in vars(material).items() if name != "lookups"}
+def _of_lookup(lookup: TextureLookup) -> Hashable:
+    arrays = (lookup.uv_transform.tobytes(), lookup.scale.tobytes(), lookup.bias.tobytes())
+    return id(lookup.image), arrays, lookup.wrap_s, lookup.wrap_t, lookup.channel

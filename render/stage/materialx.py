@@ -50,8 +50,10 @@ class MaterialXFiles:
         surface = _surface_of(root, Sdf.Path(path).name)
         if surface is None:
             return None
-        message = f"material {path} is MaterialX: its base colour, metalness, roughness and normal are read, the rest is left out"
-        self._log.add("materialx_approximated", path, message)
+        message = (
+            f"MaterialX file {file} is approximated: base colour, metalness, roughness, normal and emission are read"
+        )
+        self._log.add("materialx_approximated", file, message)
         return _SurfaceReader(root, surface, file, path, self._textures, self._log).look()
 
     def _file_for(self, path: Sdf.Path) -> Path | None:

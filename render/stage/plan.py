@@ -67,10 +67,11 @@ def _pieces(
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time))
     pieces = []
     for number, part in enumerate(parts):
-        wanted = looks.look(part.material, time).wanted
+        material = looks.representative(part.material, time)
+        wanted = looks.look(material, time).wanted
         inherited, varies = _inherited(prim, wanted, time)
         key = (surface.source, wanted, inherited)
-        pieces.append(Piece(surface, part.material, number, len(parts), double_sided, deforms or varies, wanted, key))
+        pieces.append(Piece(surface, material, number, len(parts), double_sided, deforms or varies, wanted, key))
     return pieces
 
 

@@ -22,8 +22,6 @@ HalfArray = NDArray[np.float16]
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
-# Which of a file's channels fills each of ours, by how many it has.
-_CHANNELS_OF_RGBA = {1: (0, 0, 0, 0), 2: (0, 0, 0, 1), 3: (0, 1, 2, 0), 4: (0, 1, 2, 3)}
 _MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before memory is asked for
 
 
@@ -119,9 +117,14 @@ class _Linear:
         """Write rows of an 8-bit file to ``out``, through the table."""
         assert self._table is not None
         table = self._table.astype(out.dtype)
-        for channel, of_file in enumerate(_CHANNELS_OF_RGBA[rows.shape[2]]):
-            # A missing alpha is 1 in every row of the table, so any channel of the file finds it.
-            out[..., channel] = table[:, channel][rows[..., of_file]]
+        channels = rows.shape[2]
+        colors = rows[..., :3] if channels >= 3 else rows[..., :1]
+        if (table[:, :3] == table[:, :1]).all():
+            out[..., :3] = table[:, 0][colors]
+        else:
+            for channel in range(3):
+                out[..., channel] = table[:, channel][colors[..., min(channel, colors.shape[2] - 1)]]
+        out[..., 3] = table[:, 3][rows[..., -1]] if channels in (2, 4) else table[0, 3]
 
     def _computed(self, rows: NDArray[np.generic]) -> FloatArray:
         linear = colour.linearise(_rgba(rows), self._source) * self._scale + self._bias

@@ -44,7 +44,7 @@ class Problem:
 def validate(stage: Usd.Stage) -> list[Problem]:
     """Run all rules on a stage; problems come in order of path and rule."""
     problems = []
-    for error in UsdValidation.ValidationContext([KEYWORD]).Validate(stage):
+    for error in UsdValidation.ValidationContext(keywords=[KEYWORD]).Validate(stage):
         rule, path = _BY_NAME[error.GetName()], _site_path(error)
         repair = rule.fix if rule.fix and rule.fix.possible(stage, path) else None
         problems.append(

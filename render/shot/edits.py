@@ -67,12 +67,10 @@ class Edits:
         before = Sdf.Layer.CreateAnonymous("before.usda")
         before.TransferContent(self.layer)
         try:
-            with Usd.EditContext(stage, stage.GetEditTargetForLocalLayer(self.layer)):
+            with schema_errors_as_settings(), Usd.EditContext(stage, stage.GetEditTargetForLocalLayer(self.layer)):
                 yield
-        except BaseException as error:
+        except BaseException:
             self.layer.TransferContent(before)
-            if isinstance(error, SchemaError):
-                raise SettingsError(str(error), code="bad_value") from error
             raise
 
     def replace(self, text: str) -> None:
@@ -120,6 +118,19 @@ class Edits:
         if self._stage is None:
             raise RuntimeError("Edits.attach must say which stage is edited before anything is")
         return self._stage
+
+
+@contextmanager
+def schema_errors_as_settings() -> Iterator[None]:
+    """Say in this package's own error that a value, a name or a time is not allowed.
+
+    Raises:
+        SettingsError: in place of a `SchemaError`.
+    """
+    try:
+        yield
+    except SchemaError as error:
+        raise SettingsError(str(error), code="bad_value") from error
 
 
 def set_value(attribute: Usd.Attribute, value: Any, time: float | None) -> None:

@@ -208,3 +208,31 @@ def test_a_camera_path_that_is_no_camera_is_named(shot, camera):
     ):
         with pytest.raises(CameraError):
             attempt()
+
+
+def test_a_camera_with_impossible_numbers_can_be_mended(tmp_path):
+    path = write_shot(tmp_path / "shot.usda")
+    stage = open_bare(path)
+    stage.GetPrimAtPath(CAMERA).GetAttribute("focalLength").Set(-50.0)
+    stage.GetRootLayer().Export(str(tmp_path / "broken.usda"))
+    shot = Shot.open(tmp_path / "broken.usda")
+    with pytest.raises(CameraError, match="focalLength"):
+        shot.readout(CAMERA, 1)
+    shot.set_camera(CAMERA, focal_length_mm=35.0)
+    assert shot.readout(CAMERA, 1).focal_length_mm == pytest.approx(35.0)
+
+
+def test_a_camera_in_an_instance_can_be_looked_through_but_not_edited(tmp_path):
+    write_shot(tmp_path / "shot.usda")
+    (tmp_path / "twice.usda").write_text(
+        '#usda 1.0\n(\n metersPerUnit = 1\n upAxis = "Y"\n)\n'
+        'def "copy" (\n instanceable = true\n references = @./shot.usda@\n)\n{\n}\n'
+    )
+    shot = Shot.open(tmp_path / "twice.usda")
+    assert shot.readout("/copy/cam", 1).focus_distance_m == pytest.approx(3.0)
+    for attempt in (
+        lambda: shot.set_camera("/copy/cam", f_stop=4.0),
+        lambda: shot.add_focus_point("/copy/cam", "hero", HERO),
+    ):
+        with pytest.raises(CameraError, match="instance"):
+            attempt()

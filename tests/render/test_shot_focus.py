@@ -90,7 +90,7 @@ def test_the_focus_does_not_depend_on_the_shape_of_the_picture(shot):
 
 def test_points_outside_the_picture_can_be_kept(shot):
     shot.add_focus_point(CAMERA, "near", ON_NEAR)
-    with shot._edits.editing():
+    with Usd.EditContext(shot.stage, shot.edit_layer):
         shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focus:offScreen").Set("keep")
     assert shot.readout(CAMERA, 24).focus_distance_m == pytest.approx(4.0)
 
@@ -198,7 +198,7 @@ def test_the_limit_of_sharpness_is_the_gates_or_the_cameras_own(shot):
     assert readout.coc_limit_mm == pytest.approx(math.hypot(36, 20.25) / 1500, rel=1e-6)
     assert SLOPE_MM_M * (1 / readout.near_m - 1 / 3) == pytest.approx(readout.coc_limit_mm, rel=1e-5)
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
-    with shot._edits.editing():
+    with Usd.EditContext(shot.stage, shot.edit_layer):
         camera.focus.author(type(camera.focus.read())(circle_of_confusion=0.05))
     assert shot.readout(CAMERA, 1).coc_limit_mm == 0.05
 
@@ -269,7 +269,7 @@ def test_the_only_camera_is_the_default_one(shot):
 
 def test_what_a_camera_asks_for_in_vain_is_told(shot):
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
-    with shot._edits.editing():
+    with Usd.EditContext(shot.stage, shot.edit_layer):
         camera.focus.author(type(camera.focus.read())(mode="surface", smoothing=0.5, near_priority=1.0))
     told = {finding.path: finding.message for finding in shot.findings()}
     assert "surface" in told[CAMERA]

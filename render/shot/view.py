@@ -1,0 +1,237 @@
+"""One opened shot, to look at: its scene, cameras, focus and focus curves at any time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Self
+
+from pxr import Sdf, Usd
+
+from render.errors import CameraError, NotFoundError, SettingsError
+from render.focus import FocusCurve
+from render.scene import Camera, Scene
+from render.shot.curve import focus_layer, solve_curve
+from render.shot.edits import Edits, schema_errors_as_settings
+from render.shot.findings import camera_findings
+from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out
+from render.stage import (
+    AnchorReader,
+    CameraChoice,
+    Finding,
+    FrameRange,
+    StageReader,
+    default_camera,
+    frame_range,
+    list_cameras,
+    open_stage,
+    read_camera,
+)
+from usd_schemas import FocusPointView, Key, LensCamera, SchemaError
+
+
+class ShotView:
+    """The part of `Shot` that looks and changes nothing.
+
+    Attributes:
+        path: the file that was opened.
+        stage: the composed stage, edits included.
+    """
+
+    def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader) -> None:
+        """Use `Shot.open`."""
+        self.path = path
+        self.stage = stage
+        self._edits = edits
+        self._reader = reader
+        self._anchors = AnchorReader(stage)
+        edits.attach(stage)
+
+    @classmethod
+    def open(
+        cls,
+        path: str | Path,
+        *,
+        confined_to: Path | None = None,
+        purposes: Sequence[str] = ("default", "render"),
+        mask: Sequence[str] | None = None,
+        complexity: str = "low",
+        edits: Path | None = None,
+    ) -> Self:
+        """Open a shot.
+
+        Args:
+            path: a USD file.
+            confined_to: folder that nothing the stage refers to may lie outside of; None for anywhere.
+            purposes: which of USD's purposes are drawn.
+            mask: only what lies at, below or above these prim paths is drawn; None for everything.
+            complexity: how finely surfaces are refined, as in usdrecord.
+            edits: a layer that `Shot.save_edits` wrote, to go on from. The file itself is not written to.
+
+        Raises:
+            StageError: a file is no USD, is damaged, or refers to what is missing or outside ``confined_to``.
+        """
+        layer = Edits(edits)
+        stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)
+        reader = StageReader(stage, purposes=tuple(purposes), mask=mask, complexity=complexity)
+        return cls(Path(path), stage, layer, reader)
+
+    @property
+    def frame_range(self) -> FrameRange:
+        """First and last frame as time codes, and how many pass in a second."""
+        return frame_range(self.stage)
+
+    def cameras(self) -> list[str]:
+        """Prim paths of all cameras."""
+        return list_cameras(self.stage)
+
+    def default_camera(self) -> CameraChoice:
+        """The camera that is used when none is named, and why."""
+        return default_camera(self.stage)
+
+    def findings(self) -> list[Finding]:
+        """What was found so far that is not honoured, or could not be used."""
+        return [*self._reader.findings, *camera_findings(self.stage, self.cameras())]
+
+    def scene_at(self, time: float) -> Scene:
+        """What is drawn at a USD time code; what did not change since the last call is the same object."""
+        return self._reader.read(checked_time(time))
+
+    def camera_at(self, camera_path: str | None, time: float, width: int, height: int) -> Camera:
+        """The camera for a picture, its focus solved.
+
+        Where ``focus:mode`` says points, the focus distance is the one that serves the focus points best. A camera whose
+        mode is not authored is focused by hand, even where points exist: manual is what the schema falls back to, and
+        what every other tool sees.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            width: of the picture in pixels.
+            height: of the picture in pixels.
+
+        Raises:
+            SettingsError: the picture has no pixels.
+        """
+        if width < 1 or height < 1:
+            raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
+        path = self._path_or_none(camera_path)
+        if path is None:
+            framing = default_camera(self.stage, aspect=width / height).framing
+            if framing is not None:
+                return framing
+        focused = self._focused(self._path(path), time)
+        return self._for_picture(focused, time, width / height)
+
+    def readout(self, camera_path: str | None, time: float) -> Readout:
+        """Focus, f-number, focal length and depth of field.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+        """
+        return read_out(self._focused(self._path(camera_path), time))
+
+    def focus_points(self, camera_path: str | None, time: float, *, aspect: float | None = None) -> list[PlacedPoint]:
+        """A camera's focus points as they stand in its picture.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+        """
+        focused = self._focused(self._path(camera_path), time)
+        return place_points(focused, self._for_picture(focused, time, aspect))
+
+    def keys(self, camera_path: str | None, name: str, attribute: str) -> list[Key]:
+        """Keys of one attribute of a focus point, such as ``weight`` or ``enabled``, in order of time.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: a focus point has no such attribute.
+        """
+        with schema_errors_as_settings():
+            return self._point(camera_path, name).keys(attribute)
+
+    def focus_curve(self, camera_path: str | None, frames: Sequence[float]) -> FocusCurve:
+        """The lens over some frames, its focus solved at each.
+
+        Args:
+            camera_path: of a camera.
+            frames: rising USD time codes.
+
+        Raises:
+            SettingsError: there are no frames, too many, or they do not rise.
+        """
+        return solve_curve(self.stage, self._anchors, self._path(camera_path), frames)
+
+    def focus_layer(self, camera_path: str | None, frames: Sequence[float], baked: bool = False) -> str:
+        """The solved focus as a USD layer for other tools (usda text), to be sublayered over the shot.
+
+        Args:
+            camera_path: of a camera.
+            frames: rising USD time codes.
+            baked: time samples, for tools that read no splines, in place of a native spline.
+
+        Raises:
+            SettingsError: there are no frames, too many, or they do not rise.
+        """
+        return focus_layer(self.stage, self.focus_curve(camera_path, frames), baked=baked)
+
+    def export_edits(self) -> str:
+        """The edit layer as usda text."""
+        return self._edits.export()
+
+    def _focused(self, camera_path: str, time: float) -> Focused:
+        return focus_camera(self.stage, self._anchors, camera_path, checked_time(time))
+
+    def _for_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:
+        """The focused camera with its film gate conformed to a picture."""
+        if aspect is None:
+            return focused.camera
+        picture = read_camera(self.stage, focused.camera.path, time, aspect=aspect)
+        return replace(picture, focus_distance_m=focused.camera.focus_distance_m)
+
+    def _path_or_none(self, camera_path: str | None) -> str | None:
+        return camera_path if camera_path is not None else self.default_camera().path
+
+    def _path(self, camera_path: str | None) -> str:
+        path = self._path_or_none(camera_path)
+        if path is None:
+            raise CameraError(f"{self.path.name} has no camera", code="no_camera", path=str(self.path))
+        return path
+
+    def _lens_camera(self, camera_path: str | None) -> LensCamera:
+        """The camera as the schemas have it; its numbers may be impossible, so that they can be mended."""
+        path = self._path(camera_path)
+        try:
+            return LensCamera(self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else Usd.Prim())
+        except SchemaError as error:
+            known = ", ".join(self.cameras()) or "none"
+            raise CameraError(f"there is no camera at {path!r}, the cameras are: {known}", path=path) from error
+
+    def _point(self, camera_path: str | None, name: str) -> FocusPointView:
+        lens_camera = self._lens_camera(camera_path)
+        names = [view.name for view in lens_camera.focus_points()]
+        if name not in names:
+            path = str(lens_camera.prim.GetPath())
+            raise NotFoundError(
+                f"camera {path} has no focus point named {name!r}, it has: {', '.join(names) or 'none'}", path=path
+            )
+        return lens_camera.focus_point(name)
+
+
+def checked_time(time: float) -> float:
+    """A time that can be asked about.
+
+    Args:
+        time: USD time code.
+
+    Raises:
+        SettingsError: it is not finite.
+    """
+    if not math.isfinite(time):
+        raise SettingsError(f"a time must be a finite USD time code, but it is {time}", code="bad_time")
+    return time

@@ -34,9 +34,9 @@ class Tangents:
 
     Attributes:
         in_slope: of the handle before the key, in the attribute's unit for each time code.
-        in_width: how far it reaches back, in time codes.
+        in_width: how far it reaches back, in time codes; 0 becomes a third of the way to the key before.
         out_slope: of the handle after the key.
-        out_width: how far it reaches on.
+        out_width: how far it reaches on; 0 becomes a third of the way to the key after.
     """
 
     in_slope: float = 0.0
@@ -204,9 +204,10 @@ def _knot(spline: Ts.Spline, time: float, value: float, interpolation: Interpola
     knot = Ts.Knot(
         typeName=spline.GetValueTypeName(), time=time, value=value, nextInterp=_TS_INTERPOLATION[interpolation]
     )
-    # Tangents ease even where this key's own segment is straight or held: the segment before it may be a curve.
-    knot.SetPreTanAlgorithm(Ts.TangentAlgorithmAutoEase)
-    knot.SetPostTanAlgorithm(Ts.TangentAlgorithmAutoEase)
+    if interpolation == "auto" or interpolation == "bezier":
+        # USD's own algorithm; a knot without it is read by older versions of USD as well.
+        knot.SetPreTanAlgorithm(Ts.TangentAlgorithmAutoEase)
+        knot.SetPostTanAlgorithm(Ts.TangentAlgorithmAutoEase)
     return knot
 
 
@@ -223,18 +224,17 @@ def _with_tangents(knot: Ts.Knot, tangents: Tangents | None) -> Ts.Knot:
 
 
 def _reach_neighbours(spline: Ts.Spline) -> None:
-    """Give Bezier knots a level handle, a third of the way, toward a neighbour that came after they were made."""
-    knots = list(spline.GetKnots().values())
-    for before, after in pairwise(knots):
+    """Give a level handle, a third of the way, to each end of a curved segment that has none.
+
+    A knot has none where it is straight or held itself, or was set before there was a neighbour.
+    """
+    for before, after in pairwise(list(spline.GetKnots().values())):
+        if before.GetNextInterpolation() != Ts.InterpCurve:
+            continue
         third = (after.GetTime() - before.GetTime()) / 3.0
-        if _is_bezier(before) and before.GetPostTanWidth() == 0:
+        if before.GetPostTanAlgorithm() != Ts.TangentAlgorithmAutoEase and before.GetPostTanWidth() == 0:
             before.SetPostTanWidth(third)
             spline.SetKnot(before)
-        if _is_bezier(after) and after.GetPreTanWidth() == 0:
+        if after.GetPreTanAlgorithm() != Ts.TangentAlgorithmAutoEase and after.GetPreTanWidth() == 0:
             after.SetPreTanWidth(third)
             spline.SetKnot(after)
-
-
-def _is_bezier(knot: Ts.Knot) -> bool:
-    curved = knot.GetNextInterpolation() == Ts.InterpCurve
-    return bool(curved and knot.GetPostTanAlgorithm() != Ts.TangentAlgorithmAutoEase)

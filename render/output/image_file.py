@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from render.errors import OutputError
 from render.output.metadata import Attribute
 
+_LAST_BYTES = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9"}
+
 Part = tuple[OpenImageIO.ImageSpec, NDArray[Any]]
 
 
@@ -40,7 +42,12 @@ def file_bytes(ending: str, parts: Sequence[Part]) -> bytes:
         with tempfile.TemporaryDirectory(prefix="pullfocus-") as folder:
             path = Path(folder) / f"frame{ending}"
             _write_parts(path, parts)
-            return path.read_bytes()
+            content = path.read_bytes()
+            if not _is_whole(path, content):
+                raise OutputError(
+                    f"cannot encode a {ending} file: the temporary folder {tempfile.gettempdir()} is full"
+                )
+            return content
     except OSError as error:
         raise OutputError(
             f"cannot encode a {ending} file in the temporary folder {tempfile.gettempdir()}: {error.strerror}"
@@ -57,9 +64,27 @@ def _write_parts(path: Path, parts: Sequence[Part]) -> None:
         if index > 0:
             done = done and writer.open(str(path), spec, "AppendSubimage")
         done = done and writer.write_image(np.ascontiguousarray(pixels))
-    # The last bytes reach the disk here, and a full disk may show only now.
     if not (writer.close() and done):
         raise OutputError(f"cannot encode a {path.suffix} file: {_first_line(writer.geterror())}")
+
+
+def _is_whole(path: Path, content: bytes) -> bool:
+    """Whether an encoded file has its end. A writer's close() says nothing of a disk that had no room for the last bytes."""
+    if path.suffix in _LAST_BYTES:
+        return content.endswith(_LAST_BYTES[path.suffix])
+    picture = OpenImageIO.ImageInput.open(str(path))
+    if picture is None:
+        OpenImageIO.geterror()  # fetched, so that it is not printed when Python ends
+        return False
+    part = 0
+    while picture.seek_subimage(part, 0):
+        spec = picture.spec()
+        last = spec.y + spec.height - 1
+        if picture.read_scanlines(part, 0, last, last + 1, 0, 0, spec.nchannels, "unknown") is None:
+            picture.geterror()
+            return False
+        part += 1
+    return True
 
 
 def _first_line(message: str) -> str:

@@ -175,9 +175,9 @@ def _clear_in_edit_target(attribute: Usd.Attribute, field: str) -> None:
 
 def _layer_attribute(layer: Sdf.Layer, camera_path: str) -> Sdf.AttributeSpec:
     """The focusDistance spec of the camera in a layer, made as an `over` where there is none."""
-    valid = Sdf.Path.IsValidPathString(camera_path) and Sdf.Path(camera_path).IsAbsoluteRootOrPrimPath()
-    if not valid or camera_path == "/":
+    path = Sdf.Path(camera_path) if Sdf.Path.IsValidPathString(camera_path) else Sdf.Path.emptyPath
+    if not (path.IsPrimPath() and path.IsAbsolutePath()):
         raise SchemaError(f"the focus curve needs the absolute path of a camera, got {camera_path!r}")
-    prim = Sdf.CreatePrimInLayer(layer, camera_path)
+    prim = Sdf.CreatePrimInLayer(layer, path)
     existing = prim.attributes.get(FOCUS_DISTANCE)
     return existing or Sdf.AttributeSpec(prim, FOCUS_DISTANCE, Sdf.ValueTypeNames.Float)

@@ -106,7 +106,8 @@ def _target_paths(point: FocusPoint) -> list[Sdf.Path]:
             f"focus point {point.name!r} needs one target path, or a PointInstancer's and its prototype's, "
             f"got {len(point.target)}"
         )
-    for text in point.target:
-        if not Sdf.Path.IsValidPathString(text) or not Sdf.Path(text).IsAbsoluteRootOrPrimPath() or text == "/":
+    paths = [Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path.emptyPath for text in point.target]
+    for text, path in zip(point.target, paths, strict=True):
+        if not (path.IsPrimPath() and path.IsAbsolutePath()):
             raise SchemaError(f"the target of focus point {point.name!r} must be an absolute prim path, got {text!r}")
-    return [Sdf.Path(text) for text in point.target]
+    return paths

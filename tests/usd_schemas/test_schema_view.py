@@ -222,6 +222,7 @@ def test_a_refused_focus_point_leaves_no_trace(stage: Usd.Stage, camera: LensCam
         (lambda camera: camera.add_focus_point("x", replace(HERO, target=())), "needs one target path"),
         (lambda camera: camera.add_focus_point("x", replace(HERO, target=("not a path",))), "absolute prim path"),
         (lambda camera: camera.add_focus_point("x", replace(HERO, target=("/a.b",))), "absolute prim path"),
+        (lambda camera: camera.add_focus_point("x", replace(HERO, target=("a/b",))), "absolute prim path"),
         (lambda camera: camera.focus_point("hero").set_key("nearness", 1, 1.0), "got 'nearness'"),
         (lambda camera: camera.set_key("lens:nearness", 1, 1.0), "no attribute named 'lens:nearness'"),
     ],

@@ -169,6 +169,15 @@ def focus_camera(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, time
     return Focused(camera, focus, points, targets, positions_m, problems, solution)
 
 
+def without_points(camera: Camera) -> Focused:
+    """A camera that is no prim, and so has no focus points.
+
+    Args:
+        camera: such as one that frames the whole stage.
+    """
+    return Focused(camera, FocusData(), (), (), np.empty((0, 3)), {}, _kept_by_hand(camera, 0))
+
+
 def place_points(focused: Focused, picture: Camera) -> list[PlacedPoint]:
     """The focus points as they stand in a picture.
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pxr import UsdGeom
 
-from render.errors import CameraError
+from render.errors import CameraError, StageError
 from render.scene import Scene
 from render.shot.focusing import Readout
 from render.shot.shot import Shot
@@ -65,7 +65,7 @@ def inspect_shot(shot: Shot) -> Inspection:
         up_axis="Z" if UsdGeom.GetStageUpAxis(shot.stage) == UsdGeom.Tokens.z else "Y",
         metres_per_unit=metres_per_unit(shot.stage),
         cameras=tuple(shot.cameras()),
-        default_camera=shot.default_camera(),
+        default_camera=_default_camera(shot),
         readouts=readouts,
         prim_count=_drawn_prims(scene),
         triangle_count=scene.triangle_count,
@@ -73,6 +73,14 @@ def inspect_shot(shot: Shot) -> Inspection:
         notes=(*shot.findings(), *unusable),
         validation=tuple(validate(shot.stage)),
     )
+
+
+def _default_camera(shot: Shot) -> CameraChoice:
+    """The shot's default camera; that there is none, nor anything to frame, is no reason not to look at the rest."""
+    try:
+        return shot.default_camera()
+    except StageError as error:
+        return CameraChoice(None, error.detail)
 
 
 def _read_lenses(shot: Shot, time: float) -> tuple[tuple[Readout, ...], tuple[Finding, ...]]:

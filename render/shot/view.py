@@ -16,13 +16,14 @@ from render.scene import Camera, Scene
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
 from render.shot.findings import camera_findings
-from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out
+from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out, without_points
 from render.stage import (
     AnchorReader,
     CameraChoice,
     Finding,
     FrameRange,
     StageReader,
+    conformed,
     default_camera,
     frame_range,
     list_cameras,
@@ -104,7 +105,7 @@ class ShotView:
 
         Where ``focus:mode`` says points, the focus distance is the one that serves the focus points best. A camera whose
         mode is not authored is focused by hand, even where points exist: manual is what the schema falls back to, and
-        what every other tool sees.
+        what every other tool sees. Where no camera is named and none is to be preferred, one frames the whole stage.
 
         Args:
             camera_path: of a camera.
@@ -117,13 +118,7 @@ class ShotView:
         """
         if width < 1 or height < 1:
             raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
-        path = self._path_or_none(camera_path)
-        if path is None:
-            framing = default_camera(self.stage, aspect=width / height).framing
-            if framing is not None:
-                return framing
-        focused = self._focused(self._path(path), time)
-        return self._for_picture(focused, time, width / height)
+        return self._for_picture(self._focused(camera_path, time), time, width / height)
 
     def readout(self, camera_path: str | None, time: float) -> Readout:
         """Focus, f-number, focal length and depth of field.
@@ -132,7 +127,7 @@ class ShotView:
             camera_path: of a camera.
             time: USD time code.
         """
-        return read_out(self._focused(self._path(camera_path), time))
+        return read_out(self._focused(camera_path, time))
 
     def focus_points(self, camera_path: str | None, time: float, *, aspect: float | None = None) -> list[PlacedPoint]:
         """A camera's focus points as they stand in its picture.
@@ -142,7 +137,7 @@ class ShotView:
             time: USD time code.
             aspect: width over height of the picture; None takes the camera's own film gate.
         """
-        focused = self._focused(self._path(camera_path), time)
+        focused = self._focused(camera_path, time)
         return place_points(focused, self._for_picture(focused, time, aspect))
 
     def keys(self, camera_path: str | None, name: str, attribute: str) -> list[Key]:
@@ -184,23 +179,30 @@ class ShotView:
         """The edit layer as usda text."""
         return self._edits.export()
 
-    def _focused(self, camera_path: str, time: float) -> Focused:
-        return focus_camera(self.stage, self._anchors, camera_path, checked_time(time))
+    def _focused(self, camera_path: str | None, time: float) -> Focused:
+        checked_time(time)
+        choice = self.default_camera() if camera_path is None else None
+        if choice is not None and choice.framing is not None:
+            return without_points(choice.framing)
+        return focus_camera(self.stage, self._anchors, self._path(camera_path), time)
 
     def _for_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:
         """The focused camera with its film gate conformed to a picture."""
         if aspect is None:
             return focused.camera
+        if not focused.camera.path:
+            return conformed(focused.camera, aspect)
         picture = read_camera(self.stage, focused.camera.path, time, aspect=aspect)
         return replace(picture, focus_distance_m=focused.camera.focus_distance_m)
 
-    def _path_or_none(self, camera_path: str | None) -> str | None:
-        return camera_path if camera_path is not None else self.default_camera().path
-
     def _path(self, camera_path: str | None) -> str:
-        path = self._path_or_none(camera_path)
+        path = self.default_camera().path if camera_path is None else camera_path
         if path is None:
-            raise CameraError(f"{self.path.name} has no camera", code="no_camera", path=str(self.path))
+            raise CameraError(
+                f"{self.path.name} has no camera of its own that could be meant: name one, or add one in a layer over it",
+                code="no_camera",
+                path=str(self.path),
+            )
         return path
 
     def _lens_camera(self, camera_path: str | None) -> LensCamera:

@@ -255,9 +255,17 @@ def test_without_a_camera_a_frame_can_be_made_but_no_focus_pulled(tmp_path):
     assert shot.cameras() == []
     camera = shot.camera_at(None, 1, 300, 100)
     assert camera.horizontal_aperture_mm / camera.vertical_aperture_mm == pytest.approx(3.0)
-    with pytest.raises(CameraError, match="no camera") as caught:
-        shot.readout(None, 1)
-    assert caught.value.code == "no_camera"
+    readout = shot.readout(None, 1)
+    assert (readout.camera, readout.f_stop, readout.near_m, readout.far_m) == ("", 0.0, 0.0, math.inf)
+    assert shot.focus_points(None, 1, aspect=3.0) == []
+    for attempt in (
+        lambda: shot.focus_curve(None, [1]),
+        lambda: shot.add_focus_point(None, "far", ON_FAR),
+        lambda: shot.set_camera(None, f_stop=2.0),
+    ):
+        with pytest.raises(CameraError, match="no camera") as caught:
+            attempt()
+        assert caught.value.code == "no_camera"
 
 
 def test_the_only_camera_is_the_default_one(shot):

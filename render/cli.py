@@ -46,10 +46,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _failed(error.detail, FAILED)
     except KeyboardInterrupt:
         return _failed("stopped; what is written is whole", INTERRUPTED)
-    except BrokenPipeError:
-        # Who read our output has left, as `head` does: no error of the user's, and nothing to be said to anyone.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # who read our output has left, as `head` does: nobody is there to be told
+        _drop_output()
         return FAILED
+    except OSError as error:
+        if error.filename is not None:
+            return _failed(f"{error.filename}: {error.strerror}", FAILED)
+        _drop_output()
+        return _failed(f"standard output cannot be written: {error.strerror}", FAILED)
     except Exception as error:
         if os.environ.get("PULLFOCUS_TRACEBACK"):
             raise
@@ -96,6 +100,11 @@ def _argument_tree(added: Sequence[str]) -> argparse.ArgumentParser:
     for name in added:
         commands.add_parser(name, help=f"pullfocus {name} --help says what it does")
     return parser
+
+
+def _drop_output() -> None:
+    """Point standard output at nothing, so that what is still held for it raises no more when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _failed(message: str, status: int) -> int:

@@ -47,6 +47,24 @@ def parse_frames(spec: str) -> list[float]:
     return frames
 
 
+def every_frame(start: float, end: float) -> list[float]:
+    """The time codes of a shot from its first frame to its last, both included.
+
+    Args:
+        start: time code of the first frame.
+        end: of the last; where it lies before the first, the first is all there is.
+
+    Raises:
+        SettingsError: they are too many.
+    """
+    steps = max(0.0, end - start)
+    if not steps < MAX_FRAMES:
+        raise SettingsError(
+            f"the shot's frames {start:g} to {end:g} are more than {MAX_FRAMES:,}; name some with --frames"
+        )
+    return [start + i for i in range(int(steps + _STEP_SLACK) + 1)]
+
+
 def _read_range(part: str, spec: str) -> tuple[float, float, int]:
     """First frame, stride and number of frames of one range.
 

@@ -11,7 +11,7 @@ from typing import Any
 from render.commands import arguments as shared
 from render.errors import CameraError, SettingsError
 from render.focus import curve_to_csv, curve_to_json
-from render.frame_spec import parse_frames
+from render.frame_spec import every_frame, parse_frames
 from render.output import write_atomic
 from render.shot import Shot
 
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise CameraError(f"{arguments.stage} has no camera, and so no focus to pull; give it one with a layer over it")
-    frames = asked or shot.frame_range.frames()
+    frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
     text = _text(shot, camera, frames, arguments)
     if arguments.out is None:
         sys.stdout.write(text)

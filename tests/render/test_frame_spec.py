@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.frame_spec import MAX_FRAMES, frame_file_names, parse_frames
+from render.frame_spec import MAX_FRAMES, every_frame, frame_file_names, parse_frames
 
 
 @pytest.mark.parametrize(
@@ -41,6 +41,20 @@ def test_what_is_no_frame_specification_is_refused(spec: str) -> None:
 def test_a_billion_frames_are_refused_at_once(spec: str) -> None:
     with pytest.raises(SettingsError, match=f"more than the {MAX_FRAMES:,}"):
         parse_frames(spec)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "frames"),
+    [(1, 3, [1, 2, 3]), (0, 0, [0]), (5, 1, [5]), (-1, 0.5, [-1, 0]), (0.5, 2.5, [0.5, 1.5, 2.5])],
+)
+def test_a_shot_has_every_frame_from_its_first_to_its_last(start: float, end: float, frames: list[float]) -> None:
+    assert every_frame(start, end) == frames
+
+
+@pytest.mark.parametrize("end", [1e9, float("inf")])
+def test_a_shot_of_a_billion_frames_is_refused_at_once(end: float) -> None:
+    with pytest.raises(SettingsError, match="more than"):
+        every_frame(1, end)
 
 
 def test_a_frame_named_twice_is_refused() -> None:

@@ -75,8 +75,8 @@ class AnchorReader:
         return prim
 
     def _on_surface(self, focus_point: FocusPoint, prim: Usd.Prim, time: Usd.TimeCode) -> DoubleArray:
-        """``(3,)`` the point in the prim's own space and units; the origin for prims without a surface."""
-        if not is_drawable(prim):
+        """``(3,)`` the point in the prim's own space and units; its origin without a surface, or where no face is named."""
+        if focus_point.face == -1 or not is_drawable(prim):
             return np.zeros(3)
         try:
             polygons = surface_of(prim, time, self._skeletons, self._log)

@@ -283,3 +283,34 @@ def test_what_a_camera_asks_for_in_vain_is_told(shot):
     assert "surface" in told[CAMERA]
     assert "focus:smoothing" in told[f"{CAMERA}.focus:smoothing"]
     assert f"{CAMERA}.focus:nearPriority" not in told
+
+
+def test_a_point_without_a_face_is_at_the_origin_of_its_target(shot):
+    shot.add_focus_point(CAMERA, "far", FocusPoint("far", target=(FAR,), offset=(0.0, 0.5, 0.0)))
+    (placed,) = shot.focus_points(CAMERA, 1)
+    assert placed.position_m == pytest.approx((-1.0, 0.5, 0.0))
+
+
+def test_edits_saved_at_another_rate_keep_their_seconds(tmp_path):
+    slow = Shot.open(write_shot(tmp_path / "slow.usda", Units(per_second=24.0)))
+    slow.add_focus_point(CAMERA, "far", ON_FAR)
+    slow.set_key(CAMERA, "far", "weight", 10, 0.5)
+    slow.save_edits(tmp_path / "edits.usda")
+    fast = Shot.open(write_shot(tmp_path / "fast.usda", Units(per_second=48.0)), edits=tmp_path / "edits.usda")
+    assert [key.time for key in fast.keys(CAMERA, "far", "weight")] == [20]
+    fast.set_key(CAMERA, "far", "weight", 40, 1.0)
+    assert [key.time for key in fast.keys(CAMERA, "far", "weight")] == [20, 40]
+    fast.remove_key(CAMERA, "far", "weight", 40)
+    assert [key.time for key in fast.keys(CAMERA, "far", "weight")] == [20]
+
+
+def test_pulling_focus_leaves_the_scene_alone(shot):
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    before = shot.scene_at(1)
+    shot.set_key(CAMERA, "far", "weight", 1, 0.5)
+    shot.set_camera(CAMERA, f_stop=4.0)
+    text = shot.export_edits()
+    shot.update_focus_point(CAMERA, "far", blur=0.1, kind="soft")
+    shot.replace_edits(text)
+    after = shot.scene_at(1)
+    assert all(a is b for a, b in zip(before.batches, after.batches, strict=True))

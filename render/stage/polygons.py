@@ -149,15 +149,24 @@ def face_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
 def computed_normals(polygons: Polygons, fan_: Fan) -> Values:
     """Normals for polygons that have none: smooth ones at the points of a subdivision cage, else one for each face.
 
-    Smooth normals are area-weighted sums over the triangles around a point (Max 1999 discusses weights; area needs no
-    trigonometry and the cage is dense).
+    Smooth normals are sums over the corners at a point of the cross product of the two edges there, as in Hydra: they do not
+    depend on how faces are cut into triangles.
     """
-    normals = face_normals(polygons, fan_)
     if polygons.smooth:
-        where = polygons.corners[fan_.corners].ravel()
-        summed = _sum_at(where, np.repeat(normals, 3, axis=0), len(polygons.points))
-        return Values(unit(summed), "vertex")
-    return Values(unit(_sum_at(fan_.face_ids, normals, len(polygons.counts))), "uniform")
+        return Values(unit(_sum_at(polygons.corners, _corner_normals(polygons, fan_), len(polygons.points))), "vertex")
+    return Values(unit(_sum_at(fan_.face_ids, face_normals(polygons, fan_), len(polygons.counts))), "uniform")
+
+
+def _corner_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
+    """``(c, 3)`` cross product of the edges to the next and to the previous corner, pointing outside."""
+    counts = polygons.counts.astype(np.int64)
+    size, start = counts[fan_.face_of_corner], (np.cumsum(counts) - counts)[fan_.face_of_corner]
+    number = np.arange(len(polygons.corners)) - start
+    here, after, before = (
+        polygons.points[polygons.corners[start + (number + step) % size]].astype(np.float64) for step in (0, 1, -1)
+    )
+    cross = np.cross(after - here, before - here)
+    return (-cross if polygons.left_handed else cross).astype(np.float32)
 
 
 def _sum_at(where: NDArray[np.integer], what: FloatArray, size: int) -> FloatArray:

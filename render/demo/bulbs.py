@@ -10,6 +10,8 @@ from render.demo.kit import ball, lathe, smooth_curve, tube
 from render.demo.mesh import Array, Mesh, merge
 
 BULB_SPACING_M = 0.30
+KINDS = ("BulbWarm", "BulbAmber", "BulbRose", "BulbTeal")
+PATTERN = (0, 0, 1, 0, 0, 2, 0, 1, 0, 0, 3, 0, 1)  # of kinds along the strings: mostly warm, a coloured one here and there
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import OpenImageIO as oiio
 from render.demo.bulbs import strings
 from render.demo.mesh import Array
 from render.demo.noise import Plane
-from render.demo.set import LAMP_POSTS, LANTERNS, TRAM_PLACE
+from render.demo.places import LAMP_POSTS, LANTERNS, TRAM_PLACE
 from render.errors import OutputError
 
 VIEWPOINT_M = np.array([0.2, 0.5, -4.5])
@@ -40,17 +40,17 @@ def _walls(directions: Array) -> Array:
     bearing = np.arctan2(directions[..., 0], directions[..., 2])[..., None]
     lit = (np.sin(bearing * 23) > 0.25) * (np.sin(up * 34) > -0.1) * np.exp(-(((up - 0.2) / 0.22) ** 2)) * sideways
     ground = np.array([0.010, 0.010, 0.013]) * (up < 0)
-    return night * (up >= 0) + ground + (wall * 0.035 + lit * 0.30) * np.array([1.0, 0.58, 0.26]) * (up > -0.05)
+    return night * (up >= 0) + ground + (wall * 0.018 + lit * 0.10) * np.array([1.0, 0.58, 0.26]) * (up > -0.05)
 
 
 def night_dome() -> Plane:
     """``(256, 512, 3)`` float32 scene-linear Rec.709 radiance."""
     directions = _directions()
     picture = _walls(directions)
-    lamps = [(np.array([x, 3.1, z]), 0.15, 22.0) for x, z in LAMP_POSTS]
+    lamps = [(np.array([x, 3.1, z]), 0.15, 12.0) for x, z in LAMP_POSTS]
     lamps += [(np.array(place) - [0, 0.3, 0], 0.15, 4.0) for place in LANTERNS]
-    lamps += [(place, 0.036, 44.0) for string in strings() for place in string.bulbs()]
-    lamps += [(np.array(TRAM_PLACE) + [0, 1.4, 0], 0.9, 1.8)]
+    lamps += [(place, 0.036, 16.0) for string in strings() for place in string.bulbs()]
+    lamps += [(np.array(TRAM_PLACE) + [0, 1.4, 0], 0.9, 0.8)]
     for place, radius_m, radiance in lamps:
         offset = place - VIEWPOINT_M
         distance = float(np.linalg.norm(offset))

@@ -39,9 +39,9 @@ def clipped_ball(radius: float, leaves: int, seed: int) -> Mesh:
 
 def branch_curves() -> list[Array]:
     """The twigs of the branch that hangs into the picture, ``(n, 3)`` metres each, from stem to tip."""
-    stem = smooth_curve([[0.78, 1.50, -0.85], [0.58, 1.42, -0.90], [0.42, 1.35, -0.96], [0.27, 1.275, -1.02]], 24)
-    side = smooth_curve([[0.58, 1.42, -0.90], [0.50, 1.30, -0.86], [0.44, 1.18, -0.88]], 14)
-    high = smooth_curve([[0.46, 1.37, -0.95], [0.32, 1.36, -1.04], [0.15, 1.345, -1.10]], 14)
+    stem = smooth_curve([[0.86, 1.54, -0.85], [0.68, 1.46, -0.90], [0.53, 1.39, -0.96], [0.39, 1.325, -1.02]], 24)
+    side = smooth_curve([[0.68, 1.46, -0.90], [0.58, 1.33, -0.86], [0.52, 1.20, -0.88]], 14)
+    high = smooth_curve([[0.57, 1.41, -0.95], [0.44, 1.40, -1.04], [0.29, 1.39, -1.10]], 14)
     return [stem, side, high]
 
 

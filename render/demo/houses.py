@@ -76,6 +76,12 @@ def _cornice(width: float, y: float) -> Mesh:
     return merge([*mouldings, *dentils])
 
 
+def _pane(number: int, width: float, height: float) -> Mesh:
+    """One of a shop window's three panes, which share one picture."""
+    pane = plate(width, height)
+    return Mesh(pane.points, pane.normals, (pane.uvs + [number, 0]) / [3, 1], pane.quads)
+
+
 def _shop_front(house: House) -> dict[str, Mesh]:
     """Pilasters, fascia, a glazed window and a panelled door."""
     width = house.width_m
@@ -93,7 +99,7 @@ def _shop_front(house: House) -> dict[str, Mesh]:
             for y in (0.55, 1.15)
         ),
     ]
-    panes = [plate(glass / 3 - 0.06, 1.85).at(left + glass * (k + 0.5) / 3, 1.5, 0.05) for k in range(3)]
+    panes = [_pane(k, glass / 3 - 0.06, 1.85).at(left + glass * (k + 0.5) / 3, 1.5, 0.05) for k in range(3)]
     fanlight = plate(door * 0.6, 0.5).at(width - 0.3 - door / 2, 1.82, 0.1)
     glazing = "ShopWindow" if house.shop else "WindowDark"
     knob = rounded_box([0.05, 0.05, 0.08], 0.024, 2).at(width - 0.3 - door * 0.88, 1.1, 0.12)

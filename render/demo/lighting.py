@@ -15,7 +15,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from render.demo.author import UNITS_PER_METRE, vector
 from render.demo.looks import AMBER, TUNGSTEN, Colour
 from render.demo.performance import MARA, PIP
-from render.demo.set import LAMP_POSTS, TRAM_PLACE
+from render.demo.places import LAMP_POSTS, TRAM_PLACE
 from render.demo.street import KERB_M
 
 LIGHTS = "/World/Lights"
@@ -49,25 +49,26 @@ class Lamp:
 
 def _lamps() -> dict[str, Lamp]:
     posts = {
-        f"{LIGHTS}/LampPost{k}": Lamp("SphereLight", (x, KERB_M + 2.97, z), TUNGSTEN, 420.0, (0.13,))
-        for k, (x, z) in enumerate(LAMP_POSTS)
+        f"{LIGHTS}/LampPost{k}": Lamp("SphereLight", (x, KERB_M + 2.97, z), TUNGSTEN, 340.0, (0.13,))
+        for k, (x, z) in enumerate(LAMP_POSTS[:3])
     }
     tram_x, _, tram_z = TRAM_PLACE
     return posts | {
         # Pip: the lantern in its hand, a cool rim from the moonlit side, a warm one from the café.
         f"{PIP}/Body/ArmRight/Lantern/Flame": Lamp("SphereLight", (0.0, -0.18, 0.0), AMBER, 80.0, (0.05,)),
-        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-2.1, 2.3, -4.3), MOONLIGHT, 60.0, (0.7, 1.3), (-0.47, 0.95, -2.55), shadow=True),
-        f"{LIGHTS}/PipRimWarm": Lamp("RectLight", (1.5, 1.9, -4.4), AMBER, 55.0, (0.5, 1.1), (-0.47, 0.9, -2.55), shadow=True),
-        f"{LIGHTS}/Leaves": Lamp("SphereLight", (0.75, 1.15, -0.35), TUNGSTEN, 30.0, (0.05,)),
+        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-1.75, 1.5, -3.75), MOONLIGHT, 260.0, (0.7, 1.3), (-0.47, 0.95, -2.55), shadow=True),
+        f"{LIGHTS}/PipRimWarm": Lamp("RectLight", (0.75, 1.35, -4.3), AMBER, 90.0, (0.5, 1.1), (-0.47, 0.9, -2.55), shadow=True),
+        f"{LIGHTS}/Leaves": Lamp("SphereLight", (0.75, 1.15, -0.35), TUNGSTEN, 260.0, (0.05,)),
+        f"{LIGHTS}/Ivy": Lamp("SphereLight", (-1.05, 1.3, -0.35), TUNGSTEN, 200.0, (0.05,)),
         f"{LIGHTS}/PipKey": Lamp("RectLight", (-1.5, 2.1, -0.2), TUNGSTEN, 4.5, (1.2, 0.9), (-0.47, 0.95, -2.55), shadow=True),
         # Mara: the lamp behind her, and a small lantern under the umbrella.
-        f"{LIGHTS}/MaraRim": Lamp("DiskLight", (2.4, 3.3, -11.2), TUNGSTEN, 420.0, (0.28,), (1.0, 1.1, -8.4), 50.0, True),
-        f"{LIGHTS}/MaraRimCool": Lamp("RectLight", (-1.3, 2.6, -10.6), MOONLIGHT, 40.0, (0.9, 1.2), (1.0, 1.1, -8.4)),
+        f"{LIGHTS}/MaraRim": Lamp("DiskLight", (3.0, 1.7, -9.5), TUNGSTEN, 330.0, (0.28,), (1.0, 1.1, -8.4), 50.0, True),
+        f"{LIGHTS}/MaraRimCool": Lamp("RectLight", (-1.3, 1.7, -9.6), MOONLIGHT, 130.0, (0.9, 1.2), (1.0, 1.1, -8.4)),
         f"{MARA}/Body/Umbrella/Lantern": Lamp("SphereLight", (0.0, 0.50, 0.30), TUNGSTEN, 260.0, (0.035,)),
         # The places that glow.
         f"{LIGHTS}/Stall": Lamp("SphereLight", (-2.1, 1.95, -5.7), AMBER, 95.0, (0.14,)),
         f"{LIGHTS}/Cafe": Lamp("RectLight", (3.95, 2.0, -8.2), TUNGSTEN, 9.0, (3.6, 1.7), (0.0, 0.6, -8.0)),
-        f"{LIGHTS}/TramLamps": Lamp("DiskLight", (tram_x, 1.0, tram_z + 0.4), (1.0, 0.92, 0.78), 900.0, (0.16,), (0.3, 0.2, -9.0), 40.0),
+        f"{LIGHTS}/TramLamps": Lamp("DiskLight", (tram_x, 1.0, tram_z + 0.4), (1.0, 0.92, 0.60), 480.0, (0.16,), (0.3, 0.2, -9.0), 40.0),
     }  # fmt: skip
 
 
@@ -80,9 +81,9 @@ def write_lights(stage: Usd.Stage) -> None:
     dome.CreateIntensityAttr(1.0)
     moon = UsdLux.DistantLight.Define(stage, f"{LIGHTS}/Moon")
     moon.CreateAngleAttr(0.53)
-    moon.CreateIntensityAttr(0.16)
+    moon.CreateIntensityAttr(0.8)
     moon.CreateColorAttr(Gf.Vec3f(*MOONLIGHT))
-    _aim(moon.GetPrim(), (-6.0, 12.0, -9.0), (0.0, 0.0, -6.0))
+    _aim(moon.GetPrim(), (-3.0, 12.0, -1.0), (0.0, 0.0, -6.0))
     for path, lamp in _lamps().items():
         _write_lamp(stage, path, lamp)
 

@@ -29,7 +29,7 @@ class Picture:
     tile_m: tuple[float, float] = (1.0, 1.0)
     offset_m: tuple[float, float] = (0.0, 0.0)
     scale: float = 1.0
-    wrap: Literal["repeat", "clamp"] = "repeat"
+    wrap: Literal["repeat", "clamp", "black"] = "repeat"
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,8 @@ _STONE = {
     "diffuseColor": Picture("./textures/setts_colour.jpg", (2.0, 2.0)),
     "roughness": Picture("./textures/setts_roughness.png", (2.0, 2.0)),
     "normal": Picture("./textures/setts_normal.png", (2.0, 2.0)),
+    # Lies over the roadway from x = -2.7, z = -3 to x = 2.7, z = -23; see glints.py.
+    "emissiveColor": Picture("./textures/glints.jpg", (5.4, 20.0), (-2.7, 3.0), 2.0, "black"),
 }
 _WOOD = {"diffuseColor": Picture("./textures/wood_colour.jpg", (0.8, 0.8))}
 _KNIT = {
@@ -98,7 +100,7 @@ TABLE: dict[str, Look] = {
     "WindowWarm": _window("window_warm.jpg", 2.2),
     "WindowDim": _window("window_warm.jpg", 0.55),
     "WindowDark": Look((0.012, 0.016, 0.024), 0.12),
-    "ShopWindow": _window("shop.jpg", 2.2),
+    "ShopWindow": _window("shop.jpg", 3.6),
     "Leaf": Look(roughness=0.35, pictures={"diffuseColor": Picture("./textures/leaf_colour.png", wrap="clamp")}),
     "Fruit": Look((0.85, 0.30, 0.03), 0.4, clearcoat=0.4),
     "Apple": Look((0.55, 0.03, 0.02), 0.25, clearcoat=0.8),
@@ -115,7 +117,7 @@ TABLE: dict[str, Look] = {
     "EyeGlow": glow((0.45, 0.92, 1.0), 2.4),
     "VisorGlow": glow((1.0, 0.62, 0.22), 3.0),
     "HeartGlow": glow(ROSE, 5.0),
-    "PaperGlow": glow((1.0, 0.46, 0.13), 2.2),
+    "PaperGlow": glow((1.0, 0.40, 0.09), 2.2),
     "BulbWarm": glow(TUNGSTEN, 34.0),
     "BulbAmber": glow(AMBER, 28.0),
     "BulbRose": glow(ROSE, 26.0),

@@ -10,16 +10,14 @@ from render.demo.author import instance, stand, units, write_part
 from render.demo.kit import ball
 from render.demo.houses import House, house_front, window
 from render.demo.mesh import Array, Mesh, rotation
-from render.demo.street import FAR_Z_M, KERB_M, RAILS_X_M, WALL_M, street
+from render.demo.places import LAMP_POSTS, LANTERNS, NEON_PLACE, TRAM_PLACE
+from render.demo.street import FAR_Z_M, KERB_M, WALL_M, street
 from render.demo.tram import tram
 
 SET, LIBRARY = "/World/Set", "/Props"
 CLOTH = ("AwningRed", "AwningTeal", "Cloth", "Leaf")
 
-LAMP_POSTS = ((-2.95, -9.6), (2.95, -13.2), (-2.95, -16.8), (2.95, -20.4))
-LANTERNS = ((-2.75, 2.16, -5.75), (-2.15, 2.12, -5.66), (-1.55, 2.16, -5.75))
 TABLES = ((2.55, -6.3), (3.15, -7.9), (2.75, -9.7), (3.3, -11.6))
-TRAM_PLACE = (sum(RAILS_X_M) / 2, 0.0, -23.0)
 
 LEFT_HOUSES = (
     House(5.2, 1, 3, "PlasterBlue", "AwningTeal"),
@@ -109,7 +107,7 @@ def _write_furniture(stage: Usd.Stage) -> None:
     for k, (x, z) in enumerate(((-3.6, -8.3), (3.75, -10.6), (-3.6, -12.2), (3.7, -14.6), (-3.6, -18.2))):
         instance(stage, f"{root}/Planter{k}", f"{LIBRARY}/Planter", [x, KERB_M, z], yaw=70 * k)
     stand(write_part(stage, f"{root}/Stall", props.market_stall(), CLOTH), [-2.15, 0, -6.2], yaw=14)
-    stand(write_part(stage, f"{root}/Neon", bulbs.neon_cup()), [3.1, 2.72, -12.6], yaw=-8)
+    stand(write_part(stage, f"{root}/Neon", bulbs.neon_cup()), NEON_PLACE, yaw=-8)
     stand(write_part(stage, f"{root}/Tram", tram()), TRAM_PLACE)
     stand(write_part(stage, f"{root}/Manhole", props.manhole()), [1.55, -0.012, -6.4])
 
@@ -135,12 +133,9 @@ def _finish_instancer(instancer: UsdGeom.PointInstancer) -> None:
 def _write_bulbs(stage: Usd.Stage) -> None:
     """The strings' bulbs: warm, with a coloured one here and there."""
     places = np.concatenate([string.bulbs() for string in bulbs.strings()])
-    kinds = ("BulbWarm", "BulbAmber", "BulbRose", "BulbTeal")
-    pattern = np.array([0, 0, 1, 0, 0, 2, 0, 1, 0, 0, 3, 0, 1])
-    which = pattern[np.arange(len(places)) % len(pattern)]
-    _finish_instancer(
-        _write_instancer(stage, f"{SET}/Bulbs", {kind: bulbs.bulb(kind) for kind in kinds}, which, places)
-    )
+    which = np.array(bulbs.PATTERN)[np.arange(len(places)) % len(bulbs.PATTERN)]
+    kinds = {kind: bulbs.bulb(kind) for kind in bulbs.KINDS}
+    _finish_instancer(_write_instancer(stage, f"{SET}/Bulbs", kinds, which, places))
 
 
 def _write_fruit(stage: Usd.Stage) -> None:

@@ -11,6 +11,7 @@ from render.demo.author import FIRST_FRAME, FRAMES_PER_SECOND, LAST_FRAME, UNITS
 from render.demo.camera import RENDER_SETTINGS, write_camera
 from render.demo.dome import write_dome
 from render.demo.focus import write_focus
+from render.demo.glints import write_glints
 from render.demo.lighting import write_lights
 from render.demo.looks import write_looks
 from render.demo.performance import write_cast, write_motion
@@ -53,6 +54,7 @@ def write_demo(directory: Path) -> Path:
         raise OutputError(f"{directory} cannot be made a directory: {error}", path=str(directory)) from error
     write_textures(directory / "textures")
     write_dome(directory / "textures" / "night_dome.exr")
+    write_glints(directory / "textures" / "glints.jpg")
     root = _layer(directory / ROOT_NAME)
     layers = {name: _layer(directory / name) for name in DEPARTMENTS}
     root.subLayerPaths = [f"./{name}" for name in reversed(DEPARTMENTS)]

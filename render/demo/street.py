@@ -6,13 +6,13 @@ import numpy as np
 
 from render.demo.kit import box, plate, rounded_box, surface
 from render.demo.mesh import Array, Mesh, merge
+from render.demo.places import RAILS_X_M
 
 HALF_WIDTH_M = 2.7  # from the middle of the street to a kerb
 WALL_M = 4.1  # from the middle of the street to the house fronts
 NEAR_Z_M, FAR_Z_M = 2.0, -33.0
 KERB_M = 0.12
 FINE_Z_M = -13.0  # beyond it bevels are smaller than a pixel
-RAILS_X_M = (-1.15, 0.29)
 
 
 def _roadway() -> Mesh:

@@ -71,7 +71,7 @@ def _setts() -> dict[str, Plane]:
     height, tone = setts_height()
     wet = np.clip(1.35 - height / 0.010 + 0.5 * (fractal_noise(1024, 3, 3, 40) - 0.5), 0, 1)
     grain = fractal_noise(1024, 64, 3, 50)
-    shade = (0.20 + 0.13 * tone + 0.10 * (grain - 0.5)) * (1 - 0.42 * wet)
+    shade = (0.17 + 0.13 * tone + 0.10 * (grain - 0.5)) * (1 - 0.42 * wet)
     tint = np.stack([0.96 + 0.10 * tone, np.full_like(tone, 0.99), 1.12 - 0.12 * tone], axis=-1)
     return {
         "setts_colour.jpg": shade[..., None] * tint,
@@ -120,21 +120,29 @@ def _window_warm() -> Plane:
 
 
 def _shop() -> Plane:
-    """A shop window: shelves of bright goods against a warm back wall."""
-    size, shelves = 512, 4
+    """A shop window, three panes wide: pendant lamps, shelves of bright goods, a dim back wall, a counter."""
+    height, width = 512, 1024
     random = np.random.default_rng(11)
-    picture = np.ones((size, size, 3)) * np.array([0.80, 0.56, 0.30])
-    palette = np.array([[0.95, 0.32, 0.18], [0.25, 0.55, 0.50], [1.0, 0.86, 0.55], [0.55, 0.20, 0.16], [0.9, 0.62, 0.2]])
-    for shelf in range(shelves):
-        floor = size - 30 - shelf * 118
-        picture[floor : floor + 8] = [0.30, 0.17, 0.08]
+    across, up = np.meshgrid(np.linspace(0, 3, width), np.linspace(1, 0, height))
+    picture = np.ones((height, width, 3)) * np.array([0.48, 0.28, 0.13])
+    palette = np.array([[0.95, 0.30, 0.16], [0.20, 0.50, 0.46], [1.0, 0.82, 0.46], [0.50, 0.16, 0.12], [0.9, 0.58, 0.18]])
+    for shelf in range(4):
+        floor = height - 96 - shelf * 92
+        picture[floor : floor + 6] = [0.22, 0.12, 0.05]
         left = 8
-        while left < size - 40:
-            width, tall = int(random.integers(16, 40)), int(random.integers(30, 88))
-            picture[floor - tall : floor, left : left + width] = palette[random.integers(len(palette))] * random.uniform(0.5, 1)
-            left += width + int(random.integers(4, 22))
-    glowing = np.exp(-(((np.linspace(-1, 1, size)[:, None] + 0.55) * 1.3) ** 2)) * 0.7 + 0.4
-    return np.asarray(np.clip(blurred(picture.astype(np.float32), 1.6) * glowing[..., None], 0, 1), np.float32)
+        while left < width - 40:
+            wide, tall = int(random.integers(10, 34)), int(random.integers(24, 70))
+            shade = palette[random.integers(len(palette))] * random.uniform(0.3, 0.9)
+            picture[floor - tall : floor, left : left + wide] = shade
+            left += wide + int(random.integers(3, 40))
+    picture[height - 84 :] = np.array([0.26, 0.13, 0.06])
+    light = 0.30 + 0.30 * up
+    for x in (0.45, 1.2, 1.85, 2.6):
+        radius = np.hypot((across - x) * 1.15, up - 0.80)
+        light = light + 0.85 * np.exp(-((radius / 0.30) ** 2))
+        picture = np.where((radius < 0.075)[..., None], np.array([1.0, 0.80, 0.46]) * 1.2, picture)
+        picture[(np.abs(across - x) < 0.006) & (up > 0.86)] = 0.05
+    return np.asarray(np.clip(blurred(picture.astype(np.float32), 1.3) * light[..., None], 0, 1), np.float32)
 
 
 def _tram() -> Plane:

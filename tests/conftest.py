@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from render.frame import FrameRenderer
+
+settings.register_profile("pullfocus", deadline=None)  # on a busy machine an example is slow, not wrong
+settings.load_profile("pullfocus")
 
 
 @pytest.fixture(scope="session")

@@ -69,11 +69,15 @@ def takes_spline(attribute: Usd.Attribute) -> bool:
 
 
 def keys(attribute: Usd.Attribute) -> list[Key]:
-    """The attribute's keys in order of time, from whichever layer wins; empty where it has none."""
+    """The attribute's keys in order of time, from whichever layer wins; empty where it has none.
+
+    A time sample that blocks the value is not a key.
+    """
     if attribute.HasSpline():
         return [_key(knot) for knot in attribute.GetSpline().GetKnots().values()]
     joined: Interpolation = "linear" if _interpolates(attribute) else "held"
-    return [Key(time, read_value(attribute, time), joined) for time in attribute.GetTimeSamples()]
+    samples = [(time, read_value(attribute, time)) for time in attribute.GetTimeSamples()]
+    return [Key(time, value, joined) for time, value in samples if value is not None]
 
 
 def set_key(
@@ -172,8 +176,8 @@ def _editable_spline(attribute: Usd.Attribute) -> Ts.Spline:
     if attribute.HasSpline():
         return attribute.GetSpline()
     spline = Ts.Spline(_type_name(attribute))
-    for time in attribute.GetTimeSamples():
-        spline.SetKnot(_knot(spline, time, attribute.Get(time), "linear"))
+    for key in keys(attribute):
+        spline.SetKnot(_knot(spline, key.time, key.value, "linear"))
     return spline
 
 

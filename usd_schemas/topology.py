@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, Vt
 
 
 def topology_fingerprint(mesh: UsdGeom.Mesh, time: float | None = None) -> str:
@@ -13,6 +13,7 @@ def topology_fingerprint(mesh: UsdGeom.Mesh, time: float | None = None) -> str:
     code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
     digest = hashlib.sha256()
     for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()):
-        values = np.asarray(attribute.Get(code) or [], "<i4")
+        authored = attribute.Get(code)
+        values = np.asarray(authored if isinstance(authored, Vt.IntArray) else [], "<i4")
         digest.update(np.int64(len(values)).tobytes() + values.tobytes())
     return digest.hexdigest()[:16]

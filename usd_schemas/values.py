@@ -40,8 +40,13 @@ def is_animated(attribute: Usd.Attribute) -> bool:
 
 
 def read_value(attribute: Usd.Attribute, time: Time = None) -> Any:
-    """The attribute's value at a time as plain Python: tuples for vectors and arrays, `Asset` for files, or None."""
-    return _plain(attribute.Get(time_code(time)))
+    """The attribute's value at a time as plain Python: tuples for vectors and arrays, `Asset` for files.
+
+    None where there is no value, or where some layer has one of another type than the schema's: USD hands that out as it
+    is, and the rule "AuthoredTypes" names it.
+    """
+    value = _plain(attribute.Get(time_code(time)))
+    return value if value is not None and _fits(attribute.GetTypeName(), value) else None
 
 
 def usd_value(attribute: Usd.Attribute, value: Any) -> Any:
@@ -77,6 +82,21 @@ def _plain(value: Any) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     return tuple(_plain(item) for item in value)
+
+
+def _fits(kind: Sdf.ValueTypeName, value: Any) -> bool:
+    """Whether a plain value is of a type, but for its precision."""
+    scalar = str(kind.scalarType)
+    if kind.isArray:
+        return isinstance(value, tuple) and all(_is_scalar(scalar, item) for item in value)
+    return _is_scalar(scalar, value)
+
+
+def _is_scalar(scalar: str, value: Any) -> bool:
+    size = _SIZES.get(scalar)
+    if size is not None:
+        return isinstance(value, tuple) and len(value) == size and all(isinstance(item, int | float) for item in value)
+    return isinstance(value, _PLAIN.get(scalar, object))
 
 
 def _check_allowed(attribute: Usd.Attribute, value: Any) -> None:
@@ -142,6 +162,9 @@ def _vector(kind: type, number: Callable[[Any], float], size: int) -> Callable[[
 
     return convert
 
+
+_PLAIN = {"bool": bool, "int": int, "double": float, "float": float, "token": str, "string": str, "asset": Asset}
+_SIZES = {"int2": 2, "float2": 2, "double2": 2, "double3": 3, "color3d": 3}
 
 _SCALARS: dict[str, Callable[[Any], Any]] = {
     "bool": _switch,

@@ -204,3 +204,16 @@ def test_keys_follow_the_offset_of_the_layer_they_are_in(stage: Usd.Stage) -> No
     camera.set_key("focusDistance", 34, 5.0)
     assert camera.keys("focusDistance") == [Key(24, 3.0, "linear"), Key(34, 5.0, "linear")]
     assert camera.prim.GetAttribute("focusDistance").Get(29) == 4.0
+
+
+@pytest.mark.parametrize(
+    ("interpolation", "header"),
+    [("linear", "#usda 1.0"), ("held", "#usda 1.0"), ("bezier", "#usda 1.0"), ("auto", "#usda 1.1")],
+)
+def test_only_auto_keys_need_a_newer_file_version(
+    stage: Usd.Stage, point: FocusPointView, interpolation: keys.Interpolation, header: str
+) -> None:
+    """USD's easing algorithm is the one thing that older readers of splines do not know."""
+    point.set_key("weight", 1, 0.0, interpolation)
+    point.set_key("weight", 9, 1.0, interpolation)
+    assert stage.GetRootLayer().ExportToString().splitlines()[0] == header

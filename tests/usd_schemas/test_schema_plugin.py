@@ -107,3 +107,11 @@ def test_plugin_info_that_usd_drops_in_silence_is_an_error(tmp_path: Path, field
     assert done.returncode == 1
     assert "SchemaError" in done.stderr
     assert "LensAPI" in done.stderr
+
+
+def test_the_readme_runs() -> None:
+    text = (PLUGIN_FOLDER / "README.md").read_text(encoding="utf-8")
+    code = text.split("```python\n")[1].split("```")[0]
+    done = run_python(code, path=PLUGIN_FOLDER.parent)
+    assert done.returncode == 0, done.stderr
+    assert 0.4 < float(done.stdout) < 0.6

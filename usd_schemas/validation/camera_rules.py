@@ -31,10 +31,20 @@ def camera_numbers(prim: Usd.Prim) -> Iterator[Fault]:
     for where, (near, far) in authored_values(clipping):
         if not 0 < near < far:
             yield Fault(clipping.GetPath(), f"clippingRange{where} must be 0 < near < far, got ({near:g}, {far:g})")
-    opening, closing = (read_value(prim.GetAttribute(f"shutter:{end}")) for end in ("open", "close"))
+    opening, closing = (read_value(prim.GetAttribute(f"shutter:{end}")) or 0.0 for end in ("open", "close"))
     if not opening <= closing:
         path = prim.GetPath().AppendProperty("shutter:close")
         yield Fault(path, f"shutter:close must not be before shutter:open ({opening:g}), got {closing:g}")
+
+
+def authored_types(prim: Usd.Prim) -> Iterator[Fault]:
+    """Each layer authors the camera's attributes with the types that their schemas give them."""
+    for attribute in prim.GetAuthoredAttributes():
+        for spec in attribute.GetPropertyStack(Usd.TimeCode.Default()):
+            wanted = attribute.GetTypeName()
+            if spec.typeName != wanted:
+                got = f"{spec.typeName} in {spec.layer.identifier}"
+                yield Fault(attribute.GetPath(), f"{attribute.GetName()} must be of type {wanted}, got {got}")
 
 
 def schema_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:
@@ -67,7 +77,10 @@ def values_allowed(prim: Usd.Prim) -> Iterator[Fault]:
 
 def _can_clamp(stage: Usd.Stage, path: Sdf.Path) -> bool:
     attribute = stage.GetAttributeAtPath(path)
-    return bool(attribute) and not is_animated(attribute) and bool(limit_problem(attribute, read_value(attribute)))
+    if not attribute or is_animated(attribute):
+        return False
+    value = read_value(attribute)
+    return bool(limit_problem(attribute, value)) and math.isfinite(value)
 
 
 def _clamp(stage: Usd.Stage, path: Sdf.Path) -> None:
@@ -79,11 +92,11 @@ def _clamp(stage: Usd.Stage, path: Sdf.Path) -> None:
 
 def _unequal(prim: Usd.Prim, kind: type, leader: str) -> Iterator[Fault]:
     """Arrays of a group that are as long neither as the leading one nor empty."""
-    count = len(read_value(prim.GetAttribute(leader)))
+    count = len(read_value(prim.GetAttribute(leader)) or ())
     for item in fields(kind):
         attribute = prim.GetAttribute(item.metadata["usd"])
-        if attribute.GetTypeName().isArray and len(read_value(attribute)) not in (0, count):
-            got = len(read_value(attribute))
+        got = len(read_value(attribute) or ()) if attribute.GetTypeName().isArray else 0
+        if got not in (0, count):
             yield Fault(
                 attribute.GetPath(), f"{attribute.GetName()} must have {count} entries like {leader}, got {got}"
             )
@@ -199,6 +212,7 @@ def lens_reach(prim: Usd.Prim) -> Iterator[Fault]:
 
 
 CAMERA_RULES = (
+    Rule("AuthoredTypes", authored_types.__doc__ or "", "error", "camera", authored_types),
     Rule("CameraNumbers", camera_numbers.__doc__ or "", "error", "camera", camera_numbers),
     Rule(
         "ValuesAllowed",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from usd_schemas.data import FocusPoint
 from usd_schemas.focus_point import FocusPointView
@@ -59,7 +59,7 @@ def anchors(prim: Usd.Prim) -> Iterator[Fault]:
         mesh = _mesh(prim.GetStage(), point)
         if mesh is None or point.face < 0:
             continue
-        counts = mesh.GetFaceVertexCountsAttr().Get(Usd.TimeCode.EarliestTime()) or []
+        counts = _whole_numbers(mesh.GetFaceVertexCountsAttr())
         path = prim.GetPath().AppendProperty(f"focusPoint:{view.name}:face")
         if point.face >= len(counts):
             yield Fault(
@@ -85,13 +85,19 @@ def _instance_fault(view: FocusPointView, point: FocusPoint) -> Iterator[Fault]:
     instancer = UsdGeom.PointInstancer(view.prim.GetStage().GetPrimAtPath(first))
     path = view.prim.GetPath().AppendProperty(f"focusPoint:{view.name}:instance")
     if instancer:
-        count = len(instancer.GetProtoIndicesAttr().Get(Usd.TimeCode.EarliestTime()) or [])
+        count = len(_whole_numbers(instancer.GetProtoIndicesAttr()))
         if not 0 <= point.instance < count:
             yield Fault(path, f"focus point {view.name}: {first} has {count} instances, got {point.instance}")
     elif point.instance >= 0:
         yield Fault(
             path, f"focus point {view.name} names instance {point.instance} of a target that is no PointInstancer"
         )
+
+
+def _whole_numbers(attribute: Usd.Attribute) -> Vt.IntArray:
+    """The first value of an array of int, empty where a layer has something else there."""
+    value = attribute.Get(Usd.TimeCode.EarliestTime())
+    return value if isinstance(value, Vt.IntArray) else Vt.IntArray()
 
 
 def _mesh(stage: Usd.Stage, point: FocusPoint) -> UsdGeom.Mesh | None:
@@ -132,7 +138,7 @@ def _can_normalise(stage: Usd.Stage, path: Sdf.Path) -> bool:
     attribute = stage.GetAttributeAtPath(path)
     if not attribute or is_animated(attribute):
         return False
-    weights = read_value(attribute)
+    weights = read_value(attribute) or (0.0, 0.0, 0.0)
     return math.isfinite(sum(weights)) and min(weights) >= -_TOLERANCE and sum(weights) > 0
 
 

@@ -70,5 +70,5 @@ def authored_values(attribute: Usd.Attribute) -> Iterator[tuple[str, Any]]:
     if is_animated(attribute):
         for key in keys(attribute):
             yield f" at time {key.time:g}", key.value
-    elif attribute.HasAuthoredValue():
-        yield "", read_value(attribute)
+    elif attribute.HasAuthoredValue() and (value := read_value(attribute)) is not None:
+        yield "", value

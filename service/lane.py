@@ -45,6 +45,7 @@ class Lane(Generic[State]):
         self._queue: deque[_Waiting[State]] = deque()
         self._changed = threading.Condition()
         self._closing = False
+        self._busy = False
         self._thread = threading.Thread(target=self._work, name=f"lane-{worker.name}", daemon=True)
         self._thread.start()
 
@@ -52,6 +53,11 @@ class Lane(Generic[State]):
     def waiting(self) -> int:
         """Requests in the queue, the running one not counted."""
         return len(self._queue)
+
+    @property
+    def busy(self) -> bool:
+        """Whether the worker is at work on a request."""
+        return self._busy
 
     def submit(self, request: Request[State, Reply], *, group: Hashable | None = None) -> Future[Reply]:
         """Put a request in the queue; those of the same group that still wait are superseded.
@@ -100,14 +106,15 @@ class Lane(Generic[State]):
                 waiting = self._queue.popleft()
             # False when the asker went away while the request waited: nobody wants the answer.
             if waiting.future.set_running_or_notify_cancel():
+                self._busy = True
                 self._answer(waiting)
+                self._busy = False
 
     def _answer(self, waiting: _Waiting[State]) -> None:
         try:
             waiting.future.set_result(self.worker.call(waiting.request, self._timeout_s))
         except WorkerDiedError as error:
-            log.error("%s A new one is started.", error)
-            waiting.future.set_exception(ServiceError(503, "worker_died", str(error), headers=RETRY_AFTER))
+            waiting.future.set_exception(_stopping() if self._closing else _died(error))
         except WorkerTimeoutError as error:
             waiting.future.set_exception(ServiceError(504, "timeout", str(error)))
         except WorkerFailedError as error:
@@ -118,6 +125,11 @@ class Lane(Generic[State]):
 
 def _stopping() -> ServiceError:
     return ServiceError(503, "stopping", "The service is stopping.", headers=RETRY_AFTER)
+
+
+def _died(error: WorkerDiedError) -> ServiceError:
+    log.error("%s The next request starts another.", error)
+    return ServiceError(503, "worker_died", str(error), headers=RETRY_AFTER)
 
 
 def _drop(waiting: _Waiting[State], error: ServiceError) -> None:

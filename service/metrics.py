@@ -50,11 +50,14 @@ class _LaneCollector(Collector):
 
     def _families(self) -> Iterator[Metric]:
         waiting = GaugeMetricFamily("pullfocus_lane_waiting", "Requests that wait for a worker.", labels=["worker"])
+        busy = GaugeMetricFamily("pullfocus_lane_busy", "Whether a worker is at work.", labels=["worker"])
         starts = CounterMetricFamily("pullfocus_worker_starts", "Times a worker was started.", labels=["worker"])
         for lane in self._lanes:
             waiting.add_metric([lane.worker.name], lane.waiting)
+            busy.add_metric([lane.worker.name], lane.busy)
             starts.add_metric([lane.worker.name], lane.worker.starts)
         yield waiting
+        yield busy
         yield starts
 
 

@@ -7,18 +7,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, get_args
 
-from pxr import UsdGeom
-
 from render.errors import CameraError, NotFoundError, SettingsError, StageError
 from render.frame_spec import parse_frames
 from render.scene import Camera
 from render.shot import PlacedPoint
+from render.shot import Readout as OpenReadout
 from render.shot import Shot as OpenShot
+from render.shot.inspection import inspect_shot
 from render.stage import read_camera
 from service.models.base import Finding, Vector3
-from service.models.cameras import CameraList, CameraState
+from service.models.cameras import CameraList, CameraState, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute
-from service.models.shots import CameraChoice, FrameRange, Inspection, Note, Shot, ShotSummary
+from service.models.inspection import Inspection, Note, ValidationFinding
+from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
 from service.store import ShotRecord, revision_of
 from usd_schemas import FocusPoint as AuthoredPoint
 
@@ -40,20 +41,27 @@ def describe(record: ShotRecord, shot: OpenShot) -> Shot:
 
 
 def inspect(shot: OpenShot) -> Inspection:
-    """What a shot holds at its first frame, and what of it is not honoured."""
+    """What a shot holds at its first frame, what of it is not honoured, and what is wrong with its cameras."""
     frame_range = _frame_range(shot)
-    scene = shot.scene_at(frame_range.start)
+    found = inspect_shot(shot)
     return Inspection(
         frame_range=frame_range,
-        cameras=shot.cameras(),
+        up_axis=found.up_axis,
+        meters_per_unit=found.metres_per_unit,
+        cameras=list(found.cameras),
         default_camera=_default_camera(shot),
-        triangle_count=scene.triangle_count,
-        prim_count=len(scene.prim_paths),
-        light_count=len(scene.lights) + (scene.dome is not None),
-        meters_per_unit=UsdGeom.GetStageMetersPerUnit(shot.stage),
-        up_axis=UsdGeom.GetStageUpAxis(shot.stage),
-        notes=[Note.model_validate(finding) for finding in shot.findings()],
+        readouts=[as_readout(lens, frame_range.start) for lens in found.readouts],
+        prim_count=found.prim_count,
+        triangle_count=found.triangle_count,
+        light_count=found.light_count,
+        notes=[Note.model_validate(note) for note in found.notes],
+        validation=[ValidationFinding.model_validate(problem) for problem in found.validation],
     )
+
+
+def as_readout(lens: OpenReadout, time: float) -> Readout:
+    """The lens in numbers."""
+    return Readout.model_validate({**vars(lens), "time": time})
 
 
 def _frame_range(shot: OpenShot) -> FrameRange:

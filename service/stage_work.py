@@ -14,7 +14,8 @@ from typing import Literal
 from render.errors import SettingsError
 from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, Key
-from service.models.shots import Inspection, Shot
+from service.models.inspection import Inspection
+from service.models.shots import Shot
 from service.opened import OpenedShots
 from service.store import ShotRecord
 
@@ -121,8 +122,10 @@ class ReadLens:
 
     def run(self, opened: OpenedShots) -> Readout:
         """Raises `CameraError`."""
+        from service.reading import as_readout
+
         with opened.use(self.record) as shot:
-            return Readout.model_validate({**vars(shot.readout(self.camera, self.time)), "time": self.time})
+            return as_readout(shot.readout(self.camera, self.time), self.time)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Focus points, their keys, and the focus curve."""
+"""Focus points, where they sit and what keys they have."""
 
 from __future__ import annotations
 
@@ -173,44 +173,3 @@ class FocusPointList(Model):
     model_config = shown_as({"focusPoints": [POINT_EXAMPLE]})
 
     focus_points: list[FocusPoint]
-
-
-class CurvePoint(Model):
-    """A focus point in one sample of a focus curve."""
-
-    name: str
-    state: str = Field(description="`used`, or why it did not count.")
-    depth_m: Distance
-    weight: float
-    share: float = Field(description="Of the weight that decided the focus, 0 to 1.")
-    coc_mm: Distance = Field(description="Diameter of its circle of confusion on the film.")
-
-
-class CurveSample(Model):
-    """The lens at one frame."""
-
-    frame: float
-    time_code: float
-    seconds: float
-    focus_distance_m: Distance = Field(description="null is infinity.")
-    f_stop: float
-    focal_length_mm: float
-    near_m: float
-    far_m: Distance = Field(description="null is infinity.")
-    hyperfocal_m: Distance
-    coc_limit_mm: float
-    source: Literal["points", "camera"]
-    reason: str
-    sharp: list[str] = Field(description="Names of the focus points that are sharp.")
-    points: list[CurvePoint]
-
-
-class FocusCurve(Model):
-    """The lens, frame by frame."""
-
-    format: Literal["pullfocus.focusCurve"]
-    version: int
-    camera: str
-    frames_per_second: float
-    time_codes_per_second: float
-    samples: list[CurveSample]

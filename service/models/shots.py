@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Literal
 
 from pydantic import Field
 from pydantic.config import JsonDict
@@ -19,11 +18,6 @@ SUMMARY_EXAMPLE: JsonDict = {
     "fileCount": 14,
 }
 RANGE_EXAMPLE: JsonDict = {"start": 1.0, "end": 96.0, "framesPerSecond": 24.0}
-NOTE_EXAMPLE: JsonDict = {
-    "code": "subdivision",
-    "path": "/World/Statue",
-    "message": "loop subdivision is drawn as its cage",
-}
 SHOT_EXAMPLE: JsonDict = SUMMARY_EXAMPLE | {
     "revision": "5f70bf18a0860070",
     "frameRange": RANGE_EXAMPLE,
@@ -77,42 +71,6 @@ class Shot(ShotSummary):
     frame_range: FrameRange
     cameras: list[str] = Field(description="Prim paths.")
     default_camera: CameraChoice
-
-
-class Note(Model):
-    """Something of the stage that is not honoured, and why."""
-
-    code: str
-    path: str = Field(description="Prim path.")
-    message: str
-
-
-class Inspection(Model):
-    """What a shot holds and what will not be honoured."""
-
-    model_config = shown_as(
-        {
-            "frameRange": RANGE_EXAMPLE,
-            "cameras": ["/World/Camera"],
-            "defaultCamera": SHOT_EXAMPLE["defaultCamera"],
-            "triangleCount": 243_118,
-            "primCount": 214,
-            "lightCount": 9,
-            "metersPerUnit": 0.01,
-            "upAxis": "Y",
-            "notes": [NOTE_EXAMPLE],
-        }
-    )
-
-    frame_range: FrameRange
-    cameras: list[str]
-    default_camera: CameraChoice
-    triangle_count: int = Field(description="Drawn at the first frame, instances counted.")
-    prim_count: int = Field(description="Prims with geometry that are drawn at the first frame.")
-    light_count: int
-    meters_per_unit: float
-    up_axis: Literal["Y", "Z"]
-    notes: list[Note] = Field(description="What the shot uses that is not honoured.")
 
 
 class PickRequest(Model):

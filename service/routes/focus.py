@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 
 from service.hub import HubDep
+from service.models.curve import FocusCurve
 from service.models.focus import (
-    FocusCurve,
     FocusPoint,
     FocusPointCreate,
     FocusPointEdit,

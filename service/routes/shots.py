@@ -8,7 +8,8 @@ from fastapi import APIRouter, File, Form, Response, UploadFile
 from starlette.concurrency import run_in_threadpool
 
 from service.hub import HubDep
-from service.models.shots import Inspection, Shot, ShotList, ShotSummary
+from service.models.inspection import Inspection
+from service.models.shots import Shot, ShotList, ShotSummary
 from service.routes.parameters import ShotId, problems
 from service.stage_work import DescribeShot, InspectShot
 from service.upload import file_name, place

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,6 +117,12 @@ def room_file(tmp_path_factory) -> Path:
     file = tmp_path_factory.mktemp("room") / "room.usda"
     file.write_text(ROOM)
     return file
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Wait for something to become true; the test's own time limit ends it."""
+    while not true():
+        time.sleep(0.005)
 
 
 def send(client: httpx.Client, name: str, content: bytes, **fields: str) -> httpx.Response:

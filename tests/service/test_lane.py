@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
+from conftest import until
 from fake_work import Crash, Echo, Fault, ProcessId, Refuse, Tally, Unsendable
 
 from render.errors import StageError
@@ -23,11 +23,6 @@ def shared_lane() -> Iterator[Lane[Tally]]:
     lane = Lane(WorkerProcess("tally", Tally), max_waiting=3, timeout_s=WAIT_S)
     yield lane
     lane.close()
-
-
-def until(true: Callable[[], bool]) -> None:
-    while not true():
-        time.sleep(0.005)
 
 
 def problem_of(future) -> ServiceError:

@@ -1,0 +1,75 @@
+"""What a shot holds, what of it is not honoured, and what is wrong with its cameras."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Model, shown_as
+from service.models.cameras import READOUT_EXAMPLE, Readout
+from service.models.shots import RANGE_EXAMPLE, SHOT_EXAMPLE, CameraChoice, FrameRange
+
+NOTE_EXAMPLE: JsonDict = {
+    "code": "subdivision",
+    "path": "/World/Statue",
+    "message": "the loop subdivision of /World/Statue is drawn as its cage",
+}
+FINDING_EXAMPLE: JsonDict = {
+    "rule": "focusPointTarget",
+    "severity": "error",
+    "path": "/World/Camera",
+    "message": "focus point driver has no target",
+    "fix": "",
+}
+
+
+class Note(Model):
+    """Something that the shot asks for and that is not honoured."""
+
+    code: str = Field(description="Short stable word for programs.")
+    path: str = Field(description="Prim path or file.")
+    message: str = Field(description="One sentence.")
+
+
+class ValidationFinding(Model):
+    """Something that a validator of the camera schemas found."""
+
+    rule: str = Field(description="Name of the rule.")
+    severity: Literal["error", "warning"]
+    path: str = Field(description="The prim or property.")
+    message: str = Field(description="One sentence.")
+    fix: str = Field(description="What would put it right, empty where nothing safe would.")
+
+
+class Inspection(Model):
+    """A look into a shot at its first frame."""
+
+    model_config = shown_as(
+        {
+            "frameRange": RANGE_EXAMPLE,
+            "cameras": ["/World/Camera"],
+            "defaultCamera": SHOT_EXAMPLE["defaultCamera"],
+            "readouts": [READOUT_EXAMPLE],
+            "triangleCount": 243_118,
+            "primCount": 214,
+            "lightCount": 9,
+            "metersPerUnit": 0.01,
+            "upAxis": "Y",
+            "notes": [NOTE_EXAMPLE],
+            "validation": [FINDING_EXAMPLE],
+        }
+    )
+
+    frame_range: FrameRange
+    up_axis: Literal["Y", "Z"]
+    meters_per_unit: float = Field(description="Length of a scene unit.")
+    cameras: list[str] = Field(description="Prim paths.")
+    default_camera: CameraChoice
+    readouts: list[Readout] = Field(description="The lens of each camera whose numbers make a picture.")
+    prim_count: int = Field(description="Prims with geometry that are drawn.")
+    triangle_count: int = Field(description="Drawn, instances counted.")
+    light_count: int
+    notes: list[Note] = Field(description="What the shot uses that is not honoured.")
+    validation: list[ValidationFinding] = Field(description="What the validators found.")

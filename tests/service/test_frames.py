@@ -1,0 +1,125 @@
+"""Frames over HTTP: the command line's pixels, entity tags, and a picture process that may die."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
+
+import numpy as np
+import pytest
+from conftest import until
+from PIL import Image
+
+from render.cli import main
+from render.frame import ENGINES, SHADINGS
+from service.models import base
+from service.routes.frames import MEDIA_TYPES, FrameQuery
+
+SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
+
+
+def frame(http, shot, **asked):
+    return http.get(f"/v1/shots/{shot}/frame", params=SMALL | asked)
+
+
+def pixels(answer) -> np.ndarray:
+    assert answer.status_code == 200, answer.text
+    return np.asarray(Image.open(BytesIO(answer.content)), np.int16)
+
+
+@pytest.mark.parametrize(("file_format", "suffix"), [("png", ".png"), ("jpeg", ".jpg"), ("exr", ".exr")])
+def test_rest_and_the_command_line_give_the_same_bytes(client, room, room_file, tmp_path, file_format, suffix):
+    out = tmp_path / f"out{suffix}"
+    arguments = ["record", str(room_file), str(out), "--frames", "12", "--imageWidth", "96", "--rays", "8"]
+    assert main([*arguments, "--supersample", "1", "--seed", "3"]) == 0
+    asked = {"time": 12, "width": 96, "rays": 8, "supersample": 1, "seed": 3, "format": file_format}
+    answer = client.get(f"/v1/shots/{room}/frame", params=asked)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == MEDIA_TYPES[file_format]
+    assert answer.content == out.read_bytes()
+
+
+def test_edited_over_rest_and_rendered_by_the_command_line_it_is_the_same(client, room, room_file, tmp_path):
+    client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
+    edits = tmp_path / "edits.usda"
+    edits.write_text(client.get(f"/v1/shots/{room}/edits").text)
+    out = tmp_path / "out.png"
+    arguments = ["record", str(room_file), str(out), "--edits", str(edits), "--imageWidth", "96", "--rays", "8"]
+    assert main(arguments) == 0
+    answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 96, "rays": 8})
+    assert answer.content == out.read_bytes()
+
+
+def test_an_edit_is_seen_in_the_next_frame(client, room):
+    first = frame(client, room)
+    client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
+    second = frame(client, room)
+    assert first.headers["etag"] != second.headers["etag"]
+    changed = np.abs(pixels(first) - pixels(second)).max(axis=2)
+    near_edge = changed[:, 2:10]  # the left edge of the near card, sharp before and soft now
+    assert near_edge.max() > 20
+
+
+def test_a_tag_names_the_pixels(client, room):
+    answer = frame(client, room)
+    tag = answer.headers["etag"]
+    for header in (tag, f'"other", W/{tag}', "*"):
+        again = client.get(f"/v1/shots/{room}/frame", params=SMALL, headers={"If-None-Match": header})
+        assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
+    other = client.get(f"/v1/shots/{room}/frame", params=SMALL, headers={"If-None-Match": '"other"'})
+    assert (other.status_code, other.content) == (200, answer.content)
+    for change in ({"time": 2}, {"width": 97}, {"rays": 9}, {"seed": 1}, {"format": "jpeg"}, {"engine": "pinhole"}):
+        assert frame(client, room, **change).headers["etag"] != tag
+
+
+def test_a_frame_that_was_rendered_is_not_rendered_again(service, client, room):
+    def rendered() -> float:
+        return service.hub.metrics.frames.labels("rendered")._value.get()
+
+    before = rendered()
+    first, second = frame(client, room, seed=5), frame(client, room, seed=5, client="someone")
+    assert first.content == second.content
+    assert rendered() == before + 1
+
+
+@pytest.mark.parametrize("killer", [signal.SIGKILL, signal.SIGSEGV])
+def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, killer):
+    assert frame(client, room, seed=6).status_code == 200
+    with ThreadPoolExecutor() as pool:
+        lost = pool.submit(frame, client, room, seed=int(killer), rays=2000, width=1000, height=500)
+        until(lambda: service.hub.pictures.busy)
+        os.kill(service.hub.pictures.worker.pid, killer)
+        answer = lost.result()
+    assert (answer.status_code, answer.json()["code"]) == (503, "worker_died")
+    assert answer.headers["retry-after"]
+    assert frame(client, room, seed=7).status_code == 200
+    assert client.get("/readyz").status_code == 200
+
+
+def test_the_newest_frame_of_a_viewer_wins(service, client, room):
+    with ThreadPoolExecutor(8) as pool:
+        running = pool.submit(frame, client, room, seed=100, rays=1000, width=640, height=360)
+        until(lambda: service.hub.pictures.busy)
+        answers = []
+        for seed in range(101, 105):
+            answers.append(pool.submit(frame, client, room, seed=seed, client="viewer"))
+            until(lambda: service.hub.pictures.waiting == 1 and sum(a.done() for a in answers) == len(answers) - 1)
+        other = pool.submit(frame, client, room, seed=105, client="other viewer")
+        statuses = [answer.result().status_code for answer in answers]
+    assert running.result().status_code == other.result().status_code == 200
+    assert statuses == [409, 409, 409, 200]
+    assert answers[0].result().json()["code"] == "superseded"
+
+
+def test_the_height_follows_the_film_gate(client, room):
+    answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 160, "rays": 1})
+    assert pixels(answer).shape == (90, 160, 3)
+
+
+def test_the_query_knows_what_the_renderer_knows():
+    fields = FrameQuery.model_fields
+    assert set(fields["engine"].annotation.__args__) == set(ENGINES)
+    assert set(fields["shading"].annotation.__args__) == set(SHADINGS)
+    assert issubclass(FrameQuery, base.Model)

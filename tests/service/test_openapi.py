@@ -1,0 +1,79 @@
+"""The OpenAPI document: every call has an example, every refusal the one shape, and it is the same every time."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from service.app import create_app
+from service.models.focus import POINT_EXAMPLE, FocusPoint
+from service.openapi import openapi_text
+from service.settings import Settings
+
+DOCUMENT = create_app(Settings(data=Path("unused"))).openapi()
+CALLS = [(f"{m.upper()} {p}", call) for p, calls in DOCUMENT["paths"].items() for m, call in calls.items()]
+PROMISED = """
+GET /v1/shots, POST /v1/shots, GET /v1/shots/{shot}, DELETE /v1/shots/{shot}, GET /v1/shots/{shot}/inspect,
+GET /v1/shots/{shot}/cameras, PATCH /v1/shots/{shot}/camera, GET /v1/shots/{shot}/frame, POST /v1/shots/{shot}/pick,
+GET /v1/shots/{shot}/focus-points, POST /v1/shots/{shot}/focus-points, GET /v1/shots/{shot}/focus-points/{name},
+PATCH /v1/shots/{shot}/focus-points/{name}, DELETE /v1/shots/{shot}/focus-points/{name},
+PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{shot}/focus-points/{name}/keys/{attribute},
+GET /v1/shots/{shot}/focus-curve, GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
+GET /livez, GET /readyz, GET /metrics, GET /version
+"""
+
+
+def schema_of(content: dict) -> dict:
+    """The schema of a body, references followed."""
+    schema = content["schema"]
+    return DOCUMENT["components"]["schemas"][schema["$ref"].split("/")[-1]] if "$ref" in schema else schema
+
+
+def test_every_promised_call_is_there():
+    assert {name for name, _ in CALLS} == {call.strip() for call in PROMISED.replace("\n", " ").split(",")}
+
+
+@pytest.mark.parametrize(("name", "call"), CALLS, ids=[name for name, _ in CALLS])
+def test_every_call_is_explained_by_example(name, call):
+    assert call["description"]
+    for parameter in call.get("parameters", ()):
+        shown = parameter.get("examples") or parameter["schema"].get("examples") or parameter.get("example")
+        assert shown, f"{name}: {parameter['name']}"
+        assert parameter.get("description") or parameter["in"] == "header", f"{name}: {parameter['name']}"
+    bodies = [call["requestBody"]["content"]] if "requestBody" in call else []
+    bodies += [
+        answer["content"] for status, answer in call["responses"].items() if status < "3" and "content" in answer
+    ]
+    for kind, content in ((kind, content) for body in bodies for kind, content in body.items()):
+        if content.get("schema", {}).get("format") == "binary" or kind == "multipart/form-data":
+            continue  # a picture, or a file that is sent: there is nothing to print
+        assert "example" in content or "example" in schema_of(content), f"{name}: {kind}"
+
+
+@pytest.mark.parametrize(("name", "call"), CALLS, ids=[name for name, _ in CALLS])
+def test_every_refusal_has_the_one_shape(name, call):
+    for status, answer in call["responses"].items():
+        if status >= "4":
+            assert answer["content"]["application/json"]["schema"]["$ref"].endswith("/Problem"), f"{name}: {status}"
+
+
+def test_names_are_camel_case():
+    for name, schema in DOCUMENT["components"]["schemas"].items():
+        assert not [key for key in schema.get("properties", ()) if "_" in key], name
+
+
+def test_examples_are_true_to_their_models():
+    assert FocusPoint.model_validate(POINT_EXAMPLE).model_dump(by_alias=True, mode="json") == POINT_EXAMPLE
+
+
+def test_the_document_is_the_same_every_time():
+    environment = os.environ | {"PYTHONHASHSEED": "7"}
+    command = [sys.executable, "-m", "service.openapi"]
+    printed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+    assert printed == openapi_text()
+    assert json.loads(printed) == DOCUMENT

@@ -15,6 +15,7 @@ from typing import NoReturn
 from render.commands import demo, focus_curve, inspect, record
 from render.commands.report import say
 from render.errors import PullfocusError, SettingsError
+from render.stage.opening import quiet_diagnostics
 
 DONE, FAILED, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
 
@@ -72,10 +73,10 @@ def _run(typed: list[str]) -> int:
         )
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
-    run: Callable[[argparse.Namespace], None]
     parsed = _argument_tree(list(added)).parse_args(typed)
-    run = parsed.run
-    run(parsed)
+    run: Callable[[argparse.Namespace], None] = parsed.run
+    with quiet_diagnostics():
+        run(parsed)
     sys.stdout.flush()
     return DONE
 

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 from pxr import Sdf, Usd, UsdGeom
 
 from usd_schemas import binding
+from usd_schemas.applying import applied, apply
 from usd_schemas.data import ApertureData, FocusData, FocusPoint, LensData, TiltShiftData
 from usd_schemas.errors import SchemaError
 from usd_schemas.film_data import FilmData
@@ -54,8 +55,8 @@ class SchemaView(Generic[Data]):
         Raises:
             SchemaError: a value is not allowed, or it would be hidden by keys; nothing is authored then.
         """
-        _apply(self.prim, self.schema)
-        binding.author(data, self.prim, time)
+        with applied(self.prim, self.schema):
+            binding.author(data, self.prim, time)
 
 
 class LensCamera:
@@ -122,13 +123,9 @@ class LensCamera:
             )
         if any(point.name == name for point in self.focus_points()):
             raise SchemaError(f"{self.prim.GetPath()} already has a focus point named {name!r}")
-        _apply(self.prim, FOCUS_POINT, name)
         view = FocusPointView(self.prim, name)
-        try:
+        with applied(self.prim, FOCUS_POINT, name):
             view.author_all(data)
-        except SchemaError:
-            self.remove_focus_point(name)
-            raise
         return view
 
     def remove_focus_point(self, name: str) -> None:
@@ -191,16 +188,5 @@ def define_camera(stage: Usd.Stage, path: str) -> LensCamera:
     """Define a plain Camera, the interchange form, with the five single-apply schemas applied."""
     camera = LensCamera(UsdGeom.Camera.Define(stage, path).GetPrim())
     for schema in SINGLE_APPLY:
-        _apply(camera.prim, schema)
+        apply(camera.prim, schema)
     return camera
-
-
-def _apply(prim: Usd.Prim, schema: str, instance: str | None = None) -> None:
-    """Apply a schema, unless the prim has it."""
-    words = (schema,) if instance is None else (schema, instance)
-    if prim.HasAPI(*words):
-        return
-    allowed = prim.CanApplyAPI(*words)
-    if not allowed:
-        raise SchemaError(f"{':'.join(words)} cannot be applied to {prim.GetPath()}: {allowed.whyNot}")
-    prim.ApplyAPI(*words)

@@ -203,11 +203,21 @@ def test_an_edit_of_a_focus_point_changes_what_it_says_alone(stage: Usd.Stage, c
     assert sorted(prop.name for prop in edited) == ["focusPoint:hero:target", "focusPoint:hero:weight"]
 
 
-def test_a_refused_focus_point_leaves_no_trace(stage: Usd.Stage, camera: LensCamera) -> None:
+@pytest.mark.parametrize("schemas_before", [False, True])
+@pytest.mark.parametrize("in_edit_layer", [False, True])
+def test_a_refused_edit_leaves_no_trace(
+    stage: Usd.Stage, camera: LensCamera, schemas_before: bool, in_edit_layer: bool
+) -> None:
+    if in_edit_layer:
+        stage.SetEditTarget(stage.GetSessionLayer())
+    if schemas_before:
+        camera.focus.author(FocusData(mode="points"))
+    before = [layer.ExportToString() for layer in stage.GetLayerStack()]
     with pytest.raises(SchemaError, match="must be at least 0"):
         camera.add_focus_point("hero", replace(HERO, weight=-1.0))
-    assert camera.focus_points() == []
-    assert not [attribute for attribute in camera.prim.GetAuthoredAttributes() if "hero" in attribute.GetName()]
+    with pytest.raises(SchemaError, match="must be at most 1"):
+        camera.lens.author(LensData(name="too clear", transmittance=2.0))
+    assert [layer.ExportToString() for layer in stage.GetLayerStack()] == before
 
 
 @pytest.mark.parametrize(

@@ -125,7 +125,7 @@ def solve_focus(
         The solution.
 
     Raises:
-        SettingsError: a weight, a blur or the near priority is negative or not finite.
+        SettingsError: a weight, a blur or the near priority is negative or not finite, or an offset is not finite.
     """
     _check("near priority of the focus", near_priority)
     camera_w = 1 / camera_distance_m if camera_distance_m > 0 else 0.0
@@ -160,6 +160,7 @@ def _counts(points: Sequence[FocusTarget], near_priority: float) -> DoubleArray:
 def _state(point: FocusTarget, coc_slope_mm_m: float, keep_outside: bool) -> PointState:
     _check(f"weight of focus point {point.name!r}", point.weight)
     _check(f"blur in mm of focus point {point.name!r}", point.blur_mm)
+    _check(f"size of the surface offset in m of focus point {point.name!r}", abs(point.surface_offset_m))
     rules: tuple[tuple[PointState, bool], ...] = (
         ("disabled", not point.enabled),
         ("zero_weight", point.weight == 0),

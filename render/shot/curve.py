@@ -12,7 +12,7 @@ from pxr import Sdf, Usd
 from render.errors import SettingsError
 from render.focus import FocusCurve, PointState, PointTrack
 from render.shot.focusing import Focused, focus_camera
-from render.stage import AnchorReader
+from render.stage import AnchorReader, quiet_diagnostics
 from usd_schemas import LensCamera, curves
 from usd_schemas.units import units_from_metres
 
@@ -84,13 +84,15 @@ def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool) -> str:
     """
     distances = units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage)
     form: Literal["spline", "samples"] = "samples" if baked else "spline"
-    layer = curves.focus_layer(stage, curve.camera, curve.time_codes, distances, form, _tolerance(curve))
+    with quiet_diagnostics():
+        layer = curves.focus_layer(stage, curve.camera, curve.time_codes, distances, form, _tolerance(curve))
     layer.comment = f"Focus of {curve.camera}, solved by Pullfocus: sublayer this over the shot."
     if LensCamera(stage.GetPrimAtPath(curve.camera)).focus.read().mode != "manual":
         spec = layer.GetPrimAtPath(curve.camera)
         mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
         mode.default = "manual"
-    return str(layer.ExportToString())
+    with quiet_diagnostics():
+        return str(layer.ExportToString())
 
 
 def _tolerance(curve: FocusCurve) -> float:

@@ -67,7 +67,8 @@ class Edits:
         before = Sdf.Layer.CreateAnonymous("before.usda")
         before.TransferContent(self.layer)
         try:
-            with schema_errors_as_settings(), Usd.EditContext(stage, stage.GetEditTargetForLocalLayer(self.layer)):
+            target = stage.GetEditTargetForLocalLayer(self.layer)
+            with schema_errors_as_settings(), quiet_diagnostics(), Usd.EditContext(stage, target):
                 yield
         except BaseException:
             self.layer.TransferContent(before)
@@ -95,7 +96,8 @@ class Edits:
 
     def export(self) -> str:
         """The edit layer as usda text."""
-        return str(self.layer.ExportToString())
+        with quiet_diagnostics():
+            return str(self.layer.ExportToString())
 
     def save(self, path: Path) -> None:
         """Write the edit layer as a whole, or not at all.

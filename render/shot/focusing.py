@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from render.errors import CameraError, InputError
+from render.errors import CameraError, InputError, SettingsError
 from render.focus import FocusSolution, FocusTarget, PointState, solve_focus
 from render.optics.depth_of_field import DepthOfField, coc_slope_mm_m, default_coc_limit_mm, depth_of_field
 from render.optics.view import PinholeView
@@ -144,7 +144,7 @@ def focus_camera(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, time
         time: USD time code.
 
     Raises:
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or it or its focus points have impossible numbers.
     """
     camera = read_camera(stage, camera_path, time)
     try:
@@ -155,16 +155,7 @@ def focus_camera(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, time
         raise CameraError(str(error), path=camera_path) from error
     positions_m, problems = _positions(anchors, points, time)
     targets = _targets(camera, points, positions_m, metres_per_unit(stage))
-    if focus.mode == "manual":
-        solution = _kept_by_hand(camera, len(points))
-    else:
-        solution = solve_focus(
-            targets,
-            camera.focus_distance_m,
-            coc_slope_mm_m=coc_slope_mm_m(camera.focal_length_mm, camera.f_stop),
-            keep_outside=focus.off_screen == "keep",
-            near_priority=focus.near_priority,
-        )
+    solution = _solved(camera, focus, targets)
     camera = replace(camera, focus_distance_m=solution.focus_distance_m)
     return Focused(camera, focus, points, targets, positions_m, problems, solution)
 
@@ -249,9 +240,14 @@ def _positions(
     problems = {}
     for index, point in enumerate(points):
         try:
-            positions_m[index] = anchors.position(point, time)
+            position_m = anchors.position(point, time)
         except InputError as error:
             problems[point.name] = error.detail
+            continue
+        if np.all(np.isfinite(position_m)):
+            positions_m[index] = position_m
+        else:
+            problems[point.name] = f"focus point {point.name} has no finite place: {position_m}"
     return positions_m, problems
 
 
@@ -272,6 +268,26 @@ def _targets(
         )
         for i, point in enumerate(points)
     )
+
+
+def _solved(camera: Camera, focus: FocusData, targets: tuple[FocusTarget, ...]) -> FocusSolution:
+    """The solution by the camera's focus mode.
+
+    The blur of soft points is solved for a lens that does not breathe: one that does gives them up to the share
+    focal length / focus distance more.
+    """
+    if focus.mode == "manual":
+        return _kept_by_hand(camera, len(targets))
+    try:
+        return solve_focus(
+            targets,
+            camera.focus_distance_m,
+            coc_slope_mm_m=coc_slope_mm_m(camera.focal_length_mm, camera.f_stop),
+            keep_outside=focus.off_screen == "keep",
+            near_priority=focus.near_priority,
+        )
+    except SettingsError as error:  # the numbers are the shot's, not the caller's
+        raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
 
 
 def _kept_by_hand(camera: Camera, point_count: int) -> FocusSolution:

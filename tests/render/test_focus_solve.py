@@ -148,5 +148,8 @@ def test_impossible_weights_and_blurs_are_named(bad):
         solve_focus([FocusTarget("hero", 2.0, weight=bad)])
     with pytest.raises(SettingsError, match="blur in mm of focus point 'hero'"):
         solve_focus([FocusTarget("hero", 2.0, blur_mm=bad)])
+    if not math.isfinite(bad):
+        with pytest.raises(SettingsError, match="surface offset in m of focus point 'hero'"):
+            solve_focus([FocusTarget("hero", 2.0, surface_offset_m=bad)])
     with pytest.raises(SettingsError, match="near priority"):
         solve_focus([FocusTarget("hero", 2.0)], near_priority=bad)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from focus_shot import CAMERA, FAR, FRAMES, NEAR, Units, open_bare, write_shot
-from pxr import Sdf, Usd
+from pxr import Gf, Sdf, Usd
 
 from render.errors import CameraError, SettingsError
 from render.focus import curve_to_json
@@ -314,3 +314,29 @@ def test_pulling_focus_leaves_the_scene_alone(shot):
     shot.replace_edits(text)
     after = shot.scene_at(1)
     assert all(a is b for a, b in zip(before.batches, after.batches, strict=True))
+
+
+@pytest.mark.parametrize(("attribute", "value"), [("weight", math.nan), ("weight", -1.0), ("blur", -0.1)])
+def test_impossible_numbers_of_a_point_in_the_file_are_named(shot, attribute, value):
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        shot.stage.GetPrimAtPath(CAMERA).GetAttribute(f"focusPoint:far:{attribute}").Set(value)
+    for attempt in (
+        lambda: shot.readout(CAMERA, 1),
+        lambda: shot.camera_at(CAMERA, 1, 16, 9),
+        lambda: shot.focus_curve(CAMERA, [1, 2]),
+    ):
+        with pytest.raises(CameraError, match=f"{attribute}.*'far'"):
+            attempt()
+    shot.update_focus_point(CAMERA, "far", **{attribute: 0.5})
+    assert shot.readout(CAMERA, 1).focus_distance_m == pytest.approx(10.0)
+
+
+def test_a_point_whose_place_is_not_finite_is_lost(shot):
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focusPoint:far:offset").Set(Gf.Vec3d(math.nan, 0, 0))
+    (placed,) = shot.focus_points(CAMERA, 1)
+    assert (placed.state, placed.position_m) == ("lost", None)
+    assert "finite" in placed.problem
+    assert shot.readout(CAMERA, 1).source == "camera"

@@ -13,17 +13,9 @@ from render.stage.surface import is_drawable
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract)
-_INSTANCER_ATTRIBUTES = (
-    "positions",
-    "orientations",
-    "orientationsf",
-    "scales",
-    "protoIndices",
-    "invisibleIds",
-    "velocities",
-    "accelerations",
-    "angularVelocities",
-)
+_INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales", "protoIndices", "invisibleIds")
+# A single sample of these moves instances all the time.
+_INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8
 
 
@@ -188,11 +180,7 @@ class _Walk:
                 "instancers_too_deep", path, f"{path} is nested in {_MAX_NESTED_INSTANCERS} instancers: not drawn"
             )
             return
-        moves = state.moves or any(
-            prim.GetAttribute(name).ValueMightBeTimeVarying()
-            for name in _INSTANCER_ATTRIBUTES
-            if prim.HasAttribute(name)
-        )
+        moves = state.moves or _instances_move(prim)
         for number, target in enumerate(UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()):
             root = prim.GetStage().GetPrimAtPath(target)
             if not root:
@@ -201,3 +189,9 @@ class _Walk:
                 continue
             chain = (*state.chain, InstancerLink(prim, number, root))
             self.visit(root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE))
+
+
+def _instances_move(instancer: Usd.Prim) -> bool:
+    varies = (instancer.GetAttribute(name) for name in _INSTANCER_ATTRIBUTES if instancer.HasAttribute(name))
+    rates = (instancer.GetAttribute(name) for name in _INSTANCER_RATES if instancer.HasAttribute(name))
+    return any(a.ValueMightBeTimeVarying() for a in varies) or any(a.HasAuthoredValue() for a in rates)

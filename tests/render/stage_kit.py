@@ -43,7 +43,9 @@ def add_mesh(
     return mesh
 
 
-def set_primvar(prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, interpolation: str, value: object) -> UsdGeom.Primvar:
+def set_primvar(
+    prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, interpolation: str, value: object
+) -> UsdGeom.Primvar:
     """Author a primvar."""
     primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(name, kind, interpolation)
     primvar.Set(value)

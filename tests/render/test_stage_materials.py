@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO as oiio  # noqa: N813
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 from stage_kit import add_mesh, codes, new_stage, only_batch, read, set_primvar

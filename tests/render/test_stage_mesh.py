@@ -102,7 +102,9 @@ def test_authored_normals_are_used_and_the_primvar_wins() -> None:
     mesh.CreateNormalsAttr([(0, 1, 0)])
     mesh.SetNormalsInterpolation("constant")
     np.testing.assert_allclose(only_batch(read(stage)).geometry.normals, [[0, 1, 0]] * 4)
-    primvar = set_primvar(mesh.GetPrim(), "normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying", [(1, 0, 0), (0, 0, 2)])
+    primvar = set_primvar(
+        mesh.GetPrim(), "normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying", [(1, 0, 0), (0, 0, 2)]
+    )
     primvar.SetIndices([0, 1, 1, 0])
     np.testing.assert_allclose(
         only_batch(read(stage)).geometry.normals[[0, 1, 2, 3]], [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]

@@ -226,4 +226,3 @@ def test_a_confined_reader_reads_no_texture_outside(tmp_path: Path) -> None:
 def test_real_assets_are_confined_to_their_folders(name: str) -> None:
     file = ASSETS / name
     assert open_stage(file, confined_to=file.parent)
-

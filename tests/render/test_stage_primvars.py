@@ -81,9 +81,9 @@ def test_without_a_colour_a_surface_is_grey() -> None:
 def test_a_primvar_that_is_too_short_is_left_out_and_named(interpolation: str, values: list) -> None:
     stage = new_stage()
     mesh = add_mesh(stage, "/m", POINTS, [4, 4], CORNERS)
-    set_primvar(mesh.GetPrim(), "displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex", values).GetAttr().SetMetadata(
-        "interpolation", interpolation
-    )
+    set_primvar(
+        mesh.GetPrim(), "displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex", values
+    ).GetAttr().SetMetadata("interpolation", interpolation)
     reader = StageReader(stage)
     assert len(reader.read(0).batches) == 1
     if interpolation != "wrong":

@@ -104,7 +104,9 @@ def stand(prim: Usd.Prim, position: ArrayLike, *, yaw: float = 0.0, scale: float
         common.SetScale(Gf.Vec3f(round(scale, 4)))
 
 
-def instance(stage: Usd.Stage, path: str, prop: str, position: ArrayLike, *, yaw: float = 0.0, scale: float = 1.0) -> None:
+def instance(
+    stage: Usd.Stage, path: str, prop: str, position: ArrayLike, *, yaw: float = 0.0, scale: float = 1.0
+) -> None:
     """Places a native instance of a prop of the library (a class prim)."""
     prim = UsdGeom.Xform.Define(stage, path).GetPrim()
     prim.GetReferences().AddInternalReference(Sdf.Path(prop))

@@ -11,7 +11,21 @@ from render.demo.mesh import Array, Mesh, merge
 
 BULB_SPACING_M = 0.30
 KINDS = ("BulbWarm", "BulbAmber", "BulbRose", "BulbTeal")
-PATTERN = (0, 0, 1, 0, 0, 2, 0, 1, 0, 0, 3, 0, 1)  # of kinds along the strings: mostly warm, a coloured one here and there
+PATTERN = (
+    0,
+    0,
+    1,
+    0,
+    0,
+    2,
+    0,
+    1,
+    0,
+    0,
+    3,
+    0,
+    1,
+)  # of kinds along the strings: mostly warm, a coloured one here and there
 
 
 @dataclass(frozen=True)
@@ -42,7 +56,16 @@ class LightString:
 
 def strings() -> list[LightString]:
     """All the strings of the shot, near to far: a zigzag over the street."""
-    hooks = [(-4.0, -7.2), (4.0, -8.8), (-4.0, -10.6), (4.0, -12.4), (-4.0, -14.4), (4.0, -16.6), (-4.0, -19.0), (4.0, -21.8)]
+    hooks = [
+        (-4.0, -7.2),
+        (4.0, -8.8),
+        (-4.0, -10.6),
+        (4.0, -12.4),
+        (-4.0, -14.4),
+        (4.0, -16.6),
+        (-4.0, -19.0),
+        (4.0, -21.8),
+    ]
     heights = [3.35, 3.55, 3.5, 3.75, 3.8, 4.1, 4.2, 4.5]
     ends = [(x, y, z) for (x, z), y in zip(hooks, heights, strict=True)]
     sags = [0.80, 0.72, 0.85, 0.78, 0.9, 0.8, 0.9]
@@ -56,19 +79,29 @@ def wires() -> Mesh:
 
 def bulb(glow: str) -> dict[str, Mesh]:
     """One bulb with its socket, hanging from the origin."""
-    glass = lathe(smooth_curve([[0.0, -0.118], [0.026, -0.104], [0.036, -0.078], [0.020, -0.048], [0.014, -0.040]], 8), 10)
+    glass = lathe(
+        smooth_curve([[0.0, -0.118], [0.026, -0.104], [0.036, -0.078], [0.020, -0.048], [0.014, -0.040]], 8), 10
+    )
     socket = lathe([[0.017, -0.044], [0.019, -0.040], [0.017, -0.008], [0.0, 0.0]], 8)
     return {glow: glass, "Rubber": socket}
 
 
 def neon_cup() -> dict[str, Mesh]:
     """A neon coffee cup on a bracket, 0.8 m across, facing +Z about the origin."""
-    bowl = smooth_curve([[-0.30, 0.12, 0], [-0.27, -0.12, 0], [-0.14, -0.27, 0], [0.14, -0.27, 0], [0.27, -0.12, 0], [0.30, 0.12, 0]], 40)
+    bowl = smooth_curve(
+        [[-0.30, 0.12, 0], [-0.27, -0.12, 0], [-0.14, -0.27, 0], [0.14, -0.27, 0], [0.27, -0.12, 0], [0.30, 0.12, 0]],
+        40,
+    )
     rim = smooth_curve([[-0.30, 0.12, 0], [0, 0.15, 0], [0.30, 0.12, 0]], 16)
     handle = smooth_curve([[0.28, 0.05, 0], [0.42, 0.06, 0], [0.43, -0.10, 0], [0.27, -0.13, 0]], 20)
     saucer = smooth_curve([[-0.38, -0.33, 0], [0, -0.38, 0], [0.38, -0.33, 0]], 16)
-    steam = [smooth_curve([[x, 0.22, 0], [x + 0.05, 0.30, 0], [x - 0.03, 0.39, 0], [x + 0.03, 0.48, 0]], 18) for x in (-0.13, 0.0, 0.13)]
-    board = lathe([[0.0, -0.03], [0.56, -0.03], [0.58, -0.015], [0.58, 0.015], [0.56, 0.03], [0.0, 0.03]], 40).turned(x=90)
+    steam = [
+        smooth_curve([[x, 0.22, 0], [x + 0.05, 0.30, 0], [x - 0.03, 0.39, 0], [x + 0.03, 0.48, 0]], 18)
+        for x in (-0.13, 0.0, 0.13)
+    ]
+    board = lathe([[0.0, -0.03], [0.56, -0.03], [0.58, -0.015], [0.58, 0.015], [0.56, 0.03], [0.0, 0.03]], 40).turned(
+        x=90
+    )
     bracket = tube([[-0.58, 0, -0.06], [-0.95, 0, -0.06]], 0.025, 8)
     return {
         "NeonRose": merge(tube(path, 0.017, 8) for path in (bowl, rim, handle, saucer)),

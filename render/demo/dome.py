@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 
 from render.demo.bulbs import strings
 from render.demo.mesh import Array
@@ -40,7 +40,9 @@ def _walls(directions: Array) -> Array:
     bearing = np.arctan2(directions[..., 0], directions[..., 2])[..., None]
     lit = (np.sin(bearing * 23) > 0.25) * (np.sin(up * 34) > -0.1) * np.exp(-(((up - 0.2) / 0.22) ** 2)) * sideways
     ground = np.array([0.010, 0.010, 0.013]) * (up < 0)
-    return night * (up >= 0) + ground + (wall * 0.018 + lit * 0.10) * np.array([1.0, 0.58, 0.26]) * (up > -0.05)
+    warm = (wall * 0.018 + lit * 0.10) * np.array([1.0, 0.58, 0.26]) * (up > -0.05)
+    light: Array = night * (up >= 0) + ground + warm
+    return light
 
 
 def night_dome() -> Plane:
@@ -50,7 +52,7 @@ def night_dome() -> Plane:
     lamps = [(np.array([x, 3.1, z]), 0.15, 12.0) for x, z in LAMP_POSTS]
     lamps += [(np.array(place) - [0, 0.3, 0], 0.15, 4.0) for place in LANTERNS]
     lamps += [(place, 0.036, 16.0) for string in strings() for place in string.bulbs()]
-    lamps += [(np.array(TRAM_PLACE) + [0, 1.4, 0], 0.9, 0.8)]
+    lamps += [(np.array(TRAM_PLACE) + np.array([0, 1.4, 0]), 0.9, 0.8)]
     for place, radius_m, radiance in lamps:
         offset = place - VIEWPOINT_M
         distance = float(np.linalg.norm(offset))
@@ -71,9 +73,10 @@ def write_dome(path: Path) -> None:
     """
     picture = night_dome()
     height, width, channels = picture.shape
-    spec = oiio.ImageSpec(width, height, channels, "half")
+    spec = OpenImageIO.ImageSpec(width, height, channels, "half")
     spec.attribute("compression", "zip")
-    output = oiio.ImageOutput.create(str(path))
+    spec.attribute("DateTime", "2000:01:01 00:00:00")  # else the time of writing would get into the file
+    output = OpenImageIO.ImageOutput.create(str(path))
     if output is None or not output.open(str(path), spec) or not output.write_image(picture):
-        raise OutputError(f"{path} could not be written: {oiio.geterror()}", path=str(path))
+        raise OutputError(f"{path} could not be written: {OpenImageIO.geterror()}", path=str(path))
     output.close()

@@ -39,9 +39,9 @@ def clipped_ball(radius: float, leaves: int, seed: int) -> Mesh:
 
 def branch_curves() -> list[Array]:
     """The twigs of the branch that hangs into the picture, ``(n, 3)`` metres each, from stem to tip."""
-    stem = smooth_curve([[0.86, 1.54, -0.85], [0.68, 1.46, -0.90], [0.53, 1.39, -0.96], [0.39, 1.325, -1.02]], 24)
-    side = smooth_curve([[0.68, 1.46, -0.90], [0.58, 1.33, -0.86], [0.52, 1.20, -0.88]], 14)
-    high = smooth_curve([[0.57, 1.41, -0.95], [0.44, 1.40, -1.04], [0.29, 1.39, -1.10]], 14)
+    stem = smooth_curve([[0.78, 1.52, -0.85], [0.61, 1.44, -0.90], [0.46, 1.37, -0.96], [0.32, 1.305, -1.02]], 24)
+    side = smooth_curve([[0.61, 1.44, -0.90], [0.52, 1.31, -0.86], [0.47, 1.19, -0.88]], 14)
+    high = smooth_curve([[0.50, 1.39, -0.95], [0.37, 1.38, -1.04], [0.22, 1.37, -1.10]], 14)
     return [stem, side, high]
 
 
@@ -80,7 +80,9 @@ def railing() -> Mesh:
         x = 0.12 + 0.24 * k
         parts.append(tube([[x - 0.12, 0.12, 0], [x - 0.12, 0.86, 0]], 0.009, 8))
         for flip in (-1, 1):
-            curl = np.stack([x + flip * spiral * np.cos(angle), 0.49 + flip * (0.13 + spiral * np.sin(angle)), 0 * angle], axis=1)
+            curl = np.stack(
+                [x + flip * spiral * np.cos(angle), 0.49 + flip * (0.13 + spiral * np.sin(angle)), 0 * angle], axis=1
+            )
             parts.append(tube(curl, 0.006, 6))
     post = lathe([[0.03, 0.0], [0.03, 0.06], [0.018, 0.09], [0.018, 0.86], [0.026, 0.88], [0.0, 0.90]], 16)
     return merge([*parts, post.at(1.2, 0, 0)])
@@ -91,7 +93,9 @@ def ivy_poses(seed: int = 29, count: int = 110) -> tuple[Array, Array, Array]:
     random = np.random.default_rng(seed)
     along = random.uniform(0.0, 1.22, count)
     places = np.stack([along, 0.86 + random.normal(0.0, 0.035, count), random.normal(0.0, 0.03, count)], axis=1)
-    turns = np.stack([random.uniform(-70, 70, count), random.uniform(-60, 60, count), random.uniform(-150, 150, count)], axis=1)
+    turns = np.stack(
+        [random.uniform(-70, 70, count), random.uniform(-60, 60, count), random.uniform(-150, 150, count)], axis=1
+    )
     return places, turns, random.uniform(0.5, 0.95, count)
 
 

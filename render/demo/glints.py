@@ -41,9 +41,9 @@ def _glows() -> list[Glow]:
     # Shop windows, as a row of soft spots on either side; the neon in its two colours; the tram's lamps.
     glows += [Glow(np.array([side * 3.9, 1.5, z]), AMBER, 2.0) for side in (-1, 1) for z in np.arange(-8.0, -22, -3.2)]
     neon = np.array(NEON_PLACE)
-    glows += [Glow(neon, ROSE, 16.0), Glow(neon + [0, 0.36, 0], TEAL, 7.0)]
+    glows += [Glow(neon, ROSE, 16.0), Glow(neon + np.array([0, 0.36, 0]), TEAL, 7.0)]
     tram = np.array(TRAM_PLACE)
-    return [*glows, *(Glow(tram + [x, 0.98, 0.2], TUNGSTEN, 0.8) for x in (-0.62, 0.62))]
+    return [*glows, *(Glow(tram + np.array([x, 0.98, 0.2]), TUNGSTEN, 0.8) for x in (-0.62, 0.62))]
 
 
 def _stones() -> tuple[Array, Array]:
@@ -90,7 +90,9 @@ def glint_picture() -> Plane:
     normal_eye = np.maximum(np.einsum("...i,...i", normals, to_eye), 1e-3)
     picture = np.zeros((*positions.shape[:2], 3), np.float32)
     for glow in _glows():
-        picture += _highlight(glow, positions, normals, to_eye, normal_eye)[..., None] * np.array(glow.colour, np.float32)
+        picture += _highlight(glow, positions, normals, to_eye, normal_eye)[..., None] * np.array(
+            glow.colour, np.float32
+        )
     return picture
 
 

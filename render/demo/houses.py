@@ -46,7 +46,7 @@ class House:
         x = (np.arange(self.bays) + 0.5) / self.bays * self.width_m
         y = SHOP_HEIGHT_M + 0.75 + np.arange(self.storeys) * STOREY_M
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        return np.c_[grid, np.zeros(len(grid))]
+        return np.concatenate([grid, np.zeros((len(grid), 1))], axis=1)
 
 
 def _scalloped_awning(width: float) -> Mesh:
@@ -79,7 +79,7 @@ def _cornice(width: float, y: float) -> Mesh:
 def _pane(number: int, width: float, height: float) -> Mesh:
     """One of a shop window's three panes, which share one picture."""
     pane = plate(width, height)
-    return Mesh(pane.points, pane.normals, (pane.uvs + [number, 0]) / [3, 1], pane.quads)
+    return Mesh(pane.points, pane.normals, (pane.uvs + np.array([number, 0])) / [3, 1], pane.quads)
 
 
 def _shop_front(house: House) -> dict[str, Mesh]:
@@ -94,10 +94,7 @@ def _shop_front(house: House) -> dict[str, Mesh]:
         *(box([0.06, 1.85, 0.12]).at(left + glass * k / 3, 1.5, 0.08) for k in range(4)),
         box([glass, 0.05, 0.1]).at(left + glass / 2, 1.98, 0.08),
         rounded_box([door, 2.3, 0.1], 0.02, 1).at(width - 0.3 - door / 2, 1.2, 0.04),
-        *(
-            rounded_box([door * 0.62, 0.5, 0.06], 0.03, 1).at(width - 0.3 - door / 2, y, 0.09)
-            for y in (0.55, 1.15)
-        ),
+        *(rounded_box([door * 0.62, 0.5, 0.06], 0.03, 1).at(width - 0.3 - door / 2, y, 0.09) for y in (0.55, 1.15)),
     ]
     panes = [_pane(k, glass / 3 - 0.06, 1.85).at(left + glass * (k + 0.5) / 3, 1.5, 0.05) for k in range(3)]
     fanlight = plate(door * 0.6, 0.5).at(width - 0.3 - door / 2, 1.82, 0.1)
@@ -118,9 +115,7 @@ def house_front(house: House) -> dict[str, Mesh]:
         for k in range(int((height - SHOP_HEIGHT_M - 0.7) / 0.37))
         for x in (0.16, width - 0.16)
     ]
-    roof = surface(
-        lambda u, v: np.stack([u * width, height + 1.4 * v, -2.0 * v], axis=-1), 2, 2
-    )
+    roof = surface(lambda u, v: np.stack([u * width, height + 1.4 * v, -2.0 * v], axis=-1), 2, 2)
     parts = _shop_front(house)
     parts[house.wall] = rounded_box([width, height, 0.3], 0.01, 1).at(width / 2, height / 2, -0.15)
     parts["Trim"] = merge([*courses, *quoins, _cornice(width, height)])

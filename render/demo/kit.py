@@ -6,6 +6,7 @@ Every function returns a closed or open `Mesh` with smooth normals, broken at cr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,9 +68,7 @@ def surface(shape: Callable[[Array, Array], Array], columns: int, rows: int) -> 
     inside = np.clip(v, 2e-3, 1 - 2e-3)
     pole = np.linalg.norm(along_u, axis=-1, keepdims=True) < 1e-9
     along_u = np.where(pole, shape(u + step, inside) - shape(u - step, inside), along_u)
-    along_v = np.where(
-        pole, shape(u, inside + step) - shape(u, inside - step), shape(u, v + step) - shape(u, v - step)
-    )
+    along_v = np.where(pole, shape(u, inside + step) - shape(u, inside - step), shape(u, v + step) - shape(u, v - step))
     points = shape(u, v).reshape(-1, 3)
     quads, triangles = _without_slivers(grid_faces(rows, columns), points)
     normals = unit(np.cross(along_u, along_v)).reshape(-1, 3)
@@ -94,10 +93,7 @@ def lathe(profile: ArrayLike, segments: int = 32) -> Mesh:
     breaks = [0, *(np.flatnonzero(turns > np.radians(CREASE_DEGREES)) + 1), len(line) - 1]
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
     girth = 2 * np.pi * float(line[:, 0].max())
-    return merge(
-        _lathe_run(line[a : b + 1], lengths[a : b + 1], girth, segments)
-        for a, b in zip(breaks[:-1], breaks[1:], strict=True)
-    )
+    return merge(_lathe_run(line[a : b + 1], lengths[a : b + 1], girth, segments) for a, b in pairwise(breaks))
 
 
 def _lathe_run(line: Array, lengths: Array, girth: float, segments: int) -> Mesh:
@@ -134,10 +130,8 @@ def ring(radius: float, thickness: float, segments: int = 32, sides: int = 10) -
 
 def _frames(path: Array, closed: bool) -> tuple[Array, Array, Array]:
     """Tangent, normal and binormal along a path, without twist (rotation-minimising by projection)."""
-    if closed:
-        tangents = unit(np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0))
-    else:
-        tangents = unit(np.gradient(path, axis=0))
+    ahead = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0) if closed else np.gradient(path, axis=0)
+    tangents = unit(ahead)
     normals = np.zeros_like(path)
     seed = np.eye(3)[np.argmin(np.abs(tangents[0]))]
     for i, tangent in enumerate(tangents):
@@ -163,7 +157,10 @@ def tube(path: ArrayLike, radius: float | Sequence[float] | Array, sides: int = 
     if capped:
         angle = np.linspace(0, np.pi / 2, 5)[1:]
         (head, tail), (r0, r1) = (line[0], line[-1]), (radii[0], radii[-1])
-        start, end = head - np.outer(r0 * np.sin(angle[::-1]), tangents[0]), tail + np.outer(r1 * np.sin(angle), tangents[-1])
+        start, end = (
+            head - np.outer(r0 * np.sin(angle[::-1]), tangents[0]),
+            tail + np.outer(r1 * np.sin(angle), tangents[-1]),
+        )
         cosines = np.where(angle > 1.57, 0.0, np.cos(angle))
         line, radii = np.concatenate([start, line, end]), np.concatenate([r0 * cosines[::-1], radii, r1 * cosines])
         slopes = np.concatenate([np.tan(np.minimum(angle[::-1], 1.55)), slopes, -np.tan(np.minimum(angle, 1.55))])
@@ -209,7 +206,7 @@ def rounded_box(size: ArrayLike, radius: float, steps: int = 2) -> Mesh:
     faces = []
     for axis in range(3):
         for side in (1.0, -1.0):
-            faces.append(_rounded_face(half, min(radius, float(half.min())), steps, axis, side))
+            faces.append(_rounded_face(half, min(radius, 0.95 * float(half.min())), steps, axis, side))
     return merge(faces)
 
 

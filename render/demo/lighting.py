@@ -20,6 +20,8 @@ from render.demo.street import KERB_M
 
 LIGHTS = "/World/Lights"
 MOONLIGHT: Colour = (0.42, 0.60, 1.0)
+TRAM_YELLOW: Colour = (1.0, 0.92, 0.60)
+PIP_M, MARA_M = (-0.47, 0.95, -2.55), (1.0, 1.1, -8.4)  # what their rims are aimed at
 
 
 @dataclass(frozen=True)
@@ -52,23 +54,23 @@ def _lamps() -> dict[str, Lamp]:
         f"{LIGHTS}/LampPost{k}": Lamp("SphereLight", (x, KERB_M + 2.97, z), TUNGSTEN, 340.0, (0.13,))
         for k, (x, z) in enumerate(LAMP_POSTS[:3])
     }
-    tram_x, _, tram_z = TRAM_PLACE
+    tram_lamps = (TRAM_PLACE[0], 1.0, TRAM_PLACE[2] + 0.4)
     return posts | {
         # Pip: the lantern in its hand, a cool rim from the moonlit side, a warm one from the café.
         f"{PIP}/Body/ArmRight/Lantern/Flame": Lamp("SphereLight", (0.0, -0.18, 0.0), AMBER, 80.0, (0.05,)),
-        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-1.75, 1.5, -3.75), MOONLIGHT, 260.0, (0.7, 1.3), (-0.47, 0.95, -2.55), shadow=True),
-        f"{LIGHTS}/PipRimWarm": Lamp("RectLight", (0.75, 1.35, -4.3), AMBER, 90.0, (0.5, 1.1), (-0.47, 0.9, -2.55), shadow=True),
+        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-1.75, 1.5, -3.75), MOONLIGHT, 260.0, (0.7, 1.3), PIP_M, shadow=True),
+        f"{LIGHTS}/PipRimWarm": Lamp("RectLight", (0.75, 1.35, -4.3), AMBER, 90.0, (0.5, 1.1), PIP_M, shadow=True),
         f"{LIGHTS}/Leaves": Lamp("SphereLight", (0.75, 1.15, -0.35), TUNGSTEN, 260.0, (0.05,)),
         f"{LIGHTS}/Ivy": Lamp("SphereLight", (-1.05, 1.3, -0.35), TUNGSTEN, 200.0, (0.05,)),
-        f"{LIGHTS}/PipKey": Lamp("RectLight", (-1.5, 2.1, -0.2), TUNGSTEN, 4.5, (1.2, 0.9), (-0.47, 0.95, -2.55), shadow=True),
+        f"{LIGHTS}/PipKey": Lamp("RectLight", (-1.5, 2.1, -0.2), TUNGSTEN, 4.5, (1.2, 0.9), PIP_M, shadow=True),
         # Mara: the lamp behind her, and a small lantern under the umbrella.
-        f"{LIGHTS}/MaraRim": Lamp("DiskLight", (3.0, 1.7, -9.5), TUNGSTEN, 330.0, (0.28,), (1.0, 1.1, -8.4), 50.0, True),
-        f"{LIGHTS}/MaraRimCool": Lamp("RectLight", (-1.3, 1.7, -9.6), MOONLIGHT, 130.0, (0.9, 1.2), (1.0, 1.1, -8.4)),
+        f"{LIGHTS}/MaraRim": Lamp("DiskLight", (3.0, 1.7, -9.5), TUNGSTEN, 330.0, (0.28,), MARA_M, 50.0, True),
+        f"{LIGHTS}/MaraRimCool": Lamp("RectLight", (-1.3, 1.7, -9.6), MOONLIGHT, 130.0, (0.9, 1.2), MARA_M),
         f"{MARA}/Body/Umbrella/Lantern": Lamp("SphereLight", (0.0, 0.50, 0.30), TUNGSTEN, 260.0, (0.035,)),
         # The places that glow.
         f"{LIGHTS}/Stall": Lamp("SphereLight", (-2.1, 1.95, -5.7), AMBER, 95.0, (0.14,)),
         f"{LIGHTS}/Cafe": Lamp("RectLight", (3.95, 2.0, -8.2), TUNGSTEN, 9.0, (3.6, 1.7), (0.0, 0.6, -8.0)),
-        f"{LIGHTS}/TramLamps": Lamp("DiskLight", (tram_x, 1.0, tram_z + 0.4), (1.0, 0.92, 0.60), 480.0, (0.16,), (0.3, 0.2, -9.0), 40.0),
+        f"{LIGHTS}/TramLamps": Lamp("DiskLight", tram_lamps, TRAM_YELLOW, 480.0, (0.16,), (0.3, 0.2, -9.0), 40.0),
     }  # fmt: skip
 
 

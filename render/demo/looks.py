@@ -85,10 +85,14 @@ def _window(file: str, radiance: float) -> Look:
 TABLE: dict[str, Look] = {
     "Setts": Look(pictures=_STONE),
     "Kerb": Look((0.16, 0.16, 0.17), 0.35),
-    "PlasterOchre": Look(roughness=0.85, pictures={"diffuseColor": Picture("./textures/plaster_ochre.jpg", (3.0, 3.0))}),
+    "PlasterOchre": Look(
+        roughness=0.85, pictures={"diffuseColor": Picture("./textures/plaster_ochre.jpg", (3.0, 3.0))}
+    ),
     "PlasterBlue": Look(roughness=0.85, pictures={"diffuseColor": Picture("./textures/plaster_blue.jpg", (3.0, 3.0))}),
     "Trim": Look((0.42, 0.40, 0.36), 0.7),
-    "Sky": Look((0.0, 0.0, 0.0), 1.0, pictures={"emissiveColor": Picture("./textures/sky.jpg", scale=0.35, wrap="clamp")}),
+    "Sky": Look(
+        (0.0, 0.0, 0.0), 1.0, pictures={"emissiveColor": Picture("./textures/sky.jpg", scale=0.35, wrap="clamp")}
+    ),
     "Roof": Look((0.05, 0.035, 0.03), 0.6),
     "Iron": Look((0.025, 0.027, 0.03), 0.38, metallic=0.0, clearcoat=0.5),
     "Brass": Look((0.83, 0.56, 0.25), 0.28, metallic=1.0),
@@ -117,7 +121,10 @@ TABLE: dict[str, Look] = {
     "EyeGlow": glow((0.45, 0.92, 1.0), 2.4),
     "VisorGlow": glow((1.0, 0.62, 0.22), 3.0),
     "HeartGlow": glow(ROSE, 5.0),
-    "PaperGlow": glow((1.0, 0.40, 0.09), 2.2),
+    "PaperGlow": Look(
+        (0.3, 0.2, 0.1), 0.8, pictures={"emissiveColor": Picture("./textures/paper.jpg", (0.5, 0.42), scale=3.0)}
+    ),
+    "FlameGlow": glow((1.0, 0.42, 0.10), 2.4),
     "BulbWarm": glow(TUNGSTEN, 34.0),
     "BulbAmber": glow(AMBER, 28.0),
     "BulbRose": glow(ROSE, 26.0),
@@ -189,5 +196,7 @@ def _write_picture(
     else:
         texture.CreateInput("scale", Tokens.Float4).Set(Gf.Vec4f(*[picture.scale] * 3, 1))
         kind = Tokens.Color3f if colour else Tokens.Float
-    source = texture.CreateOutput("r" if kind == Tokens.Float else "rgb", Tokens.Float if kind == Tokens.Float else Tokens.Float3)
+    source = texture.CreateOutput(
+        "r" if kind == Tokens.Float else "rgb", Tokens.Float if kind == Tokens.Float else Tokens.Float3
+    )
     shader.CreateInput(name, kind).ConnectToSource(source)

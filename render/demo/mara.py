@@ -35,7 +35,9 @@ def parts() -> dict[str, dict[str, Mesh]]:
 
 def _wheel() -> dict[str, Mesh]:
     tyre = ring(0.135, 0.035, 48, 14).turned(z=90)
-    hub = lathe([[0.0, -0.05], [0.05, -0.045], [0.10, -0.012], [0.10, 0.012], [0.05, 0.045], [0.0, 0.05]], 28).turned(z=90)
+    hub = lathe([[0.0, -0.05], [0.05, -0.045], [0.10, -0.012], [0.10, 0.012], [0.05, 0.045], [0.0, 0.05]], 28).turned(
+        z=90
+    )
     spokes = [ball(0.014, 10, 6).at(0.035, 0.08 * np.cos(a), 0.08 * np.sin(a)) for a in np.arange(6) * np.pi / 3]
     return {"Rubber": tyre, "Brass": merge([hub, *spokes])}
 
@@ -67,9 +69,12 @@ def _head() -> dict[str, Mesh]:
     """A porcelain face with a lit eyes under a rain hat; the origin is the neck."""
     up = 0.18
     hat = lathe(
-        smooth_curve([[0.262, 0.045], [0.238, 0.070], [0.178, 0.095], [0.165, 0.145], [0.125, 0.205], [0.0, 0.228]], 28), 44
+        smooth_curve(
+            [[0.262, 0.045], [0.238, 0.070], [0.178, 0.095], [0.165, 0.145], [0.125, 0.205], [0.0, 0.228]], 28
+        ),
+        44,
     )
-    brim = lathe(smooth_curve([[0.13, 0.08], [0.20, 0.065], [0.262, 0.045]], 10)[::-1], 44).flipped_faces()
+    brim = lathe(smooth_curve([[0.13, 0.08], [0.20, 0.065], [0.262, 0.045]], 10), 44)
     eyes = merge(HEAD.patch(side * 0.36, -0.03, 0.20, 0.20, 1.03) for side in (-1, 1))
     cheeks = [ring(0.034, 0.009, 24, 8).turned(z=90).at(side * 0.146, -0.02, 0) for side in (-1, 1)]
     shade = HEAD.patch(0, -0.03, 0.86, 0.40, 1.008, 2.8)
@@ -107,14 +112,28 @@ def _umbrella_arm() -> dict[str, Mesh]:
     """The sleeve that holds the umbrella, and the umbrella; the origin is the shoulder."""
     grip = np.array([0.09, -0.08, 0.20])
     arm = _sleeve([[0, 0, 0], [0.09, -0.17, 0.03], [0.115, -0.17, 0.14], [0.09, -0.10, 0.20]], -70)
-    crown = grip + [-0.13, 0.93, -0.12]
+    crown = grip + np.array([-0.13, 0.93, -0.12])
     lean = np.degrees([np.arctan2(-0.12, 0.93), np.arctan2(0.13, 0.93)])
-    shaft = tube([grip + [0.012, -0.10, 0.011], crown], 0.008, 10)
-    hook = tube(smooth_curve([grip + [0.012, -0.09, 0.011], grip + [0.02, -0.17, 0.02], grip + [0.05, -0.19, 0.04], grip + [0.06, -0.15, 0.05]], 18), 0.014, 10)
+    shaft = tube([grip + np.array([0.012, -0.10, 0.011]), crown], 0.008, 10)
+    hook = tube(
+        smooth_curve(
+            [
+                grip + np.array([0.012, -0.09, 0.011]),
+                grip + np.array([0.02, -0.17, 0.02]),
+                grip + np.array([0.05, -0.19, 0.04]),
+                grip + np.array([0.06, -0.15, 0.05]),
+            ],
+            18,
+        ),
+        0.014,
+        10,
+    )
     angle = np.arange(CANOPY_RIBS) * 2 * np.pi / CANOPY_RIBS
     reach = np.linspace(0.03, 0.985, 12)
     ribs = [
-        tube(np.stack([0.60 * reach * np.sin(a), -0.30 * reach**2 - 0.008, 0.60 * reach * np.cos(a)], axis=1), 0.0045, 6)
+        tube(
+            np.stack([0.60 * reach * np.sin(a), -0.30 * reach**2 - 0.008, 0.60 * reach * np.cos(a)], axis=1), 0.0045, 6
+        )
         for a in angle
     ]
     stays = [tube([[0, -0.42, 0], [0.3 * np.sin(a), -0.085, 0.3 * np.cos(a)]], 0.0035, 5) for a in angle]

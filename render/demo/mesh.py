@@ -53,11 +53,9 @@ class Mesh:
             points=self.points @ linear.T + matrix[:3, 3],
             normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
         )
-        return mesh.flipped_faces() if np.linalg.det(linear) < 0 else mesh
-
-    def flipped_faces(self) -> Mesh:
-        """The mesh with its faces wound the other way; normals stay."""
-        return replace(self, quads=self.quads[:, ::-1], triangles=self.triangles[:, ::-1])
+        if np.linalg.det(linear) >= 0:
+            return mesh
+        return replace(mesh, quads=self.quads[:, ::-1], triangles=self.triangles[:, ::-1])
 
     def at(self, x: float, y: float, z: float) -> Mesh:
         """The mesh moved by an offset in metres."""
@@ -82,9 +80,9 @@ def merge(meshes: Iterable[Mesh]) -> Mesh:
         normals=np.concatenate([part.normals for part in parts]),
         uvs=np.concatenate([part.uvs for part in parts]),
         quads=np.concatenate([part.quads + start for part, start in zip(parts, starts, strict=False)]).astype(np.int32),
-        triangles=np.concatenate(
-            [part.triangles + start for part, start in zip(parts, starts, strict=False)]
-        ).astype(np.int32),
+        triangles=np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)]).astype(
+            np.int32
+        ),
     )
 
 

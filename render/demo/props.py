@@ -31,10 +31,21 @@ def lamp_post() -> dict[str, Mesh]:
     ]
     rung = tube([[-0.3, 2.36, 0], [0.3, 2.36, 0]], 0.014, 8)
     cage = [
-        tube([foot, top], 0.010, 5)
-        for foot, top in zip(_circle(0.10, 6, 2.76), _circle(0.17, 6, 3.16), strict=True)
+        tube([foot, top], 0.010, 5) for foot, top in zip(_circle(0.10, 6, 2.76), _circle(0.17, 6, 3.16), strict=True)
     ]
-    cap = lathe([[0.20, 3.15], [0.21, 3.17], [0.15, 3.25], [0.06, 3.31], [0.05, 3.35], [0.075, 3.37], [0.02, 3.41], [0.0, 3.47]], 18)
+    cap = lathe(
+        [
+            [0.20, 3.15],
+            [0.21, 3.17],
+            [0.15, 3.25],
+            [0.06, 3.31],
+            [0.05, 3.35],
+            [0.075, 3.37],
+            [0.02, 3.41],
+            [0.0, 3.47],
+        ],
+        18,
+    )
     glass = lathe([[0.0, 2.77], [0.085, 2.77], [0.15, 3.14], [0.0, 3.15]], 18)
     knobs = [ball(0.028, 10, 6).at(x, 2.36, 0) for x in (-0.31, 0.31)]
     return {"Iron": merge([pole, *flutes, rung, *cage, cap, *knobs]), "LampGlow": glass}
@@ -42,7 +53,9 @@ def lamp_post() -> dict[str, Mesh]:
 
 def cafe_table() -> dict[str, Mesh]:
     """A bistro table with a cloth, a candle in a glass and two cups."""
-    stem = lathe([[0.24, 0.0], [0.24, 0.015], [0.06, 0.06], [0.03, 0.12], [0.028, 0.66], [0.07, 0.70], [0.0, 0.705]], 24)
+    stem = lathe(
+        [[0.24, 0.0], [0.24, 0.015], [0.06, 0.06], [0.03, 0.12], [0.028, 0.66], [0.07, 0.70], [0.0, 0.705]], 24
+    )
 
     def cloth_shape(u: Array, v: Array) -> Array:
         # v from the hem up over the edge to the middle of the table.
@@ -57,11 +70,14 @@ def cafe_table() -> dict[str, Mesh]:
     flame = lathe([[0.0, 0.815], [0.010, 0.825], [0.012, 0.84], [0.0, 0.875]], 10)
     cup_profile = [[0.0, 0.742], [0.022, 0.744], [0.036, 0.775], [0.042, 0.80], [0.039, 0.80], [0.0, 0.76]]
     cups = [lathe(cup_profile, 18).at(x, 0, z) for x, z in ((0.17, 0.1), (-0.15, -0.12))]
-    saucers = [lathe([[0.0, 0.736], [0.03, 0.736], [0.068, 0.748], [0.0, 0.742]], 18).at(x, 0, z) for x, z in ((0.17, 0.1), (-0.15, -0.12))]
+    saucers = [
+        lathe([[0.0, 0.736], [0.03, 0.736], [0.068, 0.748], [0.0, 0.742]], 18).at(x, 0, z)
+        for x, z in ((0.17, 0.1), (-0.15, -0.12))
+    ]
     return {
         "Iron": stem,
         "Cloth": surface(cloth_shape, 73, 24),
-        "PaperGlow": candle,
+        "FlameGlow": candle,
         "BulbAmber": flame,
         "Porcelain": merge([*cups, *saucers]),
     }
@@ -73,7 +89,9 @@ def bentwood_chair() -> dict[str, Mesh]:
         [[-0.19, 0.0, -0.20], [-0.18, 0.45, -0.18], [-0.19, 0.75, -0.24], [0, 0.93, -0.28], [0.19, 0.75, -0.24],
          [0.18, 0.45, -0.18], [0.19, 0.0, -0.20]], 40
     )  # fmt: skip
-    inner = smooth_curve([[-0.10, 0.46, -0.19], [-0.11, 0.68, -0.235], [0, 0.80, -0.26], [0.11, 0.68, -0.235], [0.10, 0.46, -0.19]], 24)
+    inner = smooth_curve(
+        [[-0.10, 0.46, -0.19], [-0.11, 0.68, -0.235], [0, 0.80, -0.26], [0.11, 0.68, -0.235], [0.10, 0.46, -0.19]], 24
+    )
     legs = [smooth_curve([[0.9 * x, 0.45, 0.15], [x, 0.22, 0.18], [1.06 * x, 0.0, 0.21]], 8) for x in (-0.17, 0.17)]
     seat = lathe([[0.0, 0.44], [0.205, 0.445], [0.215, 0.46], [0.20, 0.474], [0.0, 0.47]], 28)
     brace = hoop(_circle(0.165, 28, 0.24), 0.008, 6)
@@ -86,8 +104,11 @@ def paper_lantern() -> dict[str, Mesh]:
     rows = np.linspace(0, 1, 49)
     belly = 0.15 * np.sin(np.pi * (0.12 + 0.76 * rows)) ** 0.8 + 0.006 * np.abs(np.sin(rows * np.pi * 12))
     paper = lathe(np.c_[belly, -0.50 + 0.36 * rows], 24)
-    caps = [lathe([[0.0, y], [0.062, y], [0.066, y + 0.012], [0.062, y + 0.024], [0.0, y + 0.024]], 16) for y in (-0.512, -0.155)]
-    cord = tube([[0, -0.14, 0], [0, 0, 0]], 0.004, 5)
+    caps = [
+        lathe([[0.0, y], [0.062, y], [0.066, y + 0.012], [0.062, y + 0.024], [0.0, y + 0.024]], 16)
+        for y in (-0.512, -0.155)
+    ]
+    cord = tube([[0.0, -0.14, 0.0], [0.0, 0.0, 0.0]], 0.004, 5)
     tassel = lathe([[0.0, -0.66], [0.016, -0.65], [0.010, -0.56], [0.012, -0.53], [0.0, -0.51]], 10)
     return {"PaperGlow": paper, "Rubber": merge([*caps, cord]), "Scarf": tassel}
 
@@ -133,24 +154,37 @@ def fruit_places(seed: int = 5) -> Array:
     places = []
     for crate in (-0.72, 0.0, 0.72):
         for layer, (columns, rows) in enumerate(((7, 5), (6, 4), (5, 3))):
-            x, z = np.meshgrid((np.arange(columns) - (columns - 1) / 2) * 0.084, (np.arange(rows) - (rows - 1) / 2) * 0.08)
+            x, z = np.meshgrid(
+                (np.arange(columns) - (columns - 1) / 2) * 0.084, (np.arange(rows) - (rows - 1) / 2) * 0.08
+            )
             heap = np.stack([x.ravel(), np.full(x.size, 0.07 + 0.062 * layer), z.ravel()], axis=1)
             heap += random.uniform(-0.008, 0.008, heap.shape)
             tip = np.radians(22)
             turned = heap @ np.array([[1, 0, 0], [0, np.cos(tip), np.sin(tip)], [0, -np.sin(tip), np.cos(tip)]])
-            places.append(turned + [crate, 0.98, 0.22])
+            places.append(turned + np.array([crate, 0.98, 0.22]))
     return np.concatenate(places)
 
 
 def fruit(look: str) -> dict[str, Mesh]:
     """One apple or orange, 8 cm across."""
-    profile = [[0.0, -0.030], [0.012, -0.036], [0.030, -0.026], [0.041, 0.0], [0.036, 0.022], [0.018, 0.034], [0.0, 0.026]]
+    profile = [
+        [0.0, -0.030],
+        [0.012, -0.036],
+        [0.030, -0.026],
+        [0.041, 0.0],
+        [0.036, 0.022],
+        [0.018, 0.034],
+        [0.0, 0.026],
+    ]
     return {look: lathe(smooth_curve(profile, 8), 10)}
 
 
 def planter() -> dict[str, Mesh]:
     """A terracotta pot with a clipped ball tree."""
-    pot = lathe([[0.0, 0.0], [0.15, 0.0], [0.21, 0.34], [0.235, 0.35], [0.235, 0.41], [0.20, 0.41], [0.19, 0.36], [0.0, 0.36]], 24)
+    pot = lathe(
+        [[0.0, 0.0], [0.15, 0.0], [0.21, 0.34], [0.235, 0.35], [0.235, 0.41], [0.20, 0.41], [0.19, 0.36], [0.0, 0.36]],
+        24,
+    )
     trunk = tube(smooth_curve([[0, 0.34, 0], [0.02, 0.6, 0.01], [0, 0.95, 0]], 8), [0.03] * 4 + [0.02] * 4, 8)
     return {"Clay": pot, "Wood": trunk, "Brass": ring(0.222, 0.008, 24, 6).at(0, 0.30, 0)}
 

@@ -65,4 +65,10 @@ def street() -> dict[str, Mesh]:
     rails = merge(rounded_box([0.065, 0.03, length], 0.006, 1).at(x, -0.006, middle) for x in RAILS_X_M)
     grooves = merge(box([0.04, 0.02, length]).at(x + 0.05, -0.005, middle) for x in RAILS_X_M)
     bed = merge(box([0.3, 0.02, length]).at(side * (WALL_M - 0.05), KERB_M - 0.02, middle) for side in (-1, 1))
-    return {"Setts": _roadway(), "Kerb": merge([_kerbs(), _pavements(), bed]), "Steel": rails, "Rubber": grooves, "Sky": _sky()}
+    return {
+        "Setts": _roadway(),
+        "Kerb": merge([_kerbs(), _pavements(), bed]),
+        "Steel": rails,
+        "Rubber": grooves,
+        "Sky": _sky(),
+    }

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 
 from render.demo.noise import Plane, blurred, fractal_noise, lattice_noise, normal_map
 from render.errors import OutputError
@@ -24,12 +24,12 @@ def write_image(path: Path, pixels: Plane) -> None:
     """
     planes = pixels[..., None] if pixels.ndim == 2 else pixels
     height, width, channels = planes.shape
-    spec = oiio.ImageSpec(width, height, channels, "uint8")
+    spec = OpenImageIO.ImageSpec(width, height, channels, "uint8")
     spec.attribute("Compression", "jpeg:88" if path.suffix == ".jpg" else "zip")
     spec.attribute("oiio:dither", 0)
-    output = oiio.ImageOutput.create(str(path))
+    output = OpenImageIO.ImageOutput.create(str(path))
     if output is None or not output.open(str(path), spec):
-        raise OutputError(f"{path} could not be opened for writing: {oiio.geterror()}", path=str(path))
+        raise OutputError(f"{path} could not be opened for writing: {OpenImageIO.geterror()}", path=str(path))
     data = np.ascontiguousarray(np.clip(planes, 0, 1) * 255 + 0.5).astype(np.uint8)
     if not output.write_image(data):
         raise OutputError(f"{path} could not be written: {output.geterror()}", path=str(path))
@@ -92,7 +92,9 @@ def _wood() -> Plane:
     size, boards = 512, 5
     across = np.arange(size)[None, :] / size * boards
     board = across.astype(int) % boards
-    grain = lattice_noise(size, 64, 3)[:, :] * 0.5 + np.repeat(lattice_noise(size, 128, 4)[:8].repeat(64, 0), 1, 1) * 0.5
+    grain = (
+        lattice_noise(size, 64, 3)[:, :] * 0.5 + np.repeat(lattice_noise(size, 128, 4)[:8].repeat(64, 0), 1, 1) * 0.5
+    )
     tone = np.random.default_rng(5).uniform(0.75, 1.1, boards)[board]
     joint = np.clip(np.minimum(across % 1, 1 - across % 1) * 40, 0.15, 1)
     shade = (0.34 + 0.22 * grain) * tone * joint
@@ -125,7 +127,9 @@ def _shop() -> Plane:
     random = np.random.default_rng(11)
     across, up = np.meshgrid(np.linspace(0, 3, width), np.linspace(1, 0, height))
     picture = np.ones((height, width, 3)) * np.array([0.48, 0.28, 0.13])
-    palette = np.array([[0.95, 0.30, 0.16], [0.20, 0.50, 0.46], [1.0, 0.82, 0.46], [0.50, 0.16, 0.12], [0.9, 0.58, 0.18]])
+    palette = np.array(
+        [[0.95, 0.30, 0.16], [0.20, 0.50, 0.46], [1.0, 0.82, 0.46], [0.50, 0.16, 0.12], [0.9, 0.58, 0.18]]
+    )
     for shelf in range(4):
         floor = height - 96 - shelf * 92
         picture[floor : floor + 6] = [0.22, 0.12, 0.05]
@@ -170,11 +174,26 @@ def _sky() -> Plane:
     return np.asarray(encoded, np.float32)
 
 
+def _paper() -> Plane:
+    """Oiled paper with a flame behind it: hottest a little below its middle, dark at its wire ribs."""
+    across, up = np.meshgrid(np.linspace(0, 1, 128), np.linspace(1, 0, 256))
+    flame = 0.16 + 0.84 * np.exp(-(((up - 0.42) / 0.27) ** 2))
+    ribs = 1 - 0.30 * np.exp(-((np.abs((up * 12) % 1 - 0.5) / 0.10) ** 2))
+    fibres = 0.90 + 0.20 * (fractal_noise(256, 16, 3, 63)[:, ::2] - 0.5)
+    light = flame * ribs * fibres + 0 * across
+    hue = np.stack([light, light**1.35 * 0.72, light**1.9 * 0.36], axis=-1)
+    return np.asarray(hue, np.float32)
+
+
 def _leaf() -> Plane:
     across, up = np.meshgrid(np.linspace(-1, 1, 128), np.linspace(1, 0, 128))
-    veins = np.maximum(np.exp(-np.abs(across) * 24), 0.6 * np.exp(-np.abs(np.sin((up * 7 - np.abs(across) * 2.4) * np.pi)) * 9))
+    veins = np.maximum(
+        np.exp(-np.abs(across) * 24), 0.6 * np.exp(-np.abs(np.sin((up * 7 - np.abs(across) * 2.4) * np.pi)) * 9)
+    )
     shade = 0.42 + 0.12 * fractal_noise(128, 8, 3, 31)
-    return np.asarray(shade[..., None] * np.array([0.50, 0.92, 0.36]) + veins[..., None] * [0.10, 0.12, 0.05], np.float32)
+    return np.asarray(
+        shade[..., None] * np.array([0.50, 0.92, 0.36]) + veins[..., None] * [0.10, 0.12, 0.05], np.float32
+    )
 
 
 def _knit() -> dict[str, Plane]:
@@ -210,6 +229,7 @@ def write_textures(directory: Path) -> None:
         "shop.jpg": _shop(),
         "sky.jpg": _sky(),
         "tram.jpg": _tram(),
+        "paper.jpg": _paper(),
         "leaf_colour.png": _leaf(),
     }
     for name, pixels in images.items():

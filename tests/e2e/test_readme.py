@@ -1,0 +1,87 @@
+"""The README's tour runs as it stands there, but for the size of its pictures."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import OpenImageIO
+import pytest
+
+from render.cli import main
+
+README = Path(__file__).parents[2] / "README.md"
+ADDRESS = "http://127.0.0.1:8000"
+QUICK = ("--imageWidth", "64", "--rays", "4", "--supersample", "1")
+
+
+def commands(name: str) -> list[list[str]]:
+    """The README's shell lines that call a program, in their order, as words."""
+    blocks = re.findall(r"```sh\n(.*?)```", README.read_text(), re.DOTALL)
+    lines = [line for block in blocks for line in block.splitlines() if line and not line.startswith("#")]
+    assert all(line.startswith(("pullfocus ", "curl ")) for line in lines), "the test knows how to run these two"
+    return [shlex.split(line) for line in lines if line.startswith(f"{name} ")]
+
+
+def is_picture(path: Path) -> bool:
+    """Whether a file can be read as a picture to its end."""
+    return bool(OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT).size)
+
+
+def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    tour = commands("pullfocus")
+    assert {words[1] for words in tour} == {"demo", "inspect", "record", "focus-curve"}
+    for words in tour:
+        assert main([*words[1:], *(QUICK if words[1] == "record" else ())]) == 0, shlex.join(words)
+    written = [Path("frame.png"), Path("frame.exr"), *sorted(Path().glob("rack.*.jpg"))]
+    assert [str(path) for path in written[2:]] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]
+    assert all(is_picture(path) for path in written)
+    assert Path("focus.csv").read_text().count("\n") == 97
+    assert "focusDistance" in Path("focus.usda").read_text()
+
+
+@contextmanager
+def served(data: Path) -> Iterator[str]:
+    """`pullfocus serve` on a free port; its address."""
+    command = [sys.executable, "-m", "render.cli", "serve", "--port", "0", "--data", str(data)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"})
+    assert process.stderr is not None
+    try:
+        said = ""
+        for line in process.stderr:
+            said += line
+            if found := re.search(r"http://127\.0\.0\.1:\d+", line):
+                break
+        else:
+            pytest.fail(f"the service did not start: {said}")
+        yield found[0]
+    finally:
+        process.terminate()
+        process.communicate(timeout=60)
+
+
+def test_the_tour_over_rest_runs(tmp_path: Path) -> None:
+    with served(tmp_path / "data") as address, httpx.Client(timeout=300) as client:
+        for words in commands("curl"):
+            url = words[-1].replace(ADDRESS, address)
+            small = "&width=64&rays=4&supersample=1" if "/frame?" in url else ""
+            answer = client.get(url + small)
+            assert answer.status_code == 200, f"{url}: {answer.text}"
+            if "-o" in words:
+                (tmp_path / words[words.index("-o") + 1]).write_bytes(answer.content)
+    assert is_picture(tmp_path / "frame.png")
+    assert (tmp_path / "focus.csv").read_text().count("\n") == 97
+
+
+def test_what_the_readme_links_to_is_there() -> None:
+    links = re.findall(r"\]\((?!http)([^)#]+)\)", README.read_text())
+    assert links
+    assert [link for link in links if not (README.parent / link).exists()] == []

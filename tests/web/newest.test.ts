@@ -1,0 +1,86 @@
+import { NewestWins } from "@/net/newest";
+
+/** A loader whose answers come when the test says so. */
+function harness(mostInFlight = 2): {
+  asked: string[];
+  aborted: string[];
+  shown: string[];
+  failed: string[];
+  fetcher: NewestWins<string, string>;
+  answer: (name: string) => Promise<void>;
+  refuse: (name: string) => Promise<void>;
+} {
+  const asked: string[] = [];
+  const aborted: string[] = [];
+  const shown: string[] = [];
+  const failed: string[] = [];
+  const open = new Map<string, { resolve: (name: string) => void; reject: (error: Error) => void }>();
+  const settle = async (): Promise<void> => { await new Promise((resolve) => setTimeout(resolve)); };
+  const fetcher = new NewestWins<string, string>({
+    load: (name, signal) => {
+      asked.push(name);
+      signal.addEventListener("abort", () => aborted.push(name));
+      return new Promise((resolve, reject) => open.set(name, { resolve, reject }));
+    },
+    onResult: (result) => shown.push(result),
+    onError: (_, request) => failed.push(request),
+    mostInFlight,
+  });
+  return {
+    asked, aborted, shown, failed, fetcher,
+    answer: async (name) => { open.get(name)?.resolve(name); await settle(); },
+    refuse: async (name) => { open.get(name)?.reject(new Error(name)); await settle(); },
+  };
+}
+
+describe("newest wins", () => {
+  it("at most two are in flight, and of those that wait only the newest goes out", async () => {
+    const { fetcher, asked, shown, answer } = harness();
+    for (const request of ["1", "2", "3", "4", "5"]) fetcher.want({ request });
+    expect(asked).toEqual(["1", "2"]);
+    await answer("1");
+    expect(asked).toEqual(["1", "2", "5"]);
+    await answer("2");
+    await answer("5");
+    expect(shown).toEqual(["1", "2", "5"]);
+    expect(fetcher.busy).toBe(false);
+  });
+
+  it("never goes back: an older answer that comes late is dropped and its request given up", async () => {
+    const { fetcher, shown, aborted, answer } = harness();
+    fetcher.want({ request: "1" });
+    fetcher.want({ request: "2" });
+    await answer("2");
+    expect(aborted).toEqual(["1"]);
+    await answer("1");
+    expect(shown).toEqual(["2"]);
+  });
+
+  it("what is disposable makes room at once for anything newer", () => {
+    const { fetcher, asked, aborted } = harness(1);
+    fetcher.want({ request: "best", disposable: true });
+    fetcher.want({ request: "draft" });
+    expect(aborted).toEqual(["best"]);
+    expect(asked).toEqual(["best", "draft"]);
+  });
+
+  it("a failure is told and does not stop what comes after", async () => {
+    const { fetcher, shown, failed, answer, refuse } = harness(1);
+    fetcher.want({ request: "1" });
+    fetcher.want({ request: "2" });
+    await refuse("1");
+    await answer("2");
+    expect(failed).toEqual(["1"]);
+    expect(shown).toEqual(["2"]);
+  });
+
+  it("cleared, nothing that was asked for comes any more", async () => {
+    const { fetcher, shown, failed, aborted, answer } = harness(1);
+    fetcher.want({ request: "1" });
+    fetcher.want({ request: "2" });
+    fetcher.clear();
+    await answer("1");
+    expect([shown, failed, aborted]).toEqual([[], [], ["1"]]);
+    expect(fetcher.busy).toBe(false);
+  });
+});

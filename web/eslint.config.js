@@ -1,0 +1,48 @@
+import { dirname, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import js from "@eslint/js";
+import hooks from "eslint-plugin-react-hooks";
+import tseslint from "typescript-eslint";
+
+const web = dirname(fileURLToPath(import.meta.url));
+
+/** Imports run one way: model ← net ← editor ← view. A room may not import what stands to its right. */
+const walls = (room, forbidden) => ({
+  files: [`web/src/${room}/**/*.{ts,tsx}`],
+  rules: {
+    "no-restricted-imports": [
+      "error",
+      { patterns: [{ regex: `^(@|\\.\\.)/(${forbidden.join("|")})(/|$)`, message: `${room} imports none of ${forbidden.join(", ")}.` }] },
+    ],
+  },
+});
+
+export default tseslint.config(
+  { ignores: ["web/src/net/schema.d.ts"] },
+  js.configs.recommended,
+  ...tseslint.configs.strictTypeChecked,
+  ...tseslint.configs.stylisticTypeChecked,
+  {
+    languageOptions: { parserOptions: { project: resolve(web, "tsconfig.json") } },
+    plugins: { "react-hooks": hooks },
+    rules: {
+      "react-hooks/rules-of-hooks": "error",
+      "react-hooks/exhaustive-deps": "error",
+      "@typescript-eslint/restrict-template-expressions": ["error", { allowNumber: true }],
+      "@typescript-eslint/consistent-type-imports": "error",
+      "@typescript-eslint/explicit-module-boundary-types": "error",
+      "max-lines": ["error", { max: 300, skipBlankLines: true, skipComments: true }],
+      eqeqeq: "error",
+    },
+  },
+  walls("model", ["net", "editor", "view"]),
+  walls("net", ["editor", "view"]),
+  walls("editor", ["view"]),
+  {
+    // The model is arithmetic and state: it must run without a browser.
+    files: ["web/src/model/**/*.ts"],
+    rules: {
+      "no-restricted-globals": ["error", "document", "window", "fetch", "localStorage", "navigator", "XMLHttpRequest"],
+    },
+  },
+);

@@ -1,0 +1,91 @@
+/** The whole editor: the shots, the open one, what is remembered, and what went wrong last. */
+
+import { signal } from "@preact/signals";
+import { complaintOf, isAbort, type Complaint } from "../net/errors";
+import type { Download, Service } from "../net/service";
+import { Library } from "./library";
+import { Remembered } from "./remembered";
+import { Session } from "./session";
+
+export class Editor {
+  readonly library: Library;
+  readonly remembered = new Remembered();
+  readonly session = signal<Session | null>(null);
+  /** The shot that is being opened. */
+  readonly opening = signal<string | null>(null);
+  readonly complaint = signal<Complaint | null>(null);
+  readonly helpOpen = signal(false);
+  /** What is being made for download, in words. */
+  readonly exporting = signal<string | null>(null);
+
+  readonly service: Service;
+
+  constructor(service: Service) {
+    this.service = service;
+    this.library = new Library(service, this.fail);
+  }
+
+  /** Takes note of an error, unless it only says that something was given up on purpose. */
+  readonly fail = (error: unknown): void => {
+    if (!isAbort(error)) this.complaint.value = complaintOf(error);
+  };
+
+  /** Lists the shots and opens one: the asked, else the first. */
+  async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
+    await this.library.refresh();
+    const shots = this.library.shots.value ?? [];
+    const chosen = shots.find((candidate) => candidate.id === shot) ?? shots[0];
+    if (chosen) await this.open(chosen.id, camera, time);
+  }
+
+  /** Opens a shot; the one that was open stays until the new one is there. */
+  async open(shot: string, camera: string | null = null, time: number | null = null): Promise<void> {
+    this.opening.value = shot;
+    try {
+      const opened = await this.service.open(shot);
+      if (this.opening.value !== shot) return; // another was asked for meanwhile
+      const known = opened.cameras.some((candidate) => candidate.path === camera);
+      const view = known ? camera : opened.defaultCamera;
+      this.complaint.value = null;
+      this.session.value?.close();
+      this.session.value = new Session(this.service, opened, view, time ?? opened.range.start, this.fail);
+    } catch (error) {
+      this.fail(error);
+    } finally {
+      if (this.opening.value === shot) this.opening.value = null;
+    }
+  }
+
+  /** Looks through another camera of the open shot, at the same time. */
+  async lookThrough(camera: string): Promise<void> {
+    const session = this.session.value;
+    if (session) await this.open(session.shot.id, camera, session.playhead.time.value);
+  }
+
+  async upload(files: Iterable<File>): Promise<void> {
+    const shots = await Promise.all([...files].map((file) => this.library.upload(file)));
+    const last = shots.findLast((shot) => shot !== null);
+    if (last) await this.open(last.id);
+  }
+
+  async remove(shot: string): Promise<void> {
+    if (!(await this.library.remove(shot))) return;
+    if (this.session.value?.shot.id !== shot) return;
+    this.session.value.close();
+    this.session.value = null;
+    const next = this.library.shots.value?.[0];
+    if (next) await this.open(next.id);
+  }
+
+  /** Makes something for download and hands it to `save`. */
+  async export(what: string, make: () => Promise<Download>, save: (download: Download) => void): Promise<void> {
+    this.exporting.value = what;
+    try {
+      save(await make());
+    } catch (error) {
+      this.fail(error);
+    } finally {
+      this.exporting.value = null;
+    }
+  }
+}

@@ -1,0 +1,35 @@
+/** What the page remembers of a person between visits, and never undoes. */
+
+import { effect, signal, type Signal } from "@preact/signals";
+import type { LengthUnit } from "../model/distance";
+
+export const SURROUNDS = ["grey", "dark", "black"] as const;
+export type Surround = (typeof SURROUNDS)[number];
+
+export class Remembered {
+  readonly unit = remembered<LengthUnit>("unit", "m", ["m", "ft"]);
+  /** What stands around the picture. */
+  readonly surround = remembered<Surround>("surround", "grey", SURROUNDS);
+  /** Whether focus points are drawn on the picture. */
+  readonly markers = remembered<"on" | "off">("markers", "on", ["on", "off"]);
+}
+
+/** A choice that is kept in the browser; private windows that keep nothing get the default each time. */
+function remembered<Choice extends string>(name: string, standard: Choice, choices: readonly Choice[]): Signal<Choice> {
+  const key = `pullfocus.${name}`;
+  let kept: string | null = null;
+  try {
+    kept = localStorage.getItem(key);
+  } catch {
+    // Storage is blocked: the page works without.
+  }
+  const value = signal(choices.find((choice) => choice === kept) ?? standard);
+  effect(() => {
+    try {
+      localStorage.setItem(key, value.value);
+    } catch {
+      // As above.
+    }
+  });
+  return value;
+}

@@ -1,0 +1,222 @@
+/** One open shot: its document, its time, its picture, what is selected, and what a click does. */
+
+import { batch, computed, effect, signal } from "@preact/signals";
+import { NO_CHANGE, removePoint, setAttribute, setFocusMode, setKey, setLens, toggleKey, together, type Change, type SimpleAttribute } from "../model/command";
+import { freshName, pullTo } from "../model/pull";
+import { restQuality } from "../model/quality";
+import { inFrame, primName, type Anchor, type FocusPoint, type FocusMode, type Lens, type Note, type Readout, type Shot } from "../model/shot";
+import { sameTime } from "../model/time";
+import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
+import { ShotDocument, type Drag } from "./document";
+import { Pictures } from "./pictures";
+import { Playhead } from "./playhead";
+
+/** What a click on the picture does. */
+export type ClickIntent = "pull" | "add" | "move";
+
+/** Width of a downloaded frame. */
+const DELIVERY_WIDTH_PX = 1920;
+
+export class Session {
+  readonly shot: Shot;
+  readonly document: ShotDocument;
+  readonly playhead: Playhead;
+  readonly pictures: Pictures;
+  readonly notes = signal<readonly Note[]>([]);
+  /** Name of the selected focus point. */
+  readonly selected = signal<string | null>(null);
+  /** Device pixels that the picture has on screen. */
+  readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
+  /** Where a click is being looked up, in the picture. */
+  readonly picking = signal<readonly [number, number] | null>(null);
+
+  readonly #service: Service;
+  readonly #fail: (error: unknown) => void;
+  readonly #stop: () => void;
+
+  constructor(service: Service, shot: Shot, camera: string | null, time: number, fail: (error: unknown) => void) {
+    this.#service = service;
+    this.#fail = fail;
+    this.shot = shot;
+    this.playhead = new Playhead(shot.range, time, () => this.pictures.free);
+    this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail);
+    this.pictures = new Pictures(service, this.document, fail);
+    this.#stop = this.#follow();
+    service.notes(shot.id).then((notes) => (this.notes.value = notes), fail);
+  }
+
+  get camera(): string | null {
+    return this.document.view.camera;
+  }
+
+  /** Width over height of the picture. */
+  get aspect(): number {
+    return this.shot.cameras.find((camera) => camera.path === this.camera)?.aspect ?? 16 / 9;
+  }
+
+  readonly moving = computed(
+    () => this.playhead.playing.value || this.playhead.scrubbing.value || this.document.dragging.value,
+  );
+
+  /** Whether the best picture of the present state is on screen. */
+  readonly settled = computed(() => {
+    const shown = this.pictures.displayed.value;
+    return (
+      shown !== null && shown.best && !this.moving.value && this.document.pending.value === 0 &&
+      shown.revision === this.document.revision.value && sameTime(shown.time, this.playhead.time.value)
+    );
+  });
+
+  /** The points that belong on the picture on screen. */
+  readonly shownPoints = computed<readonly FocusPoint[]>(() => {
+    const shown = this.pictures.displayed.value;
+    return shown && !sameTime(shown.time, this.playhead.time.value) ? shown.points : this.document.points.value;
+  });
+
+  readonly selectedPoint = computed(
+    () => this.document.points.value.find((point) => point.name === this.selected.value) ?? null,
+  );
+
+  /** A click at a place of the picture, 0 to 1 from its top left. */
+  async click(at: readonly [number, number], intent: ClickIntent): Promise<void> {
+    const { box } = this;
+    if (!box.value || this.picking.value || !this.document.hasLens) return;
+    this.playhead.pause();
+    const time = this.playhead.time.value;
+    this.picking.value = at;
+    try {
+      const quality = restQuality(box.value.width, box.value.height);
+      const pick = await this.#service.pick(this.document.view, time, at, quality);
+      if (!pick) throw new Error("There is nothing to focus on there: click on a surface.");
+      await this.#place(pick.anchor, time, intent);
+    } catch (error) {
+      this.#fail(error);
+    } finally {
+      this.picking.value = null;
+    }
+  }
+
+  async #place(anchor: Anchor, time: number, intent: ClickIntent): Promise<void> {
+    const points = await this.document.pointsAt(time);
+    const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
+    if (moved) {
+      await this.document.edit(`Move ${moved.name}`, {
+        redo: [{ do: "changePoint", name: moved.name, change: { anchor } }],
+        undo: [{ do: "changePoint", name: moved.name, change: { anchor: moved.anchor } }],
+      });
+      return;
+    }
+    const name = freshName(primName(anchor.target[0] ?? ""), points.map((point) => point.name));
+    const added: Change = {
+      redo: [{ do: "addPoint", name, anchor, settings: {} }],
+      undo: [{ do: "removePoint", name }],
+    };
+    const pull = intent === "add" ? NO_CHANGE : pullChange(name, time, points);
+    const change = together(this.#byPoints(), added, pull);
+    if (await this.document.edit(`Focus on ${name}`, change)) this.selected.value = name;
+  }
+
+  /** Gives a point that is there already the focus at this time. */
+  pullTo(point: FocusPoint): void {
+    const time = this.playhead.time.value;
+    const on = point.settings.enabled ? NO_CHANGE : setAttribute(point, "enabled", 1, time);
+    const pull = pullChange(point.name, time, this.document.points.value);
+    this.selected.value = point.name;
+    void this.document.edit(`Focus on ${point.name}`, together(this.#byPoints(), on, pull));
+  }
+
+  setFocusMode(mode: FocusMode): void {
+    const before = this.document.readout.value?.focusMode ?? mode;
+    void this.document.edit(mode === "manual" ? "Focus by hand" : "Focus by points", setFocusMode(mode, before));
+  }
+
+  /** Lets the points decide the focus. */
+  #byPoints(): Change {
+    return setFocusMode("points", this.document.readout.value?.focusMode ?? "points");
+  }
+
+  setEnabled(point: FocusPoint, enabled: boolean): void {
+    const change = setAttribute(point, "enabled", Number(enabled), this.playhead.time.value);
+    void this.document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
+  }
+
+  dragWeight(point: FocusPoint): Drag<number> {
+    const time = this.playhead.time.value;
+    return this.document.drag(`Weight of ${point.name}`, point.settings.weight, (weight) => setAttribute(point, "weight", weight, time));
+  }
+
+  toggleKey(point: FocusPoint, attribute: SimpleAttribute): void {
+    void this.document.edit(`Key of ${point.name}`, toggleKey(point, attribute, this.playhead.time.value));
+  }
+
+  remove(point: FocusPoint): void {
+    if (this.selected.value === point.name) this.selected.value = null;
+    void this.document.edit(`Remove ${point.name}`, removePoint(point));
+  }
+
+  dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
+    const [time, curve] = [this.playhead.time.value, this.document.curve.value];
+    return this.document.drag(label, before[name], (value) => setLens(name, value, time, before, curve));
+  }
+
+  downloadCurve(format: CurveFormat): Promise<Download> {
+    return this.#service.downloadCurve(this.document.view, format);
+  }
+
+  downloadEdits(): Promise<Download> {
+    return this.#service.downloadEdits(this.shot.id);
+  }
+
+  /** The frame at this time, as large as a delivery: not as the viewer happens to be. */
+  downloadFrame(format: PictureFormat): Promise<Download> {
+    const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect);
+    return this.#service.downloadFrame(this.document.view, this.playhead.time.value, quality, format);
+  }
+
+  close(): void {
+    this.#stop();
+    this.playhead.pause();
+    this.document.close();
+    this.pictures.close();
+  }
+
+  /** Fetches what the present state needs, whenever it changes. */
+  #follow(): () => void {
+    const stops = [
+      effect(() => {
+        this.document.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
+      }),
+      effect(() => {
+        const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
+        const moving = this.moving.value;
+        if (box) this.pictures.want({ time, revision, quality: restQuality(box.width, box.height) }, moving);
+      }),
+      effect(() => {
+        this.document.refreshCurve(this.document.revision.value);
+      }),
+    ];
+    return () => { for (const stop of stops) stop(); };
+  }
+
+  /** Selects the next point that is in the picture. */
+  selectNext(by: 1 | -1): void {
+    const names = this.shownPoints.value.filter(inFrame).map((point) => point.name);
+    if (names.length === 0) return;
+    const at = names.indexOf(this.selected.value ?? "");
+    batch(() => (this.selected.value = names[(at + by + names.length) % names.length] ?? null));
+  }
+}
+
+/** The keys that give a point the focus at a time, as an edit. */
+function pullChange(name: string, time: number, points: readonly FocusPoint[]): Change {
+  const isThere = new Map(points.map((point) => [point.name, point]));
+  return together(
+    ...pullTo(name, time, points).map((key): Change => {
+      const point = isThere.get(key.point);
+      if (point) return setKey(point, "weight", key.value, key.time);
+      const { time: at, value } = key;
+      // The point is new: undone, it goes with all its keys.
+      return { redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "linear" } }], undo: [] };
+    }),
+  );
+}

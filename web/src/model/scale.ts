@@ -1,0 +1,72 @@
+/** How a slider's travel stands for a number: positions run from 0 to 1. */
+
+export interface Scale {
+  readonly min: number;
+  readonly max: number;
+  /** Where a value stands, held within 0 and 1. */
+  toPosition(value: number): number;
+  /** The value at a position, rounded as people would say it. */
+  toValue(position: number): number;
+  /** The value one arrow key away. */
+  step(value: number, count: number): number;
+}
+
+/** Equal travel for equal ratios, as for focal lengths and stops. */
+export function logScale(min: number, max: number, stepRatio: number, round: (value: number) => number): Scale {
+  const span = Math.log(max / min);
+  const hold = (value: number): number => Math.min(Math.max(value, min), max);
+  return {
+    min,
+    max,
+    toPosition: (value) => (value > 0 ? Math.log(hold(value) / min) / span : 0),
+    toValue: (position) => hold(round(min * Math.exp(span * Math.min(Math.max(position, 0), 1)))),
+    step: (value, count) => {
+      const stepped = round(hold(value) * stepRatio ** count);
+      return hold(stepped === value ? value + Math.sign(count) * 10 ** (Math.floor(Math.log10(value)) - 2) : stepped);
+    },
+  };
+}
+
+/** A logarithmic scale whose far end is infinity, as on a focus ring. */
+export function focusScale(min: number, max: number): Scale {
+  const travel = 0.97; // the last bit of the ring is infinity
+  const inner = logScale(min, max, 1.02, significant(4));
+  return {
+    min,
+    max: Infinity,
+    toPosition: (value) => (value > max ? 1 : inner.toPosition(value) * travel),
+    toValue: (position) => (position > travel + (1 - travel) / 2 ? Infinity : inner.toValue(position / travel)),
+    step: (value, count) => {
+      if (value > max) return count < 0 ? max : Infinity;
+      return value >= max && count > 0 ? Infinity : inner.step(value, count);
+    },
+  };
+}
+
+/** Rounds to so many significant digits. */
+export function significant(digits: number): (value: number) => number {
+  return (value) => Number(value.toPrecision(digits));
+}
+
+/** Rounds to a whole multiple. */
+export function multipleOf(unit: number): (value: number) => number {
+  return (value) => Number((Math.round(value / unit) * unit).toFixed(6));
+}
+
+const THIRD_OF_A_STOP = 2 ** (1 / 6);
+
+export const F_NUMBERS = logScale(0.7, 32, THIRD_OF_A_STOP, significant(2));
+export const FOCAL_LENGTHS_MM = logScale(8, 400, 1.02, (mm) => multipleOf(mm < 100 ? 0.5 : 1)(mm));
+export const FOCUS_DISTANCES_M = focusScale(0.05, 200);
+
+/** Equal travel for equal differences. Values beyond `max` may be typed and stay as they are. */
+export function linearScale(min: number, max: number, step: number): Scale {
+  const hold = (value: number): number => Math.min(Math.max(value, min), max);
+  return {
+    min,
+    max,
+    toPosition: (value) => (hold(value) - min) / (max - min),
+    toValue: (position) => multipleOf(step / 5)(min + position * (max - min)),
+    step: (value, count) => hold(multipleOf(step)(value + count * step)),
+  };
+}

@@ -1,0 +1,137 @@
+/** What the page knows of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
+
+import type { FrameRange } from "./time";
+
+export interface ShotSummary {
+  readonly id: string;
+  readonly name: string;
+  readonly sizeBytes: number;
+  readonly fileCount: number;
+}
+
+export interface CameraSummary {
+  /** Prim path. */
+  readonly path: string;
+  /** Width over height of the film gate. */
+  readonly aspect: number;
+}
+
+/** Something that the shot uses and the renderer does not honour. */
+export interface Note {
+  readonly code: string;
+  readonly path: string;
+  readonly message: string;
+}
+
+/** What does not change while a shot is open. */
+export interface Shot extends ShotSummary {
+  readonly range: FrameRange;
+  readonly cameras: readonly CameraSummary[];
+  /** The camera that a renderer would take unasked; null where the shot has none and one is made to frame it. */
+  readonly defaultCamera: string | null;
+}
+
+/** What the lens is set to at one time. */
+export interface Lens {
+  /** 0 is a pinhole. */
+  readonly fStop: number;
+  readonly focalLengthMm: number;
+  /** Along the view axis; may be infinite. */
+  readonly focusDistanceM: number;
+}
+
+/** Who focuses: the focus puller's hand, or the focus points. */
+export type FocusMode = "manual" | "points";
+
+/** The lens at one time, and what it makes sharp; distances may be infinite. */
+export interface LensSample extends Lens {
+  readonly nearM: number;
+  readonly farM: number;
+  readonly hyperfocalM: number;
+  /** Whether focus points decided, or the camera's own focus distance was kept. */
+  readonly source: "points" | "camera";
+  /** One sentence that says why. */
+  readonly reason: string;
+}
+
+export interface Readout extends LensSample {
+  /** For the whole shot. */
+  readonly focusMode: FocusMode;
+}
+
+export type Interpolation = "held" | "linear" | "bezier" | "auto";
+
+export interface Key {
+  readonly time: number;
+  readonly value: number;
+  readonly interpolation: Interpolation;
+}
+
+/** The attributes of a focus point that take keys. `enabled` is 0 or 1. */
+export const KEYED_ATTRIBUTES = ["weight", "enabled", "blur", "falloff", "surfaceOffset", "extent"] as const;
+export type KeyedAttribute = (typeof KEYED_ATTRIBUTES)[number];
+
+/** Where on the geometry a focus point sits; it goes with that triangle. */
+export interface Anchor {
+  /** Prim paths: a mesh, or a point instancer and the prototype's mesh. */
+  readonly target: readonly string[];
+  readonly face: number;
+  /** Which triangle of the face's fan. */
+  readonly fanTriangle: number;
+  readonly barycentric: readonly [number, number, number];
+  /** Of the point instancer, or -1. */
+  readonly instance: number;
+}
+
+/** What a focus point asks for, apart from its keys. */
+export interface PointSettings {
+  readonly enabled: boolean;
+  readonly weight: number;
+  readonly kind: "sharp" | "soft";
+  /** Of a soft point: diameter of its circle of confusion on the film. */
+  readonly blurMm: number;
+  /** Distance in frame widths where its influence ends; 0 is nowhere. */
+  readonly falloff: number;
+  /** From the anchor, in scene units and the target's own space. */
+  readonly offset: readonly [number, number, number];
+  /** Of a soft point without blur: how far behind it the focus lies, in scene units. */
+  readonly surfaceOffset: number;
+  /** Depth of field around it in surface mode, relative to the lens's. */
+  readonly extent: number;
+}
+
+/** A focus point at one time. */
+export interface FocusPoint {
+  readonly name: string;
+  readonly anchor: Anchor;
+  readonly settings: PointSettings;
+  /** By attribute; those that are not keyed are not there. */
+  readonly keys: Readonly<Partial<Record<KeyedAttribute, readonly Key[]>>>;
+  /** Of the weight that decides the focus, 0 to 1. */
+  readonly share: number;
+  /** Along the view axis, negative behind the camera; null where the point has no place at this time. */
+  readonly depthM: number | null;
+  /** In the picture, 0 to 1 from its top left corner; null where it is not in front of the camera. */
+  readonly screen: readonly [number, number] | null;
+}
+
+/** What was found under a click. */
+export interface Pick {
+  readonly anchor: Anchor;
+  readonly depthM: number;
+}
+
+/** The keys of an attribute, in the order of time. */
+export function keysOf(point: FocusPoint, attribute: KeyedAttribute): readonly Key[] {
+  return point.keys[attribute] ?? [];
+}
+
+/** Whether a point is in the picture. */
+export function inFrame(point: FocusPoint): boolean {
+  return point.screen?.every((at) => at >= 0 && at <= 1) ?? false;
+}
+
+/** The last part of a prim path: what people call the thing. */
+export function primName(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1) || path;
+}

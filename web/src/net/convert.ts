@@ -1,0 +1,79 @@
+/** From what travels as JSON to the model and back: `null` distances are infinite, keys ride with their points. */
+
+import type { Curve } from "../model/curve";
+import { KEYED_ATTRIBUTES, type Anchor, type CameraSummary, type FocusPoint, type LensSample, type Pick, type Readout, type Shot, type ShotSummary } from "../model/shot";
+import type { components } from "./schema";
+
+export type Json = components["schemas"];
+
+/** JSON has no infinity. */
+export function distance(value: number | null): number {
+  return value ?? Infinity;
+}
+
+export function toSummary(json: Json["ShotSummary"] | Json["Shot"]): ShotSummary {
+  const { id, name, sizeBytes, fileCount } = json;
+  return { id, name, sizeBytes, fileCount };
+}
+
+export function toShot(json: Json["Shot"], cameras: Json["CameraList"]): Shot {
+  return {
+    ...toSummary(json),
+    range: json.frameRange,
+    cameras: cameras.cameras.flatMap(toCamera),
+    defaultCamera: json.defaultCamera.path,
+  };
+}
+
+function toCamera(json: Json["CameraState"]): CameraSummary[] {
+  const aspect = json.horizontalApertureMm / json.verticalApertureMm;
+  return json.path === null || !(aspect > 0) ? [] : [{ path: json.path, aspect }];
+}
+
+export function toReadout(json: Json["Readout"]): Readout {
+  // Tilted planes and focal surfaces are driven by points too.
+  return { ...toLensSample(json), focusMode: json.focusMode === "manual" ? "manual" : "points" };
+}
+
+function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {
+  return {
+    fStop: json.fStop,
+    focalLengthMm: json.focalLengthMm,
+    focusDistanceM: distance(json.focusDistanceM),
+    nearM: json.nearM,
+    farM: distance(json.farM),
+    hyperfocalM: distance(json.hyperfocalM),
+    source: json.source === "points" ? "points" : "camera",
+    reason: json.reason,
+  };
+}
+
+export function toCurve(json: Json["FocusCurve"]): Curve {
+  return json.samples.map((sample) => ({
+    ...toLensSample(sample),
+    time: sample.timeCode,
+    points: sample.points.map(({ name, depthM, share }) => ({ name, depthM, share })),
+  }));
+}
+
+export function toPoint(json: Json["FocusPoint"]): FocusPoint {
+  const { enabled, weight, kind, blurMm, falloff, offset, surfaceOffset, extent } = json;
+  return {
+    name: json.name,
+    anchor: toAnchor(json),
+    settings: { enabled, weight, kind, blurMm, falloff, offset, surfaceOffset, extent },
+    keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, json.keys[attribute] ?? []])),
+    share: json.share,
+    depthM: json.depthM,
+    screen: json.screen,
+  };
+}
+
+export function toPick(json: Json["Pick"]): Pick | null {
+  return json.hit && json.anchor && typeof json.depthM === "number" ? { anchor: toAnchor(json.anchor), depthM: json.depthM } : null;
+}
+
+function toAnchor(json: Json["Anchor"] | Json["FocusPoint"]): Anchor {
+  const { target, face = -1, fanTriangle = 0, barycentric = [1, 0, 0], instance = -1 } = json;
+  return { target, face, fanTriangle, barycentric, instance };
+}

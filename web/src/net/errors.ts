@@ -1,0 +1,84 @@
+/** What can go wrong between page and service, and how to say it in one line. */
+
+/** The one shape of the service's errors. */
+export interface Problem {
+  readonly code: string;
+  readonly detail: string;
+  readonly path?: string | null;
+}
+
+/** The service refused, or failed, and said why. */
+export class ServiceError extends Error {
+  readonly code: string;
+  readonly path: string | null;
+  readonly status: number;
+
+  constructor(problem: Problem, status: number) {
+    super(problem.detail);
+    this.name = "ServiceError";
+    this.code = problem.code;
+    this.path = problem.path ?? null;
+    this.status = status;
+  }
+}
+
+/** Nothing came back at all. */
+export class UnreachableError extends Error {
+  constructor() {
+    super("The service does not answer.");
+    this.name = "UnreachableError";
+  }
+}
+
+/** Makes an error of what came back in place of a result. */
+export function errorOf(status: number, body: unknown): ServiceError {
+  if (isProblem(body)) return new ServiceError(body, status);
+  return new ServiceError({ code: `http_${status.toString()}`, detail: `The service answered with status ${status.toString()}.` }, status);
+}
+
+function isProblem(body: unknown): body is Problem {
+  return typeof body === "object" && body !== null && "code" in body && "detail" in body && typeof body.detail === "string";
+}
+
+/** Whether an error only says that its request was given up on purpose, here or by a newer one at the service. */
+export function isAbort(error: unknown): boolean {
+  if (error instanceof ServiceError) return error.code === "superseded";
+  return error instanceof DOMException && error.name === "AbortError";
+}
+
+/** An error for a person: what happened, and what to do about it. */
+export interface Complaint {
+  readonly message: string;
+  readonly advice: string;
+}
+
+export function complaintOf(error: unknown): Complaint {
+  if (error instanceof UnreachableError) {
+    return { message: error.message, advice: "Check that `pullfocus serve` is running, then try again." };
+  }
+  if (error instanceof ServiceError) return { message: sentence(error.message), advice: adviceFor(error) };
+  return { message: error instanceof Error ? sentence(error.message) : "Something failed.", advice: "Reload the page." };
+}
+
+function adviceFor(error: ServiceError): string {
+  switch (error.status) {
+    case 404:
+      return "It may have been removed: reload the page.";
+    case 413:
+      return "Send a smaller file, or one that leaves out what the shot does not use.";
+    case 415:
+    case 422:
+      return "Nothing was changed.";
+    case 503:
+      return "Try again in a moment.";
+    default:
+      return error.status >= 500 ? "Try again; if it fails again, look in the service's log." : "Nothing was changed.";
+  }
+}
+
+/** With a capital at its head and a full stop at its end. */
+function sentence(text: string): string {
+  const trimmed = text.trim();
+  const headed = trimmed.charAt(0).toUpperCase() + trimmed.slice(1);
+  return /[.!?]$/.test(headed) ? headed : `${headed}.`;
+}

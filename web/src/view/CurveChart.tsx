@@ -1,0 +1,133 @@
+/** The focus curve: distance upwards on a reciprocal axis, with the band that is sharp and the points' own depths. */
+
+import type { JSX } from "preact";
+import { useMemo, useRef } from "preact/hooks";
+import type { Session } from "../editor/session";
+import { distancesOf, pointNames, sampleAt, type Curve, type CurveSample } from "../model/curve";
+import { axisFraction, distanceAxis, formatDistance, formatMark, type DistanceAxis, type LengthUnit } from "../model/distance";
+import { useSize } from "./hooks";
+import type { TimeAxis } from "./Timeline";
+
+interface CurveChartProps {
+  readonly session: Session;
+  readonly axis: TimeAxis;
+  readonly unit: LengthUnit;
+  readonly onScrub: (down: PointerEvent) => void;
+}
+
+/** Places of the chart, CSS px. */
+interface Plot {
+  readonly x: (time: number) => number;
+  readonly y: (distanceM: number) => number;
+  readonly height: number;
+}
+
+export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): JSX.Element {
+  const box = useRef<HTMLDivElement>(null);
+  const { height } = useSize(box);
+  const curve = session.document.curve.value;
+  const distances = useMemo(() => distanceAxis(distancesOf(curve), unit, Math.max(2, Math.floor(height / 26))), [curve, unit, height]);
+  const plot = useMemo<Plot>(
+    () => ({ x: axis.x, y: (d) => (1 - Math.min(Math.max(axisFraction(distances, d), -1), 2)) * height, height }),
+    [axis, distances, height],
+  );
+  return (
+    <div class="chart" ref={box} onPointerDown={onScrub}>
+      {height > 0 && (
+        <svg width={axis.width} height={height} role="img" aria-label={describe(curve, unit)}>
+          <clipPath id="plot-clip"><rect x={axis.left} y={0} width={axis.right - axis.left} height={height} /></clipPath>
+          <Grid axis={axis} distances={distances} plot={plot} unit={unit} />
+          <g clip-path="url(#plot-clip)">
+            <Band curve={curve} plot={plot} />
+            <PointTracks curve={curve} plot={plot} selected={session.selected.value} right={axis.right} />
+            <FocusLine curve={curve} plot={plot} />
+          </g>
+          <NowDot session={session} plot={plot} />
+        </svg>
+      )}
+    </div>
+  );
+}
+
+function describe(curve: Curve, unit: LengthUnit): string {
+  const [first, last] = [curve[0], curve.at(-1)];
+  if (!first || !last) return "Focus curve, not there yet";
+  return `Focus curve from ${formatDistance(first.focusDistanceM, unit)} at the first frame to ${formatDistance(last.focusDistanceM, unit)} at the last`;
+}
+
+function Grid({ axis, distances, plot, unit }: { axis: TimeAxis; distances: DistanceAxis; plot: Plot; unit: LengthUnit }): JSX.Element {
+  return (
+    <g class="grid">
+      {distances.ticks.map((tick) => (
+        <g key={tick} transform={`translate(0 ${plot.y(tick).toFixed(1)})`}>
+          <line x1={axis.left} x2={axis.right} />
+          <text x={axis.left - 10} y={4} text-anchor="end">{formatMark(tick, unit)}{unit === "m" && Number.isFinite(tick) ? " m" : ""}</text>
+        </g>
+      ))}
+    </g>
+  );
+}
+
+/** From the near limit forth and along the far limit back. */
+function Band({ curve, plot }: { curve: Curve; plot: Plot }): JSX.Element {
+  const line = (samples: readonly CurveSample[], limit: "nearM" | "farM"): string[] =>
+    samples.map((sample) => `${plot.x(sample.time).toFixed(1)} ${plot.y(sample[limit]).toFixed(1)}`);
+  const outline = [...line(curve, "nearM"), ...line(curve.toReversed(), "farM")];
+  return <path class="band" d={outline.length > 2 ? `M${outline.join("L")}Z` : ""} />;
+}
+
+function FocusLine({ curve, plot }: { curve: Curve; plot: Plot }): JSX.Element {
+  return <path class="focus-line" d={polyline(curve.map((sample) => [sample.time, sample.focusDistanceM]), plot)} />;
+}
+
+interface PointTracksProps {
+  readonly curve: Curve;
+  readonly plot: Plot;
+  readonly selected: string | null;
+  readonly right: number;
+}
+
+function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.Element {
+  const tracks = useMemo(
+    () =>
+      pointNames(curve).map((name) => ({
+        name,
+        depths: curve.map((sample): [number, number | null] => [sample.time, sample.points.find((p) => p.name === name)?.depthM ?? null]),
+      })),
+    [curve],
+  );
+  return (
+    <>
+      {tracks.map(({ name, depths }) => {
+        const last = depths.at(-1)?.[1] ?? null;
+        return (
+          <g key={name} class={name === selected ? "track selected" : "track"}>
+            <path d={polyline(depths, plot)} />
+            {last !== null && last > 0 && <text x={right - 6} y={plot.y(last) - 5} text-anchor="end">{name}</text>}
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+/** A line through what exists, broken where it does not. */
+function polyline(places: readonly (readonly [number, number | null])[], plot: Plot): string {
+  let pen = "M";
+  let line = "";
+  for (const [time, distanceM] of places) {
+    if (distanceM === null || distanceM <= 0) {
+      pen = "M";
+      continue;
+    }
+    line += `${pen}${plot.x(time).toFixed(1)} ${plot.y(distanceM).toFixed(1)}`;
+    pen = "L";
+  }
+  return line;
+}
+
+function NowDot({ session, plot }: { session: Session; plot: Plot }): JSX.Element | null {
+  const sample = sampleAt(session.document.curve.value, session.playhead.time.value);
+  if (!sample) return null;
+  return <circle class="now" cx={plot.x(sample.time)} cy={Math.min(Math.max(plot.y(sample.focusDistanceM), 0), plot.height)} r={4} />;
+}

@@ -1,0 +1,122 @@
+/** One number of the lens: typed, or dragged on a slider. A drag, or a held key, is one edit. */
+
+import type { JSX } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Drag } from "../editor/document";
+import type { Scale } from "../model/scale";
+
+export interface FieldProps {
+  readonly label: string;
+  readonly value: number;
+  readonly scale: Scale;
+  readonly format: (value: number) => string;
+  readonly parse: (text: string) => number | null;
+  /** What may be typed, for the person who typed something else. */
+  readonly example: string;
+  readonly startDrag: () => Drag<number>;
+  /** Whether `value` is what the service has now, so that a dragged value need not stand in for it. */
+  readonly fresh: boolean;
+  /** Says nothing on the page but is read aloud. */
+  readonly labelHidden?: boolean;
+  readonly disabled?: boolean;
+}
+
+const TRAVEL = 1000;
+const KEY_STEPS: Readonly<Record<string, number>> = {
+  ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1, PageUp: 5, PageDown: -5,
+};
+
+export function Field(props: FieldProps): JSX.Element {
+  const { label, scale, format, disabled = false } = props;
+  const { value, move, commit, cancel } = useDrag(props);
+  const position = scale.toPosition(value) * TRAVEL;
+  const step = (event: KeyboardEvent): void => {
+    const count = KEY_STEPS[event.key];
+    if (count !== undefined) {
+      event.preventDefault();
+      move(scale.step(value, count));
+    } else if (event.key === "Escape") cancel();
+  };
+  return (
+    <div class="field">
+      <span class={props.labelHidden ? "field-label hidden" : "field-label"} aria-hidden="true">{label}</span>
+      <TypedNumber {...props} value={value} onStep={step} onStepped={commit} onTyped={(typed) => { commit(typed); }} />
+      <input
+        type="range" class="slider" min={0} max={TRAVEL} step={1} value={position} disabled={disabled}
+        style={{ "--at": `${position / TRAVEL * 100}%` }}
+        aria-label={label} aria-valuetext={format(value)}
+        onInput={(event) => { move(scale.toValue(event.currentTarget.valueAsNumber / TRAVEL)); }}
+        onChange={() => { commit(); }}
+        onKeyDown={step}
+        onKeyUp={(event) => { if (event.key in KEY_STEPS) commit(); }}
+        onBlur={() => { commit(); }}
+      />
+    </div>
+  );
+}
+
+/** The value while it is dragged, and until the service has it too. */
+function useDrag({ value, fresh, startDrag }: FieldProps): {
+  value: number;
+  move: (value: number) => void;
+  commit: (value?: number) => void;
+  cancel: () => void;
+} {
+  const drag = useRef<Drag<number> | null>(null);
+  const [draft, setDraft] = useState<number | null>(null);
+  useEffect(() => {
+    if (fresh && !drag.current) setDraft(null);
+  }, [fresh, value]);
+  return {
+    value: draft ?? value,
+    move: (next) => {
+      drag.current ??= startDrag();
+      setDraft(next);
+      drag.current.move(next);
+    },
+    commit: (typed) => {
+      const last = typed ?? draft;
+      if (last === null || (typed === undefined && !drag.current)) return;
+      setDraft(last);
+      (drag.current ?? startDrag()).commit(last);
+      drag.current = null;
+    },
+    cancel: () => {
+      drag.current?.cancel();
+      drag.current = null;
+      setDraft(null);
+    },
+  };
+}
+
+interface TypedNumberProps extends FieldProps {
+  readonly onTyped: (value: number) => void;
+  readonly onStep: (event: KeyboardEvent) => void;
+  readonly onStepped: () => void;
+}
+
+function TypedNumber({ label, value, format, parse, example, disabled, onTyped, onStep, onStepped }: TypedNumberProps): JSX.Element {
+  const [text, setText] = useState<string | null>(null);
+  const wrong = text !== null && parse(text) === null;
+  const finish = (): void => {
+    const typed = text === null ? null : parse(text);
+    setText(null);
+    if (typed !== null && format(typed) !== format(value)) onTyped(typed);
+  };
+  return (
+    <input
+      type="text" class="number" inputMode="decimal" autocomplete="off" spellcheck={false} disabled={disabled ?? false}
+      aria-label={label} aria-invalid={wrong} title={wrong ? `Type for example ${example}` : undefined}
+      value={text ?? format(value)}
+      onFocus={(event) => { event.currentTarget.select(); }}
+      onInput={(event) => { setText(event.currentTarget.value); }}
+      onBlur={() => { finish(); onStepped(); }}
+      onKeyDown={(event) => {
+        if (event.key === "Enter") event.currentTarget.blur();
+        else if (event.key === "Escape") { setText(null); event.currentTarget.blur(); }
+        else if (event.key === "ArrowUp" || event.key === "ArrowDown") { setText(null); onStep(event); }
+      }}
+      onKeyUp={(event) => { if (event.key in KEY_STEPS) onStepped(); }}
+    />
+  );
+}

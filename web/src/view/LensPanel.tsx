@@ -1,0 +1,108 @@
+/** f-number, focal length and focus distance, and the depth of field that they give. */
+
+import type { JSX } from "preact";
+import type { Session } from "../editor/session";
+import { formatDistance, parseDistance, type LengthUnit } from "../model/distance";
+import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../model/scale";
+import type { Readout } from "../model/shot";
+import { DepthStrip } from "./DepthStrip";
+import { Field } from "./Field";
+
+export function LensPanel({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+  const readout = session.document.readout.value;
+  return (
+    <section aria-labelledby="lens-title">
+      <div class="panel-head"><h2 id="lens-title">Lens</h2></div>
+      {readout ? (
+        <>
+          <LensFields session={session} readout={readout} unit={unit} />
+          <DepthOfField session={session} readout={readout} unit={unit} />
+        </>
+      ) : (
+        <p class="muted pad">Reading the lens…</p>
+      )}
+    </section>
+  );
+}
+
+function LensFields({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
+  const fresh = session.document.fresh.value;
+  return (
+    <div class="fields">
+      <Field
+        label="f-number" value={readout.fStop} scale={F_NUMBERS} fresh={fresh} example="2.8"
+        format={(value) => (value === 0 ? "pinhole" : `f/${trim(value, 2)}`)}
+        parse={(text) => parseNumber(text, /^[ft]?\s*\/?\s*([\d.]+)$/i)}
+        startDrag={() => session.dragLens("f-number", "fStop", readout)}
+      />
+      <Field
+        label="Focal length" value={readout.focalLengthMm} scale={FOCAL_LENGTHS_MM} fresh={fresh} example="50 mm"
+        format={(value) => `${trim(value, 1)} mm`}
+        parse={(text) => parseNumber(text, /^([\d.]+)\s*(?:mm)?$/i)}
+        startDrag={() => session.dragLens("focal length", "focalLengthMm", readout)}
+      />
+      <Field
+        label="Focus distance" value={readout.focusDistanceM} scale={FOCUS_DISTANCES_M} fresh={fresh}
+        example={unit === "m" ? "2.5, 85 cm or ∞" : "8′ 2″ or ∞"}
+        format={(value) => formatDistance(value, unit)}
+        parse={(text) => parseDistance(text, unit)}
+        startDrag={() => session.dragLens("focus distance", "focusDistanceM", readout)}
+      />
+      <FocusBy session={session} readout={readout} />
+    </div>
+  );
+}
+
+/** Who focuses, and why the focus is where it is. */
+function FocusBy({ session, readout }: { session: Session; readout: Readout }): JSX.Element {
+  const choices = [["points", "Points"], ["manual", "By hand"]] as const;
+  return (
+    <div class="focus-by">
+      <p class="reason" title={readout.reason}>{readout.reason}</p>
+      <div class="group" role="radiogroup" aria-label="Who focuses">
+        {choices.map(([mode, name]) => (
+          <button
+            key={mode} type="button" class="button small" role="radio" aria-checked={readout.focusMode === mode}
+            onClick={() => { session.setFocusMode(mode); }}
+          >
+            {name}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+function DepthOfField({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
+  return (
+    <div class="dof">
+      <h3>Depth of field</h3>
+      <DepthStrip readout={readout} points={session.document.points.value} selected={session.selected.value} unit={unit} />
+      <dl class="readout">
+        <Reading name="Near" value={formatDistance(readout.nearM, unit)} />
+        <Reading name="Far" value={formatDistance(readout.farM, unit)} />
+        <Reading name="Depth" value={formatDistance(readout.farM - readout.nearM, unit)} />
+        <Reading name="Hyperfocal" value={formatDistance(readout.hyperfocalM, unit)} />
+      </dl>
+    </div>
+  );
+}
+
+function Reading({ name, value }: { name: string; value: string }): JSX.Element {
+  return (
+    <div>
+      <dt>{name}</dt>
+      <dd data-reading={name.toLowerCase()}>{value}</dd>
+    </div>
+  );
+}
+
+/** At most so many decimals, and no trailing zeros. */
+function trim(value: number, places: number): string {
+  return Number(value.toFixed(places)).toString();
+}
+
+function parseNumber(text: string, pattern: RegExp): number | null {
+  const value = Number(pattern.exec(text.trim().replace(",", "."))?.[1] ?? NaN);
+  return value > 0 && Number.isFinite(value) ? value : null;
+}

@@ -1,0 +1,82 @@
+/** The focus points on the picture: click one to select it, drag it to put it elsewhere. */
+
+import type { JSX } from "preact";
+import { useState } from "preact/hooks";
+import type { Session } from "../editor/session";
+import { formatDistance, type LengthUnit } from "../model/distance";
+import { inFrame, type FocusPoint } from "../model/shot";
+import { followPointer } from "./hooks";
+
+/** How far a pointer must go before it drags, CSS px. */
+const SLACK_PX = 4;
+
+export function Markers({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+  const picking = session.picking.value;
+  return (
+    <div class="markers" role="group" aria-label="Focus points on the picture">
+      {session.shownPoints.value.filter(inFrame).map((point) => (
+        <Marker key={point.name} session={session} point={point} unit={unit} />
+      ))}
+      {picking && <div class="picking" style={place(picking)} />}
+    </div>
+  );
+}
+
+function Marker({ session, point, unit }: { session: Session; point: FocusPoint; unit: LengthUnit }): JSX.Element {
+  const [dragged, setDragged] = useState<readonly [number, number] | null>(null);
+  const selected = session.selected.value === point.name;
+  const active = point.settings.enabled && point.settings.weight > 0;
+  const depth = point.depthM === null ? "" : formatDistance(point.depthM, unit);
+  return (
+    <button
+      type="button"
+      class={`marker${selected ? " selected" : ""}${active ? "" : " idle"}`}
+      style={place(dragged ?? point.screen ?? [0, 0])}
+      aria-pressed={selected}
+      aria-label={`Focus point ${point.name}, ${depth}`}
+      onClick={() => (session.selected.value = point.name)}
+      onPointerDown={(down) => {
+        if (down.button !== 0) return;
+        const frame = down.currentTarget.closest(".picture")?.getBoundingClientRect();
+        if (!frame) return;
+        let at: readonly [number, number] | null = null;
+        followPointer(
+          down,
+          (event) => {
+            if (!at && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < SLACK_PX) return;
+            session.selected.value = point.name;
+            at = [hold((event.clientX - frame.left) / frame.width), hold((event.clientY - frame.top) / frame.height)];
+            setDragged(at);
+          },
+          (event) => {
+            if (at && event.type === "pointerup") void session.click(at, "move").then(() => { setDragged(null); });
+            else setDragged(null);
+          },
+        );
+      }}
+    >
+      <svg viewBox="-14 -14 28 28" width="28" height="28" aria-hidden="true">
+        <g class="halo"><Reticle /></g>
+        <g class="line"><Reticle /></g>
+      </svg>
+      <span class="tag">{point.name}<small>{depth}</small></span>
+    </button>
+  );
+}
+
+function Reticle(): JSX.Element {
+  return (
+    <>
+      <path d="M-11 -6V-11H-6M6 -11H11V-6M11 6V11H6M-6 11H-11V6" />
+      <circle r="2" />
+    </>
+  );
+}
+
+function place([x, y]: readonly [number, number]): { left: string; top: string } {
+  return { left: `${x * 100}%`, top: `${y * 100}%` };
+}
+
+function hold(fraction: number): number {
+  return Math.min(Math.max(fraction, 0), 0.9999);
+}

@@ -1,0 +1,73 @@
+/** The frames in a row: drag to scrub, or use the arrow keys. */
+
+import type { JSX } from "preact";
+import type { Session } from "../editor/session";
+import { formatFrame, frameTicks } from "../model/time";
+import type { TimeAxis } from "./Timeline";
+
+const HEIGHT_PX = 26;
+
+interface ScrubberProps {
+  readonly session: Session;
+  readonly axis: TimeAxis;
+  readonly onScrub: (down: PointerEvent) => void;
+}
+
+export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element {
+  const { range } = axis;
+  const { playhead } = session;
+  const time = playhead.time.value;
+  const major = frameTicks(range, (axis.right - axis.left) / 70);
+  return (
+    <div
+      class="scrubber" role="slider" tabIndex={0} aria-label="Frame" aria-orientation="horizontal"
+      aria-valuemin={range.start} aria-valuemax={range.end} aria-valuenow={time} aria-valuetext={`Frame ${formatFrame(time)}`}
+      onPointerDown={onScrub}
+      onKeyDown={(event) => { if (scrubKey(session, event)) event.preventDefault(); }}
+    >
+      <svg width={axis.width} height={HEIGHT_PX} aria-hidden="true">
+        <rect class="scrub-bed" x={axis.left} y={0} width={axis.right - axis.left} height={HEIGHT_PX} />
+        <MinorTicks axis={axis} />
+        {major.map((tick) => (
+          <g key={tick} transform={`translate(${axis.x(tick)} 0)`}>
+            <line y1={HEIGHT_PX - 9} y2={HEIGHT_PX} />
+            <text y={12} text-anchor="middle">{formatFrame(tick)}</text>
+          </g>
+        ))}
+        <KeptFrames session={session} axis={axis} />
+        <g class="scrub-head" transform={`translate(${axis.x(time)} 0)`}>
+          <path d={`M-5 0H5V${HEIGHT_PX - 12}L0 ${HEIGHT_PX - 6}L-5 ${HEIGHT_PX - 12}Z`} />
+        </g>
+      </svg>
+    </div>
+  );
+}
+
+function scrubKey(session: Session, event: KeyboardEvent): boolean {
+  const { playhead } = session;
+  const step = event.shiftKey ? 10 : 1;
+  if (event.key === "ArrowLeft" || event.key === "ArrowDown") playhead.step(-step);
+  else if (event.key === "ArrowRight" || event.key === "ArrowUp") playhead.step(step);
+  else if (event.key === "PageDown") playhead.step(-10);
+  else if (event.key === "PageUp") playhead.step(10);
+  else if (event.key === "Home") playhead.goTo(playhead.range.start);
+  else if (event.key === "End") playhead.goTo(playhead.range.end);
+  else return false;
+  return true;
+}
+
+/** A tick for each frame, where there is room. */
+function MinorTicks({ axis }: { axis: TimeAxis }): JSX.Element | null {
+  if (axis.x(axis.range.start + 1) - axis.left < 5) return null;
+  const xs: number[] = [];
+  for (let time = axis.range.start; time <= axis.range.end + 1e-6; time += 1) xs.push(axis.x(time));
+  return <path class="minor" d={xs.map((x) => `M${x.toFixed(1)} ${HEIGHT_PX - 4}V${HEIGHT_PX}`).join("")} />;
+}
+
+/** Which frames play without asking the service. */
+function KeptFrames({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
+  const half = (axis.x(axis.range.start + 1) - axis.left) / 2;
+  const kept = session.pictures.keptTimes.value;
+  const line = kept.map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`).join("");
+  return <path class="kept" d={line}><title>Frames that play at once</title></path>;
+}

@@ -1,0 +1,126 @@
+/** The shots, on the left: open one, send one, remove one. */
+
+import type { JSX } from "preact";
+import { useRef, useState } from "preact/hooks";
+import type { Editor } from "../editor/editor";
+import type { Upload } from "../editor/library";
+import type { Note, ShotSummary } from "../model/shot";
+import { Icon } from "./icons";
+
+const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
+
+export function Shots({ editor }: { editor: Editor }): JSX.Element {
+  const shots = editor.library.shots.value;
+  return (
+    <nav class="shots panel" aria-label="Shots">
+      <div class="panel-head">
+        <h2>Shots</h2>
+        <UploadButton editor={editor} />
+      </div>
+      {shots === null && <p class="muted pad">Listing the shots…</p>}
+      <ul class="shot-list">
+        {shots?.map((shot) => <ShotRow key={shot.id} editor={editor} shot={shot} />)}
+        {editor.library.uploads.value.map((upload) => (
+          <UploadRow key={upload.id} upload={upload} onDismiss={() => { editor.library.dismiss(upload.id); }} />
+        ))}
+      </ul>
+      <p class="drop-hint">Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.</p>
+    </nav>
+  );
+}
+
+export function UploadButton({ editor, label }: { editor: Editor; label?: string }): JSX.Element {
+  const input = useRef<HTMLInputElement>(null);
+  return (
+    <>
+      <button type="button" class={label ? "button primary" : "button icon-only"} aria-label="Add a shot" title="Add a shot" onClick={() => input.current?.click()}>
+        <Icon name="plus" />{label}
+      </button>
+      <input
+        ref={input} type="file" accept={ACCEPTED} multiple hidden aria-label="File of a shot"
+        onChange={(event) => {
+          const files = [...(event.currentTarget.files ?? [])];
+          event.currentTarget.value = ""; // so that the same file can be sent again
+          void editor.upload(files);
+        }}
+      />
+    </>
+  );
+}
+
+function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.Element {
+  const [asking, setAsking] = useState(false);
+  const session = editor.session.value;
+  const isOpen = session?.shot.id === shot.id;
+  const opening = editor.opening.value === shot.id;
+  return (
+    <li class={isOpen ? "shot open" : "shot"}>
+      <div class="shot-row">
+        <button type="button" class="shot-open" aria-current={isOpen ? "true" : undefined} onClick={() => void editor.open(shot.id)}>
+          <span class="name">{shot.name}</span>
+          <span class="muted">{opening ? "Opening…" : `${plural(shot.fileCount, "file")} · ${formatBytes(shot.sizeBytes)}`}</span>
+        </button>
+        <button type="button" class="button icon-only quiet" aria-label={`Remove ${shot.name}`} title="Remove this shot" onClick={() => { setAsking(!asking); }}>
+          <Icon name="trash" />
+        </button>
+      </div>
+      {asking && (
+        <div class="ask" role="group" aria-label={`Remove ${shot.name}?`}>
+          <span>Remove it and its edits?</span>
+          <button type="button" class="button" onClick={() => { setAsking(false); void editor.remove(shot.id); }}>Remove</button>
+          <button type="button" class="button" onClick={() => { setAsking(false); }}>Keep</button>
+        </div>
+      )}
+      {isOpen && session.notes.value.length > 0 && <Notes notes={session.notes.value} />}
+    </li>
+  );
+}
+
+function Notes({ notes }: { notes: readonly Note[] }): JSX.Element {
+  return (
+    <details class="notes">
+      <summary>{plural(notes.length, "note")} on what is shown</summary>
+      <ul>
+        {notes.map((note) => (
+          <li key={`${note.code} ${note.path}`}>
+            {note.message} <span class="muted">{note.path}</span>
+          </li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
+function UploadRow({ upload, onDismiss }: { upload: Upload; onDismiss: () => void }): JSX.Element {
+  const { name, progress, complaint } = upload;
+  return (
+    <li class={complaint ? "shot upload refused" : "shot upload"}>
+      <div class="shot-row">
+        <div class="shot-open">
+          <span class="name">{name}</span>
+          {complaint ? (
+            <span role="alert">{complaint.message}</span>
+          ) : (
+            <>
+              <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />
+              <span class="muted">{progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}</span>
+            </>
+          )}
+        </div>
+        <button type="button" class="button icon-only quiet" aria-label={complaint ? `Dismiss ${name}` : `Stop sending ${name}`} onClick={onDismiss}>
+          <Icon name="close" />
+        </button>
+      </div>
+    </li>
+  );
+}
+
+function plural(count: number, noun: string): string {
+  return `${count} ${noun}${count === 1 ? "" : "s"}`;
+}
+
+function formatBytes(bytes: number): string {
+  const power = Math.min(Math.floor(Math.log10(Math.max(bytes, 1)) / 3), 3);
+  const value = bytes / 1000 ** power;
+  return `${value.toFixed(value < 10 && power > 0 ? 1 : 0)} ${["B", "kB", "MB", "GB"][power] ?? "B"}`;
+}

@@ -1,0 +1,78 @@
+/** Time at the foot of the page: transport, scrubber, the focus curve under it, and the points' keys under that. */
+
+import type { JSX } from "preact";
+import { useMemo, useRef } from "preact/hooks";
+import type { Editor } from "../editor/editor";
+import type { Session } from "../editor/session";
+import type { LengthUnit } from "../model/distance";
+import { fractionOf, frameAtFraction, type FrameRange } from "../model/time";
+import { CurveChart } from "./CurveChart";
+import { followPointer, useSize } from "./hooks";
+import { KeyLanes } from "./KeyLanes";
+import { Scrubber } from "./Scrubber";
+import { Transport } from "./Transport";
+
+/** The horizontal axis that scrubber, curve and keys share, in CSS px from the left of their box. */
+export interface TimeAxis {
+  readonly range: FrameRange;
+  readonly left: number;
+  readonly right: number;
+  readonly width: number;
+  readonly x: (time: number) => number;
+  readonly time: (x: number) => number;
+}
+
+const GUTTER_PX = 92;
+const MARGIN_PX = 24;
+
+function timeAxis(range: FrameRange, width: number): TimeAxis {
+  const [left, right] = [GUTTER_PX, Math.max(GUTTER_PX + 1, width - MARGIN_PX)];
+  return {
+    range, left, right, width,
+    x: (time) => left + fractionOf(range, time) * (right - left),
+    time: (x) => frameAtFraction(range, Math.min(Math.max((x - left) / (right - left), 0), 1)),
+  };
+}
+
+export function Timeline({ editor }: { editor: Editor }): JSX.Element {
+  const session = editor.session.value;
+  return (
+    <section class="timeline" aria-label="Timeline">
+      {session ? <Tracks session={session} unit={editor.remembered.unit.value} /> : <p class="muted pad-all">The focus curve of a shot shows here.</p>}
+    </section>
+  );
+}
+
+function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+  const box = useRef<HTMLDivElement>(null);
+  const { width } = useSize(box);
+  const axis = useMemo(() => timeAxis(session.shot.range, width), [session, width]);
+  const scrub = (down: PointerEvent): void => {
+    if (down.button !== 0) return;
+    const left = box.current?.getBoundingClientRect().left ?? 0;
+    const goTo = (event: PointerEvent): void => { session.playhead.goTo(axis.time(event.clientX - left)); };
+    session.playhead.scrubbing.value = true;
+    goTo(down);
+    followPointer(down, goTo, () => { session.playhead.scrubbing.value = false; });
+  };
+  return (
+    <>
+      <Transport session={session} unit={unit} />
+      <div class="tracks" ref={box}>
+        {width > 0 && (
+          <>
+            <Scrubber session={session} axis={axis} onScrub={scrub} />
+            <CurveChart session={session} axis={axis} unit={unit} onScrub={scrub} />
+            <KeyLanes session={session} axis={axis} />
+            <Playhead session={session} axis={axis} />
+          </>
+        )}
+      </div>
+    </>
+  );
+}
+
+function Playhead({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
+  const x = axis.x(session.playhead.time.value);
+  return <div class="playhead" style={{ transform: `translateX(${x}px)` }} aria-hidden="true" />;
+}

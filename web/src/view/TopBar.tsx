@@ -1,0 +1,159 @@
+/** The bar on top: what is open, what can be undone, how it is shown, and what can be taken away. */
+
+import type { JSX } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Editor } from "../editor/editor";
+import { SURROUNDS, type Surround } from "../editor/remembered";
+import type { Session } from "../editor/session";
+import { redoable, undoable } from "../model/history";
+import { primName } from "../model/shot";
+import { save } from "./hooks";
+import { Icon } from "./icons";
+
+export function TopBar({ editor }: { editor: Editor }): JSX.Element {
+  const session = editor.session.value;
+  return (
+    <header class="topbar">
+      <h1 class="wordmark"><Icon name="mark" />Pullfocus</h1>
+      {session && <CameraChoice editor={editor} session={session} />}
+      <div class="spacer" />
+      {session && <UndoButtons session={session} />}
+      <Appearance editor={editor} />
+      {session && <Downloads editor={editor} session={session} />}
+      <button type="button" class="button icon-only" aria-label="Keys and clicks" title="Keys and clicks (?)" onClick={() => (editor.helpOpen.value = true)}>?</button>
+    </header>
+  );
+}
+
+function CameraChoice({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
+  const { cameras } = session.shot;
+  return (
+    <div class="crumbs">
+      <span class="shot-name">{session.shot.name}</span>
+      <span class="slash" aria-hidden="true">/</span>
+      {cameras.length === 0 ? (
+        <span class="muted">framing camera: the shot has none</span>
+      ) : (
+        <select
+          aria-label="Camera"
+          title={session.camera ?? ""}
+          value={session.camera ?? ""}
+          onChange={(event) => void editor.lookThrough(event.currentTarget.value)}
+        >
+          {cameras.map(({ path }) => <option key={path} value={path} title={path}>{primName(path)}</option>)}
+        </select>
+      )}
+    </div>
+  );
+}
+
+function UndoButtons({ session }: { session: Session }): JSX.Element {
+  const history = session.document.history.value;
+  const [undo, redo] = [undoable(history), redoable(history)];
+  const undoLabel = undo ? `Undo: ${undo.label}` : "Nothing to undo";
+  const redoLabel = redo ? `Redo: ${redo.label}` : "Nothing to redo";
+  return (
+    <div class="group">
+      <button type="button" class="button icon-only" disabled={!undo} aria-label={undoLabel} title={`${undoLabel} (Ctrl Z)`} onClick={() => void session.document.undo()}>
+        <Icon name="undo" />
+      </button>
+      <button type="button" class="button icon-only" disabled={!redo} aria-label={redoLabel} title={`${redoLabel} (Ctrl Shift Z)`} onClick={() => void session.document.redo()}>
+        <Icon name="redo" />
+      </button>
+    </div>
+  );
+}
+
+const SURROUND_NAMES: Readonly<Record<Surround, string>> = { grey: "18 % grey", dark: "Dark grey", black: "Black" };
+
+function Appearance({ editor }: { editor: Editor }): JSX.Element {
+  const { unit, surround, markers } = editor.remembered;
+  const shown = markers.value === "on";
+  return (
+    <>
+      <button type="button" class="button icon-only" aria-pressed={shown} aria-label="Show focus points on the picture" title="Show focus points (M)" onClick={() => (markers.value = shown ? "off" : "on")}>
+        <Icon name="points" />
+      </button>
+      <div class="group" role="radiogroup" aria-label="Surround of the picture">
+        {SURROUNDS.map((name) => (
+          <button
+            key={name} type="button" class={`button icon-only swatch ${name}`} role="radio"
+            aria-checked={surround.value === name} aria-label={SURROUND_NAMES[name]} title={`Surround: ${SURROUND_NAMES[name]}`}
+            onClick={() => (surround.value = name)}
+          />
+        ))}
+      </div>
+      <div class="group" role="radiogroup" aria-label="Unit of distances">
+        {(["m", "ft"] as const).map((name) => (
+          <button
+            key={name} type="button" class="button" role="radio" aria-checked={unit.value === name}
+            title={name === "m" ? "Metres" : "Feet and inches"} onClick={() => (unit.value = name)}
+          >
+            {name}
+          </button>
+        ))}
+      </div>
+    </>
+  );
+}
+
+function Downloads({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
+  const [open, setOpen] = useState(false);
+  const ref = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!open) return;
+    const outside = (event: Event): void => {
+      if (event instanceof KeyboardEvent ? event.key === "Escape" : !ref.current?.contains(event.target as Node)) setOpen(false);
+    };
+    document.addEventListener("pointerdown", outside);
+    document.addEventListener("keydown", outside);
+    return () => {
+      document.removeEventListener("pointerdown", outside);
+      document.removeEventListener("keydown", outside);
+    };
+  }, [open]);
+  const making = editor.exporting.value;
+  return (
+    <div class="menu" ref={ref}>
+      <button type="button" class="button primary" aria-expanded={open} aria-controls="downloads" disabled={making !== null} onClick={() => { setOpen(!open); }}>
+        <Icon name="download" />
+        {making === null ? "Download" : `Making ${making}…`}
+      </button>
+      {open && (
+        <div id="downloads" class="menu-list" aria-label="Download">
+          {items(session).map(({ group, what, make }, at, all) => (
+            <>
+              {group !== all[at - 1]?.group && <h3 key={group}>{group}</h3>}
+              <button
+                key={what} type="button"
+                onClick={() => {
+                  setOpen(false);
+                  void editor.export(what, make, save);
+                }}
+              >
+                {what}
+              </button>
+            </>
+          ))}
+        </div>
+      )}
+    </div>
+  );
+}
+
+interface Item {
+  readonly group: string;
+  readonly what: string;
+  readonly make: () => ReturnType<Session["downloadEdits"]>;
+}
+
+function items(session: Session): Item[] {
+  return [
+    { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => session.downloadCurve("usda") },
+    { group: "Focus curve", what: "JSON", make: () => session.downloadCurve("json") },
+    { group: "Focus curve", what: "Spreadsheet (.csv)", make: () => session.downloadCurve("csv") },
+    { group: "Edits", what: "Edit layer (.usda)", make: () => session.downloadEdits() },
+    { group: "This frame", what: "Graded (.png)", make: () => session.downloadFrame("png") },
+    { group: "This frame", what: "Scene-linear (.exr)", make: () => session.downloadFrame("exr") },
+  ];
+}

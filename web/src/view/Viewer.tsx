@@ -1,0 +1,131 @@
+/** The picture in its surround: letterboxed, sharp to the device pixel, with the focus points on it. */
+
+import { useSignalEffect } from "@preact/signals";
+import type { JSX } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
+import type { Editor } from "../editor/editor";
+import type { ClickIntent, Session } from "../editor/session";
+import { letterbox } from "../model/quality";
+import { formatFrame } from "../model/time";
+import { usePixelRatio, useSize } from "./hooks";
+import { Icon } from "./icons";
+import { Markers } from "./Markers";
+import { UploadButton } from "./Shots";
+
+export function Viewer({ editor }: { editor: Editor }): JSX.Element {
+  const session = editor.session.value;
+  return (
+    <main class={`viewer surround-${editor.remembered.surround.value}`} aria-label="Picture">
+      {session ? <Picture editor={editor} session={session} /> : <Empty editor={editor} />}
+      <Complaint editor={editor} />
+      {session && <PictureFoot session={session} />}
+    </main>
+  );
+}
+
+function Empty({ editor }: { editor: Editor }): JSX.Element {
+  const waiting = editor.opening.value !== null || (editor.library.shots.value === null && !editor.complaint.value);
+  if (waiting) return <div class="empty"><p>Opening the shot…</p></div>;
+  return (
+    <div class="empty">
+      <h2>No shot is open</h2>
+      <p>Drop a USD file here, or choose one. A .zip may hold a shot with all that it references.</p>
+      <UploadButton editor={editor} label="Add a shot" />
+    </div>
+  );
+}
+
+function Picture({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
+  const surround = useRef<HTMLDivElement>(null);
+  const size = useSize(surround);
+  const ratio = usePixelRatio();
+  const box = snapToPixels(letterbox(size.width, size.height, session.aspect), ratio);
+  const { width, height } = box;
+  useLayoutEffect(() => {
+    if (width > 0 && height > 0) session.box.value = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+  }, [session, width, height, ratio]);
+  const style = { left: `${box.left}px`, top: `${box.top}px`, width: `${width}px`, height: `${height}px` };
+  return (
+    <div class="surround" ref={surround}>
+      <div class="picture" style={style}>
+        <Canvas session={session} />
+        {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
+      </div>
+      <Busy editor={editor} session={session} />
+    </div>
+  );
+}
+
+function Canvas({ session }: { session: Session }): JSX.Element {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useSignalEffect(() => {
+    const shown = session.pictures.displayed.value;
+    const context = canvas.current?.getContext("2d", { alpha: false });
+    if (!shown || !canvas.current || !context) return;
+    canvas.current.width = shown.bitmap.width;
+    canvas.current.height = shown.bitmap.height;
+    context.drawImage(shown.bitmap, 0, 0);
+  });
+  const shown = session.pictures.displayed.value;
+  return (
+    <canvas
+      ref={canvas}
+      role="img"
+      aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
+      data-settled={session.settled.value}
+      data-time={shown?.time}
+      onClick={(event) => void session.click(placeOf(event), intentOf(event))}
+    />
+  );
+}
+
+/** Where in the picture a pointer is: 0 to 1 from its top left corner. */
+function placeOf(event: MouseEvent): [number, number] {
+  const frame = (event.currentTarget as Element).getBoundingClientRect();
+  return [(event.clientX - frame.left) / frame.width, (event.clientY - frame.top) / frame.height];
+}
+
+function intentOf(event: MouseEvent): ClickIntent {
+  return event.altKey ? "move" : event.shiftKey ? "add" : "pull";
+}
+
+/** Edges on device pixels, so that a picture of that many pixels is shown one to one. */
+function snapToPixels<Box extends Record<"left" | "top" | "width" | "height", number>>(box: Box, ratio: number): Box {
+  const snap = (value: number): number => Math.round(value * ratio) / ratio;
+  const even = (value: number): number => (Math.floor((value * ratio) / 2) * 2) / ratio;
+  return { ...box, left: snap(box.left), top: snap(box.top), width: even(box.width), height: even(box.height) };
+}
+
+function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
+  const busy = session.pictures.busy.value || session.document.pending.value > 0 || editor.opening.value !== null;
+  return busy && !session.playhead.playing.value ? <div class="busy" role="progressbar" aria-label="Rendering" /> : null;
+}
+
+/** What went wrong, in one line, with what to do. */
+function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
+  const complaint = editor.complaint.value;
+  if (!complaint) return null;
+  return (
+    <div class="complaint" role="alert">
+      <p><strong>{complaint.message}</strong> {complaint.advice}</p>
+      <button type="button" class="button icon-only quiet" aria-label="Dismiss" onClick={() => (editor.complaint.value = null)}>
+        <Icon name="close" />
+      </button>
+    </div>
+  );
+}
+
+function PictureFoot({ session }: { session: Session }): JSX.Element {
+  const shown = session.pictures.displayed.value;
+  const selected = session.selected.value;
+  return (
+    <footer class="picture-foot">
+      <span>
+        <b>Click</b> pulls focus there · <b>Shift</b> adds a point{selected !== null && <> · <b>Alt</b> moves {selected}</>}
+      </span>
+      <span class="numbers" aria-live="off">
+        {shown && `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.best ? "" : " · draft"}`}
+      </span>
+    </footer>
+  );
+}

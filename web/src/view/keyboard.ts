@@ -1,0 +1,93 @@
+/** Keys that work anywhere on the page, except where the focused control has a use of its own for them. */
+
+import type { Editor } from "../editor/editor";
+import type { Session } from "../editor/session";
+
+export interface Shortcut {
+  readonly keys: string;
+  readonly does: string;
+}
+
+/** For the help; in the order of the handlers below. */
+export const SHORTCUTS: readonly Shortcut[] = [
+  { keys: "Space", does: "Play or pause" },
+  { keys: "← →", does: "One frame back or on" },
+  { keys: "Shift ← →", does: "Ten frames back or on" },
+  { keys: "Home End", does: "First or last frame" },
+  { keys: "Click", does: "Pull focus to what is there, now" },
+  { keys: "Shift click", does: "Add a focus point, the others keep their say" },
+  { keys: "Alt click", does: "Move the selected point there" },
+  { keys: "[ ]", does: "Select the previous or next point" },
+  { keys: "F", does: "Pull focus to the selected point, now" },
+  { keys: "K", does: "Set or remove its weight key, now" },
+  { keys: "Delete", does: "Remove the selected point" },
+  { keys: "Esc", does: "Select nothing" },
+  { keys: "Ctrl Z", does: "Undo" },
+  { keys: "Ctrl Shift Z", does: "Redo" },
+  { keys: "M", does: "Show or hide the points" },
+  { keys: "?", does: "This help" },
+];
+
+export function listenToKeys(target: Window, editor: Editor): void {
+  target.addEventListener("keydown", (event) => {
+    if (event.defaultPrevented || isTyping(event) || document.querySelector("dialog[open]")) return;
+    const session = editor.session.value;
+    const handled = event.ctrlKey || event.metaKey ? undoKeys(event, session) : plainKeys(event, editor, session);
+    if (handled) event.preventDefault();
+  });
+}
+
+function undoKeys(event: KeyboardEvent, session: Session | null): boolean {
+  if (!session) return false;
+  const key = event.key.toLowerCase();
+  if (key === "z" && !event.shiftKey) void session.document.undo();
+  else if (key === "y" || key === "z") void session.document.redo();
+  else return false;
+  return true;
+}
+
+function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null): boolean {
+  if (event.altKey) return false;
+  if (event.key === "?") {
+    editor.helpOpen.value = true;
+    return true;
+  }
+  if (event.key.toLowerCase() === "m") {
+    editor.remembered.markers.value = editor.remembered.markers.value === "on" ? "off" : "on";
+    return true;
+  }
+  return session !== null && (timeKeys(event, session) || pointKeys(event, session));
+}
+
+function timeKeys(event: KeyboardEvent, session: Session): boolean {
+  const { playhead } = session;
+  const step = event.shiftKey ? 10 : 1;
+  if (event.key === " " && !isOn(event, "button, summary, a, [role=button]")) playhead.toggle();
+  else if (isOn(event, "input, select, [role=slider]")) return false;
+  else if (event.key === "ArrowLeft") playhead.step(-step);
+  else if (event.key === "ArrowRight") playhead.step(step);
+  else if (event.key === "Home") playhead.goTo(playhead.range.start);
+  else if (event.key === "End") playhead.goTo(playhead.range.end);
+  else return false;
+  return true;
+}
+
+function pointKeys(event: KeyboardEvent, session: Session): boolean {
+  const point = session.selectedPoint.value;
+  if (event.key === "[" || event.key === "]") session.selectNext(event.key === "]" ? 1 : -1);
+  else if (event.key === "Escape" && session.selected.value !== null) session.selected.value = null;
+  else if (!point) return false;
+  else if (event.key.toLowerCase() === "f") session.pullTo(point);
+  else if (event.key.toLowerCase() === "k") session.toggleKey(point, "weight");
+  else if (event.key === "Delete" || event.key === "Backspace") session.remove(point);
+  else return false;
+  return true;
+}
+
+function isTyping(event: KeyboardEvent): boolean {
+  return isOn(event, "input:not([type=range]):not([type=checkbox]), textarea, [contenteditable=true]");
+}
+
+function isOn(event: KeyboardEvent, selector: string): boolean {
+  return event.target instanceof Element && event.target.matches(selector);
+}

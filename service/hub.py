@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 from collections.abc import Hashable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, TypeVar
 
 from fastapi import Depends, Request
@@ -36,6 +37,7 @@ class Hub:
         pictures: the lane to the process that owns GL.
         frames: encoded pictures, by their entity tag.
         metrics: counters.
+        run_id: another one each time a service starts: the same inputs may give other pixels after an update.
     """
 
     settings: Settings
@@ -44,6 +46,7 @@ class Hub:
     pictures: Lane[Darkroom]
     frames: FrameCache
     metrics: Metrics
+    run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
     @classmethod
     def start(cls, settings: Settings) -> Hub:

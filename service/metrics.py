@@ -14,6 +14,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.lane import Lane
 
 BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)
+METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 LABELS = ("method", "route", "status")
 
 
@@ -86,4 +87,5 @@ class MetricsMiddleware:
         finally:
             route = getattr(scope.get("route"), "path", "none")
             histogram = scope["app"].state.hub.metrics.requests
-            histogram.labels(scope["method"], route, str(status)).observe(time.perf_counter() - began_s)
+            method = scope["method"] if scope["method"] in METHODS else "other"
+            histogram.labels(method, route, str(status)).observe(time.perf_counter() - began_s)

@@ -43,7 +43,7 @@ class OpenedShots:
                 shot.replace_edits(edit_text)
             yield shot
         except PullfocusError as error:
-            raise _as_sent(error, record) from error
+            raise _error_as_sent(error, record) from error
 
     @contextmanager
     def edit(self, record: ShotRecord) -> Iterator[Shot]:
@@ -76,13 +76,13 @@ class OpenedShots:
         return self._shots[record.id]
 
 
-def _as_sent(error: PullfocusError, record: ShotRecord) -> PullfocusError:
-    """The same error, with paths relative to what was sent: where this machine keeps it is nobody's business."""
-    places = {str(folder) for folder in (record.files, record.files.resolve())}
+def as_sent(text: str, record: ShotRecord) -> str:
+    """A text with paths relative to what was sent: where this machine keeps it is nobody's business."""
+    for folder in (record.files, record.files.resolve()):
+        text = text.replace(f"{folder}/", "").replace(str(folder), "the shot's folder")
+    return text
 
-    def cut(text: str) -> str:
-        for place in places:
-            text = text.replace(f"{place}/", "").replace(place, "the shot's folder")
-        return text
 
-    return type(error)(cut(error.detail), code=error.code, path=cut(error.path) if error.path else None)
+def _error_as_sent(error: PullfocusError, record: ShotRecord) -> PullfocusError:
+    path = as_sent(error.path, record) if error.path else None
+    return type(error)(as_sent(error.detail, record), code=error.code, path=path)

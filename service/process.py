@@ -13,12 +13,14 @@ import pickle
 import signal
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from render.errors import PullfocusError
+from render.errors import InputError, PullfocusError, SettingsError
 
 log = logging.getLogger("pullfocus.service")
 
@@ -55,6 +57,11 @@ class _Answer:
     error: PullfocusError | None = None
     fault: str = ""
 
+    @property
+    def is_value(self) -> bool:
+        """Whether the request did what it was to do."""
+        return self.error is None and not self.fault
+
 
 class WorkerProcess(Generic[State]):
     """The parent's side. Not thread-safe: one thread calls it (see ``service.lane``).
@@ -62,11 +69,16 @@ class WorkerProcess(Generic[State]):
     Args:
         name: of the process, for logs.
         make_state: called once in the worker; a function of a module, since it is sent by name.
+
+    Attributes:
+        starts: how many workers there have been.
+        proven: whether the present one has done work, and not failed since.
     """
 
     def __init__(self, name: str, make_state: Callable[[], State]) -> None:
         self.name = name
         self.starts = 0
+        self.proven = False
         self._make_state = make_state
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
@@ -101,6 +113,7 @@ class WorkerProcess(Generic[State]):
         return value
 
     def _unpack(self, answer: _Answer) -> Any:
+        self.proven = self.proven if isinstance(answer.error, InputError | SettingsError) else answer.is_value
         if answer.error is not None:
             raise answer.error
         if answer.fault:
@@ -136,11 +149,14 @@ class WorkerProcess(Generic[State]):
             self._process.join()
             self._process.close()
         self._process = self._pipe = None
+        self.proven = False
 
 
 def _serve(pipe: Connection, make_state: Callable[[], State]) -> None:
     """The worker's side: answer requests until the parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the pipe
+    with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
+        Path("/proc/self/oom_score_adj").write_text("500")
     state = make_state()
     while True:
         try:

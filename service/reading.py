@@ -20,6 +20,7 @@ from service.models.cameras import CameraList, CameraState, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
+from service.opened import as_sent
 from service.store import ShotRecord, revision_of
 from usd_schemas import FocusPoint as AuthoredPoint
 
@@ -40,7 +41,7 @@ def describe(record: ShotRecord, shot: OpenShot) -> Shot:
     )
 
 
-def inspect(shot: OpenShot) -> Inspection:
+def inspect(record: ShotRecord, shot: OpenShot) -> Inspection:
     """What a shot holds at its first frame, what of it is not honoured, and what is wrong with its cameras."""
     frame_range = _frame_range(shot)
     found = inspect_shot(shot)
@@ -54,7 +55,10 @@ def inspect(shot: OpenShot) -> Inspection:
         prim_count=found.prim_count,
         triangle_count=found.triangle_count,
         light_count=found.light_count,
-        notes=[Note.model_validate(note) for note in found.notes],
+        notes=[
+            Note(code=note.code, path=as_sent(note.path, record), message=as_sent(note.message, record))
+            for note in found.notes
+        ],
         validation=[ValidationFinding.model_validate(problem) for problem in found.validation],
     )
 

@@ -48,6 +48,6 @@ class Settings:
     max_picture_px: int = 4096 * 2304
     max_curve_frames: int = 20_000
     max_waiting: int = 32
-    frame_timeout_s: float = 120.0
+    frame_timeout_s: float = 300.0
     stage_timeout_s: float = 120.0
     frame_cache_mb: int = 256

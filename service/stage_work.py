@@ -45,7 +45,7 @@ class InspectShot:
         from service.reading import inspect
 
         with opened.use(self.record) as shot:
-            return inspect(shot)
+            return inspect(self.record, shot)
 
 
 @dataclass(frozen=True)

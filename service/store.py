@@ -13,6 +13,7 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import json
+import logging
 import os
 import re
 import secrets
@@ -22,6 +23,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from render.errors import NotFoundError, OutputError
+
+log = logging.getLogger("pullfocus.service")
 
 ID_PATTERN = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 
@@ -168,14 +171,17 @@ class ShotStore:
     def _read(self, folder: Path) -> ShotRecord | None:
         try:
             fields = json.loads((folder / "shot.json").read_text(encoding="utf-8"))
+            return ShotRecord(
+                id=folder.name,
+                name=fields["name"],
+                folder=folder,
+                root=fields["root"],
+                created_at=datetime.fromisoformat(fields["createdAt"]),
+                size_bytes=fields["sizeBytes"],
+                file_count=fields["fileCount"],
+            )
         except (FileNotFoundError, NotADirectoryError):
             return None
-        return ShotRecord(
-            id=folder.name,
-            name=fields["name"],
-            folder=folder,
-            root=fields["root"],
-            created_at=datetime.fromisoformat(fields["createdAt"]),
-            size_bytes=fields["sizeBytes"],
-            file_count=fields["fileCount"],
-        )
+        except (ValueError, KeyError, TypeError) as error:  # somebody's hand was in it: the others must not suffer
+            log.error("the record of shot %s cannot be read and is left out: %r", folder.name, error)
+            return None

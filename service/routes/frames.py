@@ -78,7 +78,7 @@ async def get_frame(
     _check_size(query, hub.settings.max_picture_px)
     record = hub.store.get(shot)
     edits = record.edit_text()
-    tag = frame_tag(_inputs(record, edits, query))
+    tag = frame_tag(_inputs(record, edits, query) | {"run": hub.run_id})
     headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
     if matches(if_none_match, tag):
         hub.metrics.frames.labels("not_modified").inc()

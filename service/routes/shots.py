@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Response, UploadFile
 from starlette.concurrency import run_in_threadpool
 
+from service.errors import ServiceError
 from service.hub import HubDep
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
@@ -44,9 +45,12 @@ async def create_shot(
         placed = await run_in_threadpool(place, file.file, name, root, begun.files, hub.settings)
         described = await hub.ask_stage(DescribeShot(begun.with_root(placed)))
         record = await run_in_threadpool(hub.store.accept, begun, placed)
-    except BaseException:
+    except BaseException as error:
         hub.store.discard(begun)
         hub.forget(begun.id)
+        if isinstance(error, ServiceError) and error.code == "worker_died":
+            detail = f"{name} is damaged in a way that ended the process which tried to read it."
+            raise ServiceError(422, "stage_unreadable", detail, path=name) from error
         raise
     response.headers["Location"] = f"/v1/shots/{record.id}"
     return described.model_copy(update=ShotSummary.model_validate(record).model_dump())

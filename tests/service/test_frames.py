@@ -100,7 +100,7 @@ def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, k
 
 def test_the_newest_frame_of_a_viewer_wins(service, client, room):
     with ThreadPoolExecutor(8) as pool:
-        running = pool.submit(frame, client, room, seed=100, rays=1000, width=640, height=360)
+        running = pool.submit(frame, client, room, seed=100, rays=400, width=480, height=270)
         until(lambda: service.hub.pictures.busy)
         answers = []
         for seed in range(101, 105):

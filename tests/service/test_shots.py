@@ -77,6 +77,29 @@ def test_inspect_says_what_is_there_and_what_is_not_honoured(client, room_file):
     client.delete(f"/v1/shots/{shot}")
 
 
+def test_a_file_that_crashes_the_reader_is_refused_and_the_service_lives(service, client, room):
+    """USD's text parser recurses without a limit, so deep nesting ends the process that parses (usd-core 26.11)."""
+    depth = 60_000
+    text = "#usda 1.0\n" + 'def "a" {\n' * depth + "}\n" * depth
+    refused = send(client, "deep.usda", text.encode())
+    assert (refused.status_code, refused.json()["code"]) == (422, "stage_unreadable")
+    assert "deep.usda" in refused.json()["detail"]
+    assert len(list((service.settings.data / "shots").iterdir())) == len(client.get("/v1/shots").json()["shots"])
+    assert client.get(f"/v1/shots/{room}/readout", params={"time": 1}).status_code == 200
+
+
+def test_nothing_says_where_this_machine_keeps_a_shot(service, client):
+    sky = 'def DomeLight "sky"\n{\n    asset inputs:texture:file = @./gone.hdr@\n}\n'
+    sent = send(client, "room.usda", ROOM.replace("def DistantLight", sky + "def DistantLight").encode())
+    answers = [sent.text]
+    if sent.status_code == 201:
+        at = sent.headers["location"]
+        answers += [client.get(f"{at}/{path}").text for path in ("inspect", "edits", "frame?time=1&width=8")]
+        client.delete(at)
+    assert "gone.hdr" in "".join(answers)
+    assert str(service.settings.data) not in "".join(answers)
+
+
 def test_edits_outlive_the_service(room_file, tmp_path):
     settings = Settings(data=tmp_path, demo=False)
     with running(settings) as first:

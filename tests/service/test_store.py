@@ -66,6 +66,14 @@ def test_shots_outlive_the_service_and_half_of_one_does_not(tmp_path):
     again.close()
 
 
+def test_a_record_that_was_spoilt_spoils_no_other(store, caplog):
+    good, bad = accepted(store), accepted(store)
+    (bad.folder / "shot.json").write_text("{")
+    assert store.list() == [good]
+    assert bad.id in caplog.text
+    assert bad.root_path.is_file()
+
+
 def test_a_data_folder_takes_one_service(store, tmp_path):
     with pytest.raises(OutputError, match="another service"):
         ShotStore(tmp_path)

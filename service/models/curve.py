@@ -67,7 +67,7 @@ class CurveSample(Model):
 
 
 class FocusCurve(Model):
-    """The lens, frame by frame: what `render.focus.export` writes as JSON, and the command line too."""
+    """The lens, frame by frame; the command line writes the same."""
 
     model_config = shown_as(CURVE_EXAMPLE)
 

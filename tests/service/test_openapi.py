@@ -77,3 +77,9 @@ def test_the_document_is_the_same_every_time():
     printed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
     assert printed == openapi_text()
     assert json.loads(printed) == DOCUMENT
+
+
+def test_the_page_is_built_against_this_document():
+    """The page's TypeScript types come from this file; anew: python -m service.openapi > web/openapi.json."""
+    kept = Path(__file__).parents[2] / "web" / "openapi.json"
+    assert kept.read_text(encoding="utf-8") == openapi_text()

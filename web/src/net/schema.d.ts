@@ -53,7 +53,7 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description The process that owns GL has a context and answers.
+         * @description The process that owns GL has a context, and answers or is at work.
          */
         readonly get: operations["readyz"];
         readonly put?: never;
@@ -659,7 +659,43 @@ export interface components {
         };
         /**
          * FocusCurve
-         * @description The lens, frame by frame.
+         * @description The lens, frame by frame; the command line writes the same.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "format": "pullfocus.focusCurve",
+         *       "framesPerSecond": 24,
+         *       "samples": [
+         *         {
+         *           "cocLimitMm": 0.019,
+         *           "fStop": 2,
+         *           "farM": 3.58,
+         *           "focalLengthMm": 50,
+         *           "focusDistanceM": 3.42,
+         *           "frame": 24,
+         *           "hyperfocalM": 65.7,
+         *           "nearM": 3.28,
+         *           "points": [
+         *             {
+         *               "cocMm": 0,
+         *               "depthM": 3.42,
+         *               "name": "driver",
+         *               "share": 1,
+         *               "state": "used",
+         *               "weight": 1
+         *             }
+         *           ],
+         *           "reason": "focused by driver",
+         *           "seconds": 1,
+         *           "sharp": [
+         *             "driver"
+         *           ],
+         *           "source": "points",
+         *           "timeCode": 24
+         *         }
+         *       ],
+         *       "timeCodesPerSecond": 24,
+         *       "version": 1
+         *     }
          */
         readonly FocusCurve: {
             /** Camera */
@@ -1079,7 +1115,7 @@ export interface components {
         };
         /**
          * Inspection
-         * @description What a shot holds and what will not be honoured.
+         * @description A look into a shot at its first frame.
          * @example {
          *       "cameras": [
          *         "/World/Camera"
@@ -1098,23 +1134,54 @@ export interface components {
          *       "notes": [
          *         {
          *           "code": "subdivision",
-         *           "message": "loop subdivision is drawn as its cage",
+         *           "message": "the loop subdivision of /World/Statue is drawn as its cage",
          *           "path": "/World/Statue"
          *         }
          *       ],
          *       "primCount": 214,
+         *       "readouts": [
+         *         {
+         *           "camera": "/World/Camera",
+         *           "cocLimitMm": 0.019,
+         *           "fStop": 2,
+         *           "farM": 3.58,
+         *           "focalLengthMm": 50,
+         *           "focusDistanceM": 3.42,
+         *           "focusMode": "points",
+         *           "hyperfocalM": 65.7,
+         *           "nearM": 3.28,
+         *           "reason": "focused by driver",
+         *           "source": "points",
+         *           "time": 24
+         *         }
+         *       ],
          *       "triangleCount": 243118,
-         *       "upAxis": "Y"
+         *       "upAxis": "Y",
+         *       "validation": [
+         *         {
+         *           "fix": "",
+         *           "message": "focus point driver has no target",
+         *           "path": "/World/Camera",
+         *           "rule": "focusPointTarget",
+         *           "severity": "error"
+         *         }
+         *       ]
          *     }
          */
         readonly Inspection: {
-            /** Cameras */
+            /**
+             * Cameras
+             * @description Prim paths.
+             */
             readonly cameras: readonly string[];
             readonly defaultCamera: components["schemas"]["CameraChoice"];
             readonly frameRange: components["schemas"]["FrameRange"];
             /** Lightcount */
             readonly lightCount: number;
-            /** Metersperunit */
+            /**
+             * Metersperunit
+             * @description Length of a scene unit.
+             */
             readonly metersPerUnit: number;
             /**
              * Notes
@@ -1123,12 +1190,17 @@ export interface components {
             readonly notes: readonly components["schemas"]["Note"][];
             /**
              * Primcount
-             * @description Prims with geometry that are drawn at the first frame.
+             * @description Prims with geometry that are drawn.
              */
             readonly primCount: number;
             /**
+             * Readouts
+             * @description The lens of each camera whose numbers make a picture.
+             */
+            readonly readouts: readonly components["schemas"]["Readout"][];
+            /**
              * Trianglecount
-             * @description Drawn at the first frame, instances counted.
+             * @description Drawn, instances counted.
              */
             readonly triangleCount: number;
             /**
@@ -1136,6 +1208,11 @@ export interface components {
              * @enum {string}
              */
             readonly upAxis: "Y" | "Z";
+            /**
+             * Validation
+             * @description What the validators found.
+             */
+            readonly validation: readonly components["schemas"]["ValidationFinding"][];
         };
         /**
          * Key
@@ -1167,16 +1244,22 @@ export interface components {
         };
         /**
          * Note
-         * @description Something of the stage that is not honoured, and why.
+         * @description Something that the shot asks for and that is not honoured.
          */
         readonly Note: {
-            /** Code */
+            /**
+             * Code
+             * @description Short stable word for programs.
+             */
             readonly code: string;
-            /** Message */
+            /**
+             * Message
+             * @description One sentence.
+             */
             readonly message: string;
             /**
              * Path
-             * @description Prim path.
+             * @description Prim path or file.
              */
             readonly path: string;
         };
@@ -1493,6 +1576,37 @@ export interface components {
              * @description Of all files of the shot, unpacked.
              */
             readonly sizeBytes: number;
+        };
+        /**
+         * ValidationFinding
+         * @description Something that a validator of the camera schemas found.
+         */
+        readonly ValidationFinding: {
+            /**
+             * Fix
+             * @description What would put it right, empty where nothing safe would.
+             */
+            readonly fix: string;
+            /**
+             * Message
+             * @description One sentence.
+             */
+            readonly message: string;
+            /**
+             * Path
+             * @description The prim or property.
+             */
+            readonly path: string;
+            /**
+             * Rule
+             * @description Name of the rule.
+             */
+            readonly rule: string;
+            /**
+             * Severity
+             * @enum {string}
+             */
+            readonly severity: "error" | "warning";
         };
         /**
          * Version

@@ -158,12 +158,10 @@ def _serve(pipe: Connection, make_state: Callable[[], State]) -> None:
     with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
         Path("/proc/self/oom_score_adj").write_text("500")
     state = make_state()
-    while True:
-        try:
+    with suppress(EOFError, BrokenPipeError):  # the parent is gone
+        while True:
             request: Request[State, object] = pipe.recv()
-        except EOFError:
-            return
-        pipe.send_bytes(_answer(request, state))
+            pipe.send_bytes(_answer(request, state))
 
 
 def _answer(request: Request[State, object], state: State) -> bytes:

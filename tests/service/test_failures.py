@@ -1,0 +1,85 @@
+"""What is nobody's bad input: a full disk, a fault of the program, a machine without GL."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import time
+
+from conftest import ROOM, running, send, until
+
+from service.settings import Settings
+from service.store import ShotStore
+
+SHAPE = {"code", "detail", "path", "errors"}
+
+
+def test_a_full_disk_is_said_and_nothing_is_left(service, client, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    kept = list((service.settings.data / "shots").iterdir())
+    monkeypatch.setattr("service.routes.shots.place", full)
+    answer = send(client, "room.usda", ROOM.encode())
+    assert (answer.status_code, answer.json()["code"]) == (507, "disk_full")
+    assert set(answer.json()) == SHAPE
+    assert list((service.settings.data / "shots").iterdir()) == kept
+
+
+def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monkeypatch):
+    def faulty(_):
+        raise RuntimeError("the secret is 42")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ShotStore, "list", faulty)
+        answer = client.get("/v1/shots")
+    assert (answer.status_code, answer.json()["code"]) == (500, "internal")
+    assert set(answer.json()) == SHAPE
+    assert "42" not in answer.text
+    assert client.get("/v1/shots").status_code == 200
+
+
+def test_without_gl_all_but_pictures_works(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYOPENGL_PLATFORM", "egl")
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json")  # the loader finds no driver
+    with running(Settings(data=tmp_path, demo=False)) as service:
+        shot = send(service.client, "room.usda", ROOM.encode()).json()["id"]
+        for path in (f"/v1/shots/{shot}/frame?time=1&width=8", "/readyz"):
+            answer = service.client.get(path)
+            assert (answer.status_code, answer.json()["code"]) == (503, "graphics")
+        assert service.client.get(f"/v1/shots/{shot}/readout", params={"time": 1}).status_code == 200
+
+
+WITH_A_WORKER = """
+import sys, time
+sys.path.insert(0, sys.argv[1])
+from fake_work import ProcessId, Tally
+from service.process import WorkerProcess
+if __name__ == "__main__":
+    print(WorkerProcess("orphan", Tally).call(ProcessId(), 60), flush=True)
+    time.sleep(60)
+"""
+
+
+def test_a_worker_does_not_outlive_a_killed_service(tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(WITH_A_WORKER)
+    command = [sys.executable, str(script), os.path.dirname(__file__)]
+    environment = os.environ | {"PYTHONPATH": os.getcwd()}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as parent:
+        worker_id = int(parent.stdout.readline())
+        assert is_running(worker_id)
+        parent.kill()
+    until(lambda: not is_running(worker_id))
+
+
+def is_running(process_id: int) -> bool:
+    """Whether a process is there and no zombie."""
+    time.sleep(0.02)
+    try:
+        with open(f"/proc/{process_id}/stat") as stat:
+            return stat.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

@@ -1,7 +1,8 @@
 """What the stage process is asked for: everything about a shot that needs USD and no GL.
 
 It is the one place where shots are edited: requests run one after the other, and each edit is on disk before it is
-answered. Each request is a small value that is sent there, and its ``run`` answers with a model.
+answered. Each request is a small value that is sent there, and its ``run`` answers with a model. The process that speaks
+HTTP imports this module to make them, so what needs USD is imported where it runs.
 """
 
 from __future__ import annotations

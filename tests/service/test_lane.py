@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -127,3 +129,11 @@ def test_closing_answers_everyone_and_ends_the_worker():
         os.kill(worker_id, 0)
     with pytest.raises(ServiceError):
         lane.submit(Echo())
+
+
+def test_the_process_that_speaks_http_imports_neither_usd_nor_gl():
+    """A stranger's file, or a driver, can only take a process down that loads it."""
+    heavy = ["pxr", "OpenGL", "moderngl", "pyrender", "OpenImageIO", "PyOpenColorIO"]
+    code = f"import sys, service.app; print([name for name in {heavy} if name in sys.modules])"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed == "[]\n"

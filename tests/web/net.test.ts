@@ -32,7 +32,7 @@ describe("what the service says", () => {
   it("a refusal is its own sentence, and what to do", async () => {
     answering(422, { code: "bad_stage", detail: "night.usda is no USD stage", path: "night.usda", errors: [] });
     const error: unknown = await new HttpService("http://host").shots().catch((reason: unknown) => reason);
-    expect(complaintOf(error)).toEqual({ message: "Night.usda is no USD stage.", advice: "Nothing was changed." });
+    expect(complaintOf(error)).toEqual({ message: "night.usda is no USD stage.", advice: "Nothing was changed." });
   });
 
   it("an answer that is no JSON of ours is still an error with its status", () => {

@@ -216,7 +216,7 @@ function pullChange(name: string, time: number, points: readonly FocusPoint[]): 
       if (point) return setKey(point, "weight", key.value, key.time);
       const { time: at, value } = key;
       // The point is new: undone, it goes with all its keys.
-      return { redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "linear" } }], undo: [] };
+      return { redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }], undo: [] };
     }),
   );
 }

@@ -48,7 +48,7 @@ export type Change = Omit<ShotEdit, "label">;
 export function setKey(point: FocusPoint, attribute: KeyedAttribute, value: number, time: number): Change {
   const { name } = point;
   const before = keyAt(point, attribute, time);
-  const interpolation = before?.interpolation ?? (attribute === "enabled" ? "held" : "linear");
+  const interpolation = before?.interpolation ?? (attribute === "enabled" ? "held" : "auto");
   return {
     redo: [{ do: "setKey", name, attribute, key: { time, value, interpolation } }],
     undo: [before ? { do: "setKey", name, attribute, key: before } : { do: "removeKey", name, attribute, time }],

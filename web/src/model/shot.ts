@@ -59,6 +59,7 @@ export interface Readout extends LensSample {
   readonly focusMode: FocusMode;
 }
 
+/** `auto` eases in and out of its neighbours without overshooting them. */
 export type Interpolation = "held" | "linear" | "bezier" | "auto";
 
 export interface Key {

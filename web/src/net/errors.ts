@@ -76,9 +76,9 @@ function adviceFor(error: ServiceError): string {
   }
 }
 
-/** With a capital at its head and a full stop at its end. */
+/** With a capital at its head, unless that is a name, and a full stop at its end. */
 function sentence(text: string): string {
   const trimmed = text.trim();
-  const headed = trimmed.charAt(0).toUpperCase() + trimmed.slice(1);
+  const headed = /^[a-z]+(\s|$)/.test(trimmed) ? trimmed.charAt(0).toUpperCase() + trimmed.slice(1) : trimmed;
   return /[.!?]$/.test(headed) ? headed : `${headed}.`;
 }

@@ -1243,6 +1243,34 @@ export interface components {
             readonly value: number;
         };
         /**
+         * KeyEdit
+         * @description A key to set.
+         * @example {
+         *       "interpolation": "linear",
+         *       "time": 24,
+         *       "value": 1
+         *     }
+         */
+        readonly KeyEdit: {
+            /**
+             * Interpolation
+             * @description From this key to the next; `enabled` holds, whatever this says.
+             * @default linear
+             * @enum {string}
+             */
+            readonly interpolation?: "held" | "linear" | "bezier" | "auto";
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+            /**
+             * Value
+             * @description For `enabled`: 0 or 1. For `blur`: mm.
+             */
+            readonly value: number;
+        };
+        /**
          * Note
          * @description Something that the shot asks for and that is not honoured.
          */
@@ -2490,7 +2518,7 @@ export interface operations {
         };
         readonly requestBody: {
             readonly content: {
-                readonly "application/json": components["schemas"]["Key"];
+                readonly "application/json": components["schemas"]["KeyEdit"];
             };
         };
         readonly responses: {

@@ -92,23 +92,35 @@ function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.El
     () =>
       pointNames(curve).map((name) => ({
         name,
-        depths: curve.map((sample): [number, number | null] => [sample.time, sample.points.find((p) => p.name === name)?.depthM ?? null]),
+        depths: curve.map((sample): Track[number] => [sample.time, sample.points.find((p) => p.name === name)?.depthM ?? null]),
       })),
     [curve],
   );
+  const labels = labelPlaces(tracks, plot, selected);
   return (
     <>
-      {tracks.map(({ name, depths }) => {
-        const last = depths.at(-1)?.[1] ?? null;
-        return (
-          <g key={name} class={name === selected ? "track selected" : "track"}>
-            <path d={polyline(depths, plot)} />
-            {last !== null && last > 0 && <text x={right - 6} y={plot.y(last) - 5} text-anchor="end">{name}</text>}
-          </g>
-        );
-      })}
+      {tracks.map(({ name, depths }) => (
+        <g key={name} class={name === selected ? "track selected" : "track"}>
+          <path d={polyline(depths, plot)} />
+          {labels.has(name) && <text x={right - 6} y={labels.get(name)} text-anchor="end">{name}</text>}
+        </g>
+      ))}
     </>
   );
+}
+
+type Track = readonly [time: number, depthM: number | null][];
+
+/** Where the names of the tracks stand at their ends; the selected first, and none that would cover another. */
+function labelPlaces(tracks: readonly { name: string; depths: Track }[], plot: Plot, selected: string | null): Map<string, number> {
+  const places = new Map<string, number>();
+  const first = tracks.toSorted((a, b) => Number(b.name === selected) - Number(a.name === selected));
+  for (const { name, depths } of first) {
+    const end = depths.at(-1)?.[1] ?? 0;
+    const y = plot.y(end) - 5;
+    if (end > 0 && [...places.values()].every((other) => Math.abs(other - y) > 11)) places.set(name, Math.max(y, 10));
+  }
+  return places;
 }
 
 /** A line through what exists, broken where it does not. */

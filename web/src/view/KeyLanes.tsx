@@ -6,11 +6,11 @@ import { keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../model
 import { formatFrame, sameTime } from "../model/time";
 import type { TimeAxis } from "./Timeline";
 
-export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element | null {
+export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
   const points = session.document.points.value.filter((point) => keysOfPage(point).length > 0);
-  if (points.length === 0) return null;
   return (
     <div class="lanes" role="group" aria-label="Keys of the focus points">
+      {points.length === 0 && <p class="lane-hint muted" style={{ left: `${axis.left}px` }}>The focus points’ keys show here.</p>}
       {points.map((point) => <Lane key={point.name} session={session} axis={axis} point={point} />)}
     </div>
   );

@@ -74,6 +74,7 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
       data-settled={session.settled.value}
       data-time={shown?.time}
+      data-revision={shown?.revision}
       onClick={(event) => void session.click(placeOf(event), intentOf(event))}
     />
   );

@@ -8,6 +8,7 @@ from pxr import Sdf, Usd, UsdGeom
 from render.errors import NotFoundError, StageError
 from render.stage.findings import FindingLog
 from render.stage.inventory import InstancerLink
+from render.stage.opening import reading
 from render.stage.polygons import BadGeometry, Polygons, check
 from render.stage.poses import pose_of_instance, world_pose
 from render.stage.skinning import Skeletons
@@ -51,6 +52,10 @@ class AnchorReader:
 
     def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         """As :func:`anchor_position`."""
+        with reading(self._stage):
+            return self._position(focus_point, time)
+
+    def _position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         prim = self._prim(focus_point)
         transforms = UsdGeom.XformCache(Usd.TimeCode(time))
         world = world_from_stage(self._stage)

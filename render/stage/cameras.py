@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.scene import Camera
+from render.stage.opening import reading
 from render.stage.poses import world_pose
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
@@ -94,15 +95,19 @@ def read_camera(
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
     if not prim or not prim.IsA(UsdGeom.Camera):
         raise _no_camera(stage, path, prim)
-    code = Usd.TimeCode(time)
-    usd = UsdGeom.Camera(prim)
+    with reading(stage):
+        camera = _read(UsdGeom.Camera(prim), stage, Usd.TimeCode(time))
+    _check(camera)
+    return conformed(camera, aspect, conform or _stage_policy(stage))
+
+
+def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
+    path = str(usd.GetPath())
     if usd.GetProjectionAttr().Get(code) != UsdGeom.Tokens.perspective:
         raise CameraError(
             f"camera {path} must be a perspective camera, and is orthographic", code="orthographic", path=path
         )
-    camera = _with_lens(_gate(usd, stage, code), usd, stage, code)
-    _check(camera)
-    return conformed(camera, aspect, conform or _stage_policy(stage))
+    return _with_lens(_gate(usd, stage, code), usd, stage, code)
 
 
 def conformed(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
@@ -141,7 +146,8 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
     """
     purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
     boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), purposes, useExtentsHint=True)
-    box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
+    with reading(stage):
+        box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
         name = stage.GetRootLayer().GetDisplayName()
         raise StageError(f"{name} has no camera, and nothing that a camera could frame", code="empty_stage")

@@ -95,7 +95,7 @@ def take_inventory(stage: Usd.Stage, purposes: Iterable[str], mask: Sequence[str
         log: notes prims of kinds that are not honoured.
     """
     walk = _Walk(frozenset(purposes), mask, log)
-    walk.children(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
+    walk.below(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
     return walk.found
 
 
@@ -104,12 +104,18 @@ class _Walk:
         self._purposes, self._log = purposes, log
         self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in mask]) if mask is not None else None
         self.found = Inventory()
+        self._waiting: list[tuple[Usd.Prim, _State]] = []
 
-    def children(self, prim: Usd.Prim, state: _State) -> None:
-        for child in prim.GetFilteredChildren(state.predicate):
-            self.visit(child, state)
+    def below(self, root: Usd.Prim, state: _State) -> None:
+        """Visit all below a prim, in the stage's order and without recursion: hierarchies may be deeper than Python's stack."""
+        self._descend(root, state)
+        while self._waiting:
+            self._visit(*self._waiting.pop())
 
-    def visit(self, prim: Usd.Prim, state: _State) -> None:
+    def _descend(self, prim: Usd.Prim, state: _State) -> None:
+        self._waiting.extend((child, state) for child in reversed(prim.GetFilteredChildren(state.predicate)))
+
+    def _visit(self, prim: Usd.Prim, state: _State) -> None:
         if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdGeom.Subset):
             return
         if self._mask is not None and not state.chain and not self._mask.Includes(prim.GetPath()):
@@ -121,7 +127,7 @@ class _Walk:
             self._instancer(prim, below)
             return
         self._take(prim, below)
-        self.children(prim, below)
+        self._descend(prim, below)
 
     def _inherit(self, prim: Usd.Prim, state: _State) -> _State | None:
         """The state below a prim, or None where it is invisible for good."""
@@ -146,14 +152,14 @@ class _Walk:
     def _take(self, prim: Usd.Prim, state: _State) -> None:
         if prim.HasAPI(UsdLux.LightAPI):
             self._light(prim, state)
-        elif is_drawable(prim):
+        if is_drawable(prim):
             if state.purpose.purpose in self._purposes:
                 self._note_draw_mode(prim)
                 source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
                 self.found.surfaces.append(
                     Occurrence(prim, source.GetPath(), state.mover, state.hiders, state.chain, state.moves)
                 )
-        elif prim.IsA(UsdGeom.Gprim):
+        elif prim.IsA(UsdGeom.Gprim) and state.purpose.purpose in self._purposes:
             kind, path = prim.GetTypeName(), prim.GetPath()
             self._log.add("unsupported_geometry", path, f"{path} is not drawn: {kind} prims are not honoured")
         elif prim.HasAPI(UsdGeom.ModelAPI):
@@ -188,7 +194,7 @@ class _Walk:
                 self._log.add("missing_prototype", target, message)
                 continue
             chain = (*state.chain, InstancerLink(prim, number, root))
-            self.visit(root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE))
+            self._waiting.append((root, replace(state, chain=chain, mover=None, moves=moves, predicate=_PROTOTYPE)))
 
 
 def _instances_move(instancer: Usd.Prim) -> bool:

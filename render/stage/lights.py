@@ -126,7 +126,7 @@ class LightReader:
         attribute = prim.GetAttribute("inputs:texture:file")
         space = str(attribute.GetColorSpace()) if attribute.HasColorSpace() else "auto"
         try:
-            return self._textures.image(str(asset.resolvedPath or asset.path), space)
+            return self._textures.image(str(asset.resolvedPath), space)
         except (TextureError, InputError) as problem:
             self._log.add("texture_unreadable", path, f"dome texture {asset.path} {problem}; dome {path} is uniform")
             return None

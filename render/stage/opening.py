@@ -12,6 +12,8 @@ from pxr import Pcp, Sdf, Tf, Usd, UsdUtils
 from render.errors import StageError
 from render.stage.confinement import check_confined
 from render.stage.findings import FindingLog
+from usd_schemas import SchemaError
+from usd_schemas.units import metres_per_unit
 
 # In the session layer's customLayerData: the folder that nothing may leave. The session layer is ours, so a file cannot say it.
 _CONFINED_TO = "pullfocus:confinedTo"
@@ -29,7 +31,7 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
 
     Raises:
         StageError: code ``stage_missing``, ``stage_unreadable`` (not USD, or damaged), ``missing_reference`` (or payload or
-            sublayer; it is named) or ``outside_reference``.
+            sublayer; it is named), ``unreadable_reference``, ``outside_reference`` or ``bad_unit``.
     """
     file = Path(path)
     if not file.is_file():
@@ -43,6 +45,7 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
             session.subLayerPaths.append(edit_layer.identifier)
         stage = _open(file, session)
     _refuse_missing(stage)
+    _check_unit(stage, file)
     if edit_layer is not None:
         stage.SetEditTarget(Usd.EditTarget(edit_layer))
     return stage
@@ -72,16 +75,31 @@ def quiet_diagnostics() -> Iterator[None]:
         delegate.TakeUncoalescedDiagnostics()
 
 
+@contextlib.contextmanager
+def reading(stage: Usd.Stage) -> Iterator[None]:
+    """Read values quietly; damage that shows only now (usdc files are read as they are asked) becomes a StageError."""
+    try:
+        with quiet_diagnostics():
+            yield
+    except Tf.ErrorException as error:
+        name = stage.GetRootLayer().GetDisplayName()
+        raise StageError(
+            f"a file of {name} is damaged: {_reason(error)}", code="stage_unreadable", path=name
+        ) from error
+
+
+def _reason(error: Tf.ErrorException) -> str:
+    reasons = _TF_REASON.findall(str(error))
+    return _one_line(reasons[0]) if reasons else "it cannot be read"
+
+
 def _open(file: Path, session: Sdf.Layer) -> Usd.Stage:
     try:
         layer = Sdf.Layer.FindOrOpen(str(file))
         stage = Usd.Stage.Open(layer, session) if layer else None
     except Tf.ErrorException as error:
-        reasons = _TF_REASON.findall(str(error))
-        reason = _one_line(reasons[0]) if reasons else "it is damaged"
-        raise StageError(
-            f"{file} is not a readable USD file: {reason}", code="stage_unreadable", path=str(file)
-        ) from error
+        message = f"{file} is not a readable USD file: {_reason(error)}"
+        raise StageError(message, code="stage_unreadable", path=str(file)) from error
     if not stage:
         message = f"{file} is not a USD file: expected .usd, .usda, .usdc or .usdz content"
         raise StageError(message, code="stage_unreadable", path=str(file))
@@ -103,6 +121,13 @@ def _refuse_missing(stage: Usd.Stage) -> None:
             code="unreadable_reference" if exists else "missing_reference",
             path=asset or None,
         )
+
+
+def _check_unit(stage: Usd.Stage, file: Path) -> None:
+    try:
+        metres_per_unit(stage)
+    except SchemaError as error:
+        raise StageError(str(error), code="bad_unit", path=str(file)) from error
 
 
 def _is_materialx(text: str) -> bool:

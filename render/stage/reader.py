@@ -13,7 +13,7 @@ from render.stage.groups import Group, Moment
 from render.stage.inventory import Inventory, take_inventory
 from render.stage.lights import LightReader
 from render.stage.looks import LookReader
-from render.stage.opening import composition_findings, confinement, quiet_diagnostics
+from render.stage.opening import composition_findings, confinement, reading
 from render.stage.pieces import ShapeReader
 from render.stage.plan import plan_groups
 from render.stage.skinning import Skeletons
@@ -77,13 +77,14 @@ class StageReader:
             time: USD time code.
 
         Raises:
-            StageError: a transform is not finite.
+            StageError: a transform is not finite, or a file turns out to be damaged.
         """
-        if self._plan is None:
-            self._scene = None
-            self._plan = self._make_plan(Usd.TimeCode(time))
-        if self._scene is None or self._scene.time != time:
-            self._scene = self._scene_at(self._plan, UsdGeom.XformCache(Usd.TimeCode(time)))
+        with reading(self._stage):
+            if self._plan is None:
+                self._scene = None
+                self._plan = self._make_plan(Usd.TimeCode(time))
+            if self._scene is None or self._scene.time != time:
+                self._scene = self._scene_at(self._plan, UsdGeom.XformCache(Usd.TimeCode(time)))
         return self._scene
 
     def _scene_at(self, plan: _Plan, transforms: UsdGeom.XformCache) -> Scene:
@@ -96,18 +97,16 @@ class StageReader:
             shapes=ShapeReader(plan.skeletons, time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
         )
-        with quiet_diagnostics():
-            batches = tuple(batch for group in plan.groups for batch in group.batches(moment))
-            lights, dome = plan.lights.read(plan.inventory.lights, transforms)
+        batches = tuple(batch for group in plan.groups for batch in group.batches(moment))
+        lights, dome = plan.lights.read(plan.inventory.lights, transforms)
         return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue())
 
     def _make_plan(self, time: Usd.TimeCode) -> _Plan:
         composition_findings(self._stage, self._log)
-        with quiet_diagnostics():
-            inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
-            looks = LookReader(self._stage, self._textures, self._log)
-            skeletons = Skeletons(self._stage)
-            groups = plan_groups(inventory.surfaces, looks, skeletons, time, self._log)
+        inventory = take_inventory(self._stage, self._purposes, self._mask, self._log)
+        looks = LookReader(self._stage, self._textures, self._log)
+        skeletons = Skeletons(self._stage)
+        groups = plan_groups(inventory.surfaces, looks, skeletons, time, self._log)
         self._note_complexity(inventory)
         return _Plan(inventory, groups, looks, skeletons, LightReader(self._stage, self._textures, self._log))
 

@@ -7,7 +7,7 @@ from typing import cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Sdf, UsdShade
+from pxr import Sdf, Usd, UsdShade
 
 from render.errors import InputError
 from render.scene import Image, TextureLookup, Wrap
@@ -16,7 +16,6 @@ from render.stage.shading import NetworkReader, Source
 from render.stage.textures import TextureCache, TextureError
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": -1}
-_FIRST_UDIM = "1001"
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +89,7 @@ class TextureNodes:
         if asset is None or not asset.path:
             self._log.add("texture_missing", path, f"texture {path} names no file; its fallback value is used")
             return None
-        resolved = self._resolved(asset, path)
+        resolved = self._resolved(asset, shader)
         space = str(network.constant(shader, "sourceColorSpace", "auto"))
         if space == "auto":
             space = network.color_space(shader, "file") or "auto"
@@ -100,14 +99,18 @@ class TextureNodes:
             self._log.add("texture_unreadable", path, f"texture {asset.path} {problem}; the fallback of {path} is used")
             return None
 
-    def _resolved(self, asset: Sdf.AssetPath, path: Sdf.Path) -> str:
-        resolved = str(asset.resolvedPath or asset.path)
-        if "<UDIM>" not in resolved:
-            return resolved
-        self._log.add(
-            "udim", path, f"{asset.path} is a set of UDIM tiles; only tile {_FIRST_UDIM} is read, and repeated"
-        )
-        return resolved.replace("<UDIM>", _FIRST_UDIM)
+    def _resolved(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
+        """Where the file is; empty where it cannot be found."""
+        if "<UDIM>" not in asset.path:
+            return str(asset.resolvedPath)
+        path = shader.GetPath()
+        self._log.add("udim", path, f"{asset.path} is a set of UDIM tiles; only the first is read, and repeated")
+        for attribute in shader.GetInput("file").GetValueProducingAttributes():
+            for spec in attribute.GetPropertyStack(Usd.TimeCode.EarliestTime()):
+                tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(asset.path, spec.layer)
+                if tiles:
+                    return str(tiles[0][0])
+        return ""
 
     def _wrap(self, network: NetworkReader, shader: UsdShade.Shader, name: str) -> Wrap:
         """The wrap mode; ``useMetadata``, the default, means black for files without such metadata."""

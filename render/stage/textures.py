@@ -182,7 +182,7 @@ def _averaged(pixels: FloatArray, factor: int) -> FloatArray:
 def _as_file(resolved_path: str) -> Iterator[str]:
     """A plain file with the asset's bytes: itself, or a temporary copy of what lies in a package."""
     if not Ar.IsPackageRelativePath(resolved_path):
-        if not os.path.isfile(resolved_path):
+        if not (os.path.isabs(resolved_path) and os.path.isfile(resolved_path)):
             raise TextureError("is missing")
         yield resolved_path
         return

@@ -14,7 +14,7 @@ from typing import Literal
 
 from render.errors import SettingsError
 from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
-from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, Key
+from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, KeyEdit
 from service.models.inspection import Inspection
 from service.models.shots import Shot
 from service.opened import OpenedShots
@@ -223,7 +223,7 @@ class SetKey:
     camera: str | None
     name: str
     attribute: str
-    key: Key
+    key: KeyEdit
 
     def run(self, opened: OpenedShots) -> FocusPoint:
         """The point at the key's time. Raises `NotFoundError` or `SettingsError`."""

@@ -41,6 +41,13 @@ PrimPath = Annotated[str, Field(pattern=PRIM_PATH_PATTERN, max_length=2000)]
 PointName = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 Vector3 = tuple[float, float, float]
 
+# What goes into USD is bounded where a slip, or a stranger, could make numbers overflow further on.
+TimeCode = Annotated[float, Field(ge=-1e9, le=1e9)]
+Index = Annotated[int, Field(ge=-1, le=2**31 - 1)]
+Amount = Annotated[float, Field(ge=0, le=1e6)]
+Length = Annotated[float, Field(ge=-1e9, le=1e9)]
+BarycentricWeight = Annotated[float, Field(ge=-0.01, le=1.01)]
+
 
 class Finding(Model):
     """One thing that was found, and what it is about."""

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Finding, Model, shown_as
+from service.models.base import Distance, Finding, Model, TimeCode, shown_as
 from service.models.shots import CameraChoice
 
 CAMERA_EXAMPLE: JsonDict = {
@@ -80,10 +80,13 @@ class CameraEdit(Model):
     f_stop: float | None = Field(default=None, ge=0, le=1000, description="f-number; 0 is a pinhole.")
     focal_length_mm: float | None = Field(default=None, gt=0, le=100_000)
     focus_distance_m: float | None = Field(
-        default=None, ge=0, description="0 focuses at infinity. Without a `focusMode`, it sets that to `manual`."
+        default=None,
+        ge=0,
+        le=1e9,
+        description="0 focuses at infinity. Without a `focusMode`, it sets that to `manual`.",
     )
     focus_mode: FocusMode | None = Field(default=None, description="`points` gives the focus back to the focus points.")
-    time: float | None = Field(
+    time: TimeCode | None = Field(
         default=None, description="USD time code of a key; without it, keys go and the values hold for all time."
     )
 

@@ -7,7 +7,19 @@ from typing import Literal
 from pydantic import Field
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Model, PointName, PrimPath, Vector3, shown_as
+from service.models.base import (
+    Amount,
+    BarycentricWeight,
+    Distance,
+    Index,
+    Length,
+    Model,
+    PointName,
+    PrimPath,
+    TimeCode,
+    Vector3,
+    shown_as,
+)
 
 ANCHOR_EXAMPLE: JsonDict = {
     "target": ["/World/Tram/Driver"],
@@ -42,18 +54,20 @@ Kind = Literal["sharp", "soft"]
 Interpolation = Literal["held", "linear", "bezier", "auto"]
 
 
+Barycentric = tuple[BarycentricWeight, BarycentricWeight, BarycentricWeight]
+Offset = tuple[Length, Length, Length]
+
+
 class Anchor(Model):
     """A place on a surface that stays with it, however it moves."""
 
     target: tuple[PrimPath, ...] = Field(
         min_length=1, max_length=2, description="The mesh; or a PointInstancer, then the prototype's mesh."
     )
-    face: int = Field(
-        default=-1, ge=-1, description="Index of the authored face; -1 for the origin of the target's space."
-    )
-    fan_triangle: int = Field(default=0, ge=0, description="Triangle i of the face has its corners 0, i+1 and i+2.")
-    barycentric: Vector3 = Field(default=(1.0, 0.0, 0.0), description="Weights of those three corners.")
-    instance: int = Field(default=-1, ge=-1, description="Of a PointInstancer, else -1.")
+    face: Index = Field(default=-1, description="Index of the authored face; -1 for the origin of the target's space.")
+    fan_triangle: Index = Field(default=0, ge=0, description="Triangle i of the face has its corners 0, i+1 and i+2.")
+    barycentric: Barycentric = Field(default=(1.0, 0.0, 0.0), description="Weights of those three corners.")
+    instance: Index = Field(default=-1, description="Of a PointInstancer, else -1.")
 
 
 class Pick(Model):
@@ -80,24 +94,18 @@ class FocusPointCreate(Anchor):
     model_config = shown_as(ANCHOR_EXAMPLE | {"name": "driver", "weight": 1.0})
 
     name: PointName | None = Field(default=None, description="A free name is made up when left out.")
-    offset: Vector3 = Field(
-        default=(0.0, 0.0, 0.0), description="From the anchor; scene units, the target's own space."
-    )
+    offset: Offset = Field(default=(0.0, 0.0, 0.0), description="From the anchor; scene units, the target's own space.")
     kind: Kind = "sharp"
-    blur_mm: float = Field(
-        default=0.0, ge=0, description="Wanted circle of confusion of a soft point: diameter on the film."
+    blur_mm: Amount = Field(
+        default=0.0, description="Wanted circle of confusion of a soft point: diameter on the film."
     )
-    weight: float = Field(default=1.0, ge=0)
-    falloff: float = Field(
-        default=0.0, ge=0, description="Distance in frame widths where its influence ends; 0: nowhere."
-    )
+    weight: Amount = 1.0
+    falloff: Amount = Field(default=0.0, description="Distance in frame widths where its influence ends; 0: nowhere.")
     enabled: bool = True
-    surface_offset: float = Field(
+    surface_offset: Length = Field(
         default=0.0, description="For a soft point without blur: how far behind the target the focus lies; scene units."
     )
-    extent: float = Field(
-        default=1.0, ge=0, description="Depth of field around it in surface mode, relative to the lens's."
-    )
+    extent: Amount = Field(default=1.0, description="Depth of field around it in surface mode, relative to the lens's.")
 
 
 class FocusPointEdit(Model):
@@ -106,18 +114,18 @@ class FocusPointEdit(Model):
     model_config = shown_as({"weight": 0.5, "enabled": True})
 
     target: tuple[PrimPath, ...] | None = Field(default=None, min_length=1, max_length=2)
-    face: int | None = Field(default=None, ge=-1)
-    fan_triangle: int | None = Field(default=None, ge=0)
-    barycentric: Vector3 | None = None
-    instance: int | None = Field(default=None, ge=-1)
-    offset: Vector3 | None = None
+    face: Index | None = None
+    fan_triangle: Index | None = Field(default=None, ge=0)
+    barycentric: Barycentric | None = None
+    instance: Index | None = None
+    offset: Offset | None = None
     kind: Kind | None = None
-    blur_mm: float | None = Field(default=None, ge=0)
-    weight: float | None = Field(default=None, ge=0)
-    falloff: float | None = Field(default=None, ge=0)
+    blur_mm: Amount | None = None
+    weight: Amount | None = None
+    falloff: Amount | None = None
     enabled: bool | None = None
-    surface_offset: float | None = None
-    extent: float | None = Field(default=None, ge=0)
+    surface_offset: Length | None = None
+    extent: Amount | None = None
 
 
 KeyedAttribute = Literal["weight", "enabled", "blur", "falloff", "surfaceOffset", "extent"]
@@ -133,6 +141,13 @@ class Key(Model):
     interpolation: Interpolation = Field(
         default="linear", description="From this key to the next; `enabled` holds, whatever this says."
     )
+
+
+class KeyEdit(Key):
+    """A key to set."""
+
+    time: TimeCode = Field(description="USD time code.")
+    value: Length = Field(description="For `enabled`: 0 or 1. For `blur`: mm.")
 
 
 class FocusPoint(Model):

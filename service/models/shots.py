@@ -7,7 +7,7 @@ from datetime import datetime
 from pydantic import Field
 from pydantic.config import JsonDict
 
-from service.models.base import Model, PrimPath, shown_as
+from service.models.base import Model, PrimPath, TimeCode, shown_as
 
 SUMMARY_EXAMPLE: JsonDict = {
     "id": "demo",
@@ -81,7 +81,7 @@ class PickRequest(Model):
     )
 
     camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
-    time: float = Field(description="USD time code.")
+    time: TimeCode = Field(description="USD time code.")
     width: int = Field(ge=1, le=8192, description="Of the picture, px.")
     height: int = Field(ge=1, le=8192, description="Of the picture, px.")
     x: float = Field(ge=0, description="From the picture's left edge, px; a pixel's centre is at .5.")

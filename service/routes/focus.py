@@ -13,8 +13,8 @@ from service.models.focus import (
     FocusPointCreate,
     FocusPointEdit,
     FocusPointList,
-    Key,
     KeyedAttribute,
+    KeyEdit,
 )
 from service.routes.parameters import CameraQuery, PointNameInPath, ShotId, Time, problems
 from service.stage_work import (
@@ -83,7 +83,12 @@ async def delete_focus_point(hub: HubDep, shot: ShotId, name: PointNameInPath, c
 
 @router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey")
 async def set_key(
-    hub: HubDep, shot: ShotId, name: PointNameInPath, attribute: AttributeInPath, key: Key, camera: CameraQuery = None
+    hub: HubDep,
+    shot: ShotId,
+    name: PointNameInPath,
+    attribute: AttributeInPath,
+    key: KeyEdit,
+    camera: CameraQuery = None,
 ) -> FocusPoint:
     """Set a key; one at the same time is replaced. Answers with the point at the key's time."""
     return await hub.ask_stage(SetKey(hub.store.get(shot), camera, name, attribute, key))

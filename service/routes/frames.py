@@ -10,7 +10,7 @@ from pydantic import Field
 from service.errors import ServiceError
 from service.frame_cache import frame_tag, matches
 from service.hub import Hub, HubDep
-from service.models.base import Model, PrimPath
+from service.models.base import Model, PrimPath, TimeCode
 from service.models.focus import Pick
 from service.models.shots import PickRequest
 from service.picture_work import PickSurface, RenderPicture
@@ -29,7 +29,7 @@ class FrameQuery(Model):
     camera: PrimPath | None = Field(
         default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
     )
-    time: float = Field(description="USD time code.", examples=[24])
+    time: TimeCode = Field(description="USD time code.", examples=[24])
     width: int = Field(default=960, ge=1, le=8192, description="px", examples=[960])
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]

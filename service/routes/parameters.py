@@ -6,11 +6,11 @@ from typing import Annotated, Any
 
 from fastapi import Path, Query
 
-from service.models.base import PrimPath, Problem
+from service.models.base import PrimPath, Problem, TimeCode
 
 ShotId = Annotated[str, Path(alias="shot", description="A shot's id.", examples=["demo"], max_length=80)]
 PointNameInPath = Annotated[str, Path(alias="name", description="A focus point's name.", examples=["driver"])]
-Time = Annotated[float, Query(allow_inf_nan=False, description="USD time code.", examples=[24])]
+Time = Annotated[TimeCode, Query(allow_inf_nan=False, description="USD time code.", examples=[24])]
 CameraQuery = Annotated[
     PrimPath | None,
     Query(description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]),

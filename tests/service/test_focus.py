@@ -163,6 +163,11 @@ def test_a_refused_edit_changes_nothing(client, shot):
         ("POST", "focus-points?time=1", {"target": ["/World/far"], "name": "1st"}),
         ("PUT", "focus-points/point1/keys/weight", {"time": 1, "value": -3}),
         ("PUT", "focus-points/point1/keys/kind", {"time": 1, "value": 1}),
+        ("PUT", "focus-points/point1/keys/weight", {"time": 1e300, "value": 1}),
+        ("PATCH", "focus-points/point1?time=1", {"face": 2**31}),
+        ("PATCH", "focus-points/point1?time=1", {"barycentric": [1e308, 1e308, 1e308]}),
+        ("PATCH", "focus-points/point1?time=1", {"offset": [1e300, 0, 0]}),
+        ("PATCH", "camera", {"focalLengthMm": 1e-300}),
     ]:
         answer = client.request(method, f"{shot}/{path}", json=body)
         assert 400 <= answer.status_code < 500, (path, body, answer.text)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float32]
 IntArray = NDArray[np.int32]
+DoubleArray = NDArray[np.float64]
 LongArray = NDArray[np.int64]
 
 
@@ -146,6 +147,16 @@ def face_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
     return (-cross if polygons.left_handed else cross).astype(np.float32)
 
 
+def folded_share(polygons: Polygons, fan_: Fan) -> float:
+    """The share of the surface's area where fans fold over themselves: in concave faces, unless the first corner is the reflex."""
+    if not (polygons.counts > 3).any():
+        return 0.0
+    normals = face_normals(polygons, fan_)
+    whole = _sum_at(fan_.face_ids, normals, len(polygons.counts))[fan_.face_ids]
+    area = np.linalg.norm(normals, axis=1)
+    return float(area[np.sum(normals * whole, axis=1) < 0].sum() / max(area.sum(), np.finfo(np.float32).tiny))
+
+
 def computed_normals(polygons: Polygons, fan_: Fan) -> Values:
     """Normals for polygons that have none: smooth ones at the points of a subdivision cage, else one for each face.
 
@@ -159,14 +170,57 @@ def computed_normals(polygons: Polygons, fan_: Fan) -> Values:
 
 def _corner_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
     """``(c, 3)`` cross product of the edges to the next and to the previous corner, pointing outside."""
+    cross = np.cross(*corner_edges(polygons, fan_, polygons.points))
+    return (-cross if polygons.left_handed else cross).astype(np.float32)
+
+
+def corner_edges(polygons: Polygons, fan_: Fan, points: FloatArray) -> tuple[DoubleArray, DoubleArray]:
+    """``(c, 3)`` each: from every corner to the next one of its face, and to the one before, with points at ``points``."""
     counts = polygons.counts.astype(np.int64)
     size, start = counts[fan_.face_of_corner], (np.cumsum(counts) - counts)[fan_.face_of_corner]
     number = np.arange(len(polygons.corners)) - start
     here, after, before = (
-        polygons.points[polygons.corners[start + (number + step) % size]].astype(np.float64) for step in (0, 1, -1)
+        points[polygons.corners[start + (number + step) % size]].astype(np.float64) for step in (0, 1, -1)
     )
-    cross = np.cross(after - here, before - here)
-    return (-cross if polygons.left_handed else cross).astype(np.float32)
+    return after - here, before - here
+
+
+def carried_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values | None:
+    """Authored normals carried along as the points move, hard edges and all.
+
+    At each corner the normal is a covector: what it measures along the two edges and across the face stays as the edges bend.
+
+    Args:
+        polygons: the surface at rest, with normals.
+        fan_: its triangles.
+        moved: ``(n, 3)`` where its points have gone.
+
+    Returns:
+        The normals after the move, or None where there are none.
+
+    Raises:
+        BadGeometry: the normals do not fit the polygons.
+    """
+    if polygons.normals is None:
+        return None
+    index = value_index_of_corner(polygons.normals, polygons, fan_)
+    normals = polygons.normals.values[index].astype(np.float64)
+    after, before = corner_edges(polygons, fan_, polygons.points)
+    moved_after, moved_before = corner_edges(polygons, fan_, moved)
+    across, moved_across = _unit_and_length(np.cross(after, before))[0], np.cross(moved_after, moved_before)
+    moved_across, area = _unit_and_length(moved_across)
+    along_after = np.sum(normals * after, axis=1, keepdims=True) * np.cross(moved_before, moved_across)
+    along_before = np.sum(normals * before, axis=1, keepdims=True) * np.cross(moved_across, moved_after)
+    carried = (along_after + along_before) / area + np.sum(normals * across, axis=1, keepdims=True) * moved_across
+    _, group = np.unique(polygons.corners * np.int64(len(polygons.normals.values)) + index, return_inverse=True)
+    summed = _sum_at(group, carried.astype(np.float32), int(group.max(initial=-1)) + 1)
+    return Values(unit(summed), "faceVarying", group.astype(np.int32))
+
+
+def _unit_and_length(vectors: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    length[length == 0] = np.finfo(np.float64).tiny
+    return vectors / length, length
 
 
 def _sum_at(where: NDArray[np.integer], what: FloatArray, size: int) -> FloatArray:

@@ -21,6 +21,7 @@ from render.stage.polygons import (
     check,
     computed_normals,
     fan,
+    folded_share,
     merged_duplicates,
     unit,
     value_index_of_corner,
@@ -32,6 +33,9 @@ from render.stage.surface import surface_of
 
 # What Hydra draws where no displayColor is authored.
 FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)
+
+# Slivers of dense meshes fold by rounding; below this share of the area nobody can see it.
+_FOLDS_SHOW_FROM = 0.001
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,10 @@ def read_shape(
     if not len(fan_.face_ids):
         log.add("no_faces", prim.GetPath(), f"{prim.GetPath()} is not drawn: it has no face with three corners or more")
         return None
+    folded = folded_share(polygons, fan_)
+    if folded > _FOLDS_SHOW_FROM:
+        message = f"{prim.GetPath()} has concave faces, whose fans cover {folded:.1%} of its area too much"
+        log.add("concave_faces", prim.GetPath(), message)
     return _Builder(prim, time, polygons, fan_, log).build(wanted)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel, Vt
 
 from render.stage.findings import FindingLog
-from render.stage.polygons import FloatArray, Polygons
+from render.stage.polygons import BadGeometry, FloatArray, Polygons, Values, carried_normals, check, fan
 from render.stage.world import column_matrix
 
 
@@ -52,8 +52,7 @@ class Skeletons:
             moved = _in_prim_space(np.array(points, np.float32), skeleton.GetPrim(), prim, time)
         else:
             moved = np.array(points, np.float32)
-        # Authored normals are those of the rest pose; the bent ones are computed anew from the bent surface.
-        return replace(polygons, points=moved, normals=None, smooth=polygons.smooth or _has_smooth_normals(polygons))
+        return replace(polygons, points=moved, normals=_bent_normals(prim, polygons, moved, log))
 
     def _query(self, prim: Usd.Prim) -> tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery] | None:
         root = UsdSkel.Root.Find(prim)
@@ -107,5 +106,13 @@ def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time:
     return np.array(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
 
 
-def _has_smooth_normals(polygons: Polygons) -> bool:
-    return polygons.normals is not None and polygons.normals.interpolation in ("vertex", "varying", "faceVarying")
+def _bent_normals(prim: Usd.Prim, polygons: Polygons, moved: FloatArray, log: FindingLog) -> Values | None:
+    if polygons.normals is None:
+        return None
+    check(polygons)
+    try:
+        return carried_normals(polygons, fan(polygons), moved)
+    except BadGeometry as problem:
+        path = prim.GetPath()
+        log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
+        return None

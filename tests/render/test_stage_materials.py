@@ -240,9 +240,11 @@ def test_a_texture_that_cannot_be_read_is_named_and_its_fallback_used(tmp_path: 
 
 def test_udim_tiles_are_reported(tmp_path: Path) -> None:
     stage = new_stage()
-    mesh = add_mesh(stage, "/m").GetPrim()
+    add_mesh(stage, "/m")
     write_picture(tmp_path / "t.1001.png", np.full((1, 1, 3), 255, np.uint8))
-    add_textured_material(stage, mesh, str(tmp_path / "t.<UDIM>.png"))
+    stage.GetRootLayer().Export(str(tmp_path / "a.usda"))
+    stage = Usd.Stage.Open(str(tmp_path / "a.usda"))
+    add_textured_material(stage, stage.GetPrimAtPath("/m"), "./t.<UDIM>.png")
     reader = StageReader(stage)
     lookup = reader.read(0).batches[0].material.lookups["base_color"]
     assert lookup.wrap_s == "repeat"

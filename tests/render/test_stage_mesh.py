@@ -181,6 +181,16 @@ def test_a_mesh_of_lines_is_reported() -> None:
     assert codes(reader) == {"no_faces"}
 
 
+def test_a_concave_face_is_reported_and_a_fan_from_its_reflex_corner_is_not() -> None:
+    arrow = [(0, 0, 0), (2, 1, 0), (0, 2, 0), (0.5, 1, 0)]
+    for first, found in ((0, {"concave_faces"}), (3, set())):
+        stage = new_stage()
+        add_mesh(stage, "/arrow", arrow, [4], [(first + i) % 4 for i in range(4)])
+        reader = StageReader(stage)
+        reader.read(0)
+        assert codes(reader) == found
+
+
 def test_static_surfaces_with_one_material_are_one_draw() -> None:
     stage = new_stage()
     for i in range(20):

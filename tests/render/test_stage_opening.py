@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,8 @@ import pytest
 from pxr import Sdf, UsdGeom
 from stage_kit import ASSETS, add_mesh, codes, needs_assets, new_stage
 
-from render.errors import StageError
-from render.stage import StageReader, open_stage
+from render.errors import InputError, StageError
+from render.stage import StageReader, open_stage, read_camera
 
 
 def write(path: Path, text: str) -> Path:
@@ -49,6 +50,35 @@ def test_a_truncated_usdc(tmp_path: Path, share: float) -> None:
     cut = tmp_path / "cut.usdc"
     cut.write_bytes(data[: int(len(data) * share)])
     assert failure(cut).code == "stage_unreadable"
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_corrupt_usdc_is_an_error_or_findings_and_nothing_else(tmp_path: Path, seed: int) -> None:
+    """Bytes go wrong anywhere: what is read is a scene, or one clear error when the values are asked for."""
+    stage = new_stage()
+    rng = np.random.default_rng(seed)
+    mesh = add_mesh(stage, "/m", rng.random((300, 3)), [3] * 500, rng.integers(0, 300, 1500))
+    mesh.GetPointsAttr().Set(mesh.GetPointsAttr().Get(), 1.0)
+    mesh.AddTranslateOp().Set((1, 2, 3), 1.0)
+    UsdGeom.Camera.Define(stage, "/cam").GetFocusDistanceAttr().Set(2.0, 1.0)
+    whole = tmp_path / "whole.usdc"
+    stage.Export(str(whole))
+    data = bytearray(whole.read_bytes())
+    for position in rng.integers(0, len(data), 30):
+        data[position] = rng.integers(0, 256)
+    broken = tmp_path / "broken.usdc"
+    broken.write_bytes(data)
+    with contextlib.suppress(InputError):
+        stage = open_stage(broken)
+        StageReader(stage).read(1)
+        read_camera(stage, "/cam", 1)
+
+
+@pytest.mark.parametrize("unit", ["0", "-1", "nan"])
+def test_a_scene_unit_must_be_a_length(tmp_path: Path, unit: str) -> None:
+    error = failure(write(tmp_path / "a.usda", f"(metersPerUnit = {unit})"))
+    assert error.code == "bad_unit"
+    assert "metersPerUnit" in error.detail
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])

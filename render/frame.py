@@ -189,8 +189,9 @@ class FrameRenderer:
         samples = lens_samples(settings.rays, camera_iris(camera), seed=settings.seed, tiled=False)
         points = np.concatenate([samples.pupil[0] * pupil_radius_m(camera), samples.pixel[0]], axis=1)
         unlit = settings.shading == "unlit"
+        detail = float(settings.supersample)
         return self._accumulator.accumulate(
-            self._peeler, view, points, focus_w(camera), unlit=unlit, on_progress=on_progress
+            self._peeler, view, points, focus_w(camera), unlit=unlit, detail=detail, on_progress=on_progress
         )
 
     def _surfaces(

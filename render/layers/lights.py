@@ -67,7 +67,7 @@ def pack_lights(
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((1 + 9, 4), np.float32)
-    head[0] = [len(lights), dome is not None, max(dome_mips - 2, 0), 0]
+    head[0] = [len(lights), dome is not None, max(dome_mips - 2, 0), len(shadows)]
     head[1:, :3] = dome_harmonics
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
@@ -75,8 +75,9 @@ def pack_lights(
         dome_from_camera[:3, :3] = np.linalg.inv(_rotation(dome.pose)) @ world_from_camera[:3, :3]
         radiance[:3] = dome.radiance
     rows = np.zeros((MAX_LIGHTS, 5, 4), np.float32)
-    for i, light in enumerate(lights):
-        rows[i] = _light_rows(light, camera_from_world, shadows.get(i))
+    # lights with shadows come first, as the shader's two loops have it
+    for row, i in enumerate(sorted(range(len(lights)), key=lambda i: i not in shadows)):
+        rows[row] = _light_rows(lights[i], camera_from_world, shadows.get(i))
     parts = [head, dome_from_camera.T, world_from_camera.T, radiance, rows]
     return np.concatenate([np.asarray(part, np.float32).ravel() for part in parts]).tobytes()
 

@@ -15,7 +15,7 @@ from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.optics.view import PinholeView
-from render.scene import DoubleArray
+from render.scene import DoubleArray, FloatArray
 
 OPAQUE = 0.999
 """Opacity from which a surface hides what is behind it."""
@@ -59,16 +59,19 @@ class LayerPass:
         umbra: how far behind an opaque surface its umbra reaches, in 1/m of inverse depth.
         previous: inverse depth of the layer before, or None for the first.
         unlit: base colour for radiance.
+        detail: how many times finer than this pass's pixels the finished picture samples surfaces: 1 for layers; more where
+            many shifted views make one picture.
     """
 
     view: PinholeView
     umbra: float = 0.0
     previous: moderngl.Texture | None = None
     unlit: bool = False
+    detail: float = 1.0
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
-    """Draws a `SceneIndex` with ``surface.vert`` and ``surface.frag``.
+    """Draws a `SceneIndex` with ``surface.vert``, and ``depth.frag`` before ``surface.frag``.
 
     pyrender keeps the meshes and textures in the context (`_update_context`) and draws the primitives with their
     instances; programs, materials, lights and targets are bound here.
@@ -93,34 +96,44 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
 
     def draw_layer(self, layer: LayerPass) -> None:
-        """Draw the nearest surfaces behind the previous layer into the bound framebuffer, which is not cleared."""
+        """Draw the nearest surfaces behind the previous layer into the bound framebuffer, which is not cleared.
+
+        Depth first, then colour where the depth is equal: shading costs more than anything before it, and this way each
+        pixel is shaded once, however many surfaces lie behind.
+        """
         view = layer.view
         self._begin(view.width, view.height)
+        clip = view.projection_matrix().astype(np.float32)
         if layer.previous is not None:
             layer.previous.use(_PREVIOUS_UNIT)
-        defines: dict[str, object] = {} if layer.previous is None else {"PEEL": 1}
-        if layer.unlit:
-            defines["UNLIT"] = 1
-        clip = view.projection_matrix().astype(np.float32)
+        GL.glColorMask(False, False, False, False)
         for draw in self._index.draws:
-            program = self._program("surface.frag", draw, defines)
+            program = self._depth_program(draw, peel=layer.previous is not None, clear_below=0.0)
+            GL.glUseProgram(program._program_id)
+            GL.glUniform1f(program.location("umbra"), layer.umbra)
+            GL.glUniform1f(program.location("detail"), layer.detail)
+            self._draw(draw, program, view.camera_from_world, clip)
+        GL.glColorMask(True, True, True, True)
+        GL.glDepthFunc(GL.GL_EQUAL)
+        GL.glDepthMask(False)
+        for draw in self._index.draws:
+            program = self._program("surface.frag", draw, {"UNLIT": 1} if layer.unlit else {})
             GL.glUseProgram(program._program_id)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
-            GL.glUniform1f(program.location("umbra"), layer.umbra)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
-            # the picture's rows go down, which turns every triangle's winding around
-            winding = GL.GL_CCW if draw.mirrored else GL.GL_CW
-            self._draw(draw, program, view.camera_from_world, clip, winding, cull=not draw.double_sided)
+            GL.glUniform1f(program.location("detail"), layer.detail)
+            self._draw(draw, program, view.camera_from_world, clip)
         self._end()
 
     def draw_shadow(self, side_px: int, clip_from_world: DoubleArray) -> None:
-        """Draw the depth of everything into the bound shadow map."""
+        """Draw the depth of everything into the bound shadow map; what is more than half transparent casts nothing."""
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
         for draw in self._index.draws:
-            program = self._program("shadow.frag", draw, {})
+            program = self._depth_program(draw, peel=False, clear_below=0.5)
             GL.glUseProgram(program._program_id)
-            self._draw(draw, program, np.eye(4), clip, GL.GL_CCW, cull=False)
+            GL.glUniform1f(program.location("detail"), 1.0)
+            self._draw(draw, program, np.eye(4), clip, cull=False)
         self._end()
 
     def delete(self) -> None:
@@ -132,22 +145,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
 
     def _draw(
-        self,
-        draw: Draw,
-        program: SourceProgram,
-        camera_from_world: DoubleArray,
-        clip: np.ndarray,
-        winding: int,
-        cull: bool,
+        self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: FloatArray, *, cull: bool = True
     ) -> None:
-        """Draw one primitive. The camera matrix meets the node's pose in float64, so that far from the origin nothing jitters."""
+        """Draw one primitive. The camera matrix meets the node's pose in float64, so that far from the origin nothing shakes."""
         primitive = draw.node.mesh.primitives[0]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
         GL.glUniformMatrix4fv(program.location("clip_from_camera"), 1, GL.GL_TRUE, clip)
         self._bind_material(primitive.material)
-        GL.glFrontFace(winding)
-        (GL.glEnable if cull else GL.glDisable)(GL.GL_CULL_FACE)
+        # the picture's rows go down, which turns every triangle's winding around
+        GL.glFrontFace(GL.GL_CCW if draw.mirrored else GL.GL_CW)
+        (GL.glEnable if cull and not draw.double_sided else GL.glDisable)(GL.GL_CULL_FACE)
         primitive._bind()
         count = 1 if primitive.poses is None else len(primitive.poses)
         GL.glDrawElementsInstanced(GL.GL_TRIANGLES, primitive.indices.size, GL.GL_UNSIGNED_INT, None, count)
@@ -161,13 +169,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
             texture._bind()
 
+    def _depth_program(self, draw: Draw, *, peel: bool, clear_below: float) -> SourceProgram:
+        """The program that finds depths. Where nothing can be clear it reads no material, and the device tests depth early."""
+        defines: dict[str, object] = {"PEEL": 1} if peel else {}
+        if _may_be_clear(draw):
+            defines |= {"MAY_BE_CLEAR": 1, "CLEAR_BELOW": clear_below}
+        return self._program("depth.frag", draw, defines)
+
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
         primitive = draw.node.mesh.primitives[0]
         material: PreviewSurface = primitive.material
         maps = tuple(f"{name}_map" for name in material.maps)
-        if _may_be_clear(material, draw):
-            defines = {**defines, "MAY_BE_CLEAR": 1}
-        key = (fragment, maps, primitive.texcoord_0 is None, primitive.color_0 is None, *sorted(defines))
+        key = (fragment, maps, primitive.texcoord_0 is None, primitive.color_0 is None, "CLEARCOAT" in material.defines)
+        key += tuple(sorted(defines.items()))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]
             attributes += ["TEXCOORD_0_LOC"] * (primitive.texcoord_0 is not None)
@@ -204,9 +218,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
 
 
-def _may_be_clear(material: PreviewSurface, draw: Draw) -> bool:
-    """Whether a fragment may be wholly transparent; where none can be, the device tests depth before it shades."""
-    m, colors = material.source, draw.batch.geometry.colors
+def _may_be_clear(draw: Draw) -> bool:
+    """Whether a fragment may be wholly transparent."""
+    m, colors = draw.batch.material, draw.batch.geometry.colors
     faded = m.uses_display_color and colors is not None and bool((colors[:, 3] < 1).any())
     return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups or faded
 

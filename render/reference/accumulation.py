@@ -36,6 +36,7 @@ class Accumulator:
         focus_w: float,
         *,
         unlit: bool = False,
+        detail: float = 1.0,
         on_progress: Callable[[float], None] | None = None,
     ) -> FloatArray:
         """Mean of the views through the lens points.
@@ -46,6 +47,8 @@ class Accumulator:
             lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
             focus_w: inverse depth of the plane of focus, 1/m.
             unlit: take base colour for radiance.
+            detail: look textures up this many times finer than a view's pixels, since the views' offsets sample between them;
+                the supersampling of the picture that it is compared with.
             on_progress: called with the share that is done.
 
         Returns:
@@ -56,7 +59,7 @@ class Accumulator:
         try:
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
                 through = view.through(x, y, focus_w, (dx, dy))
-                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=NOTHING_BEHIND, unlit=unlit)
+                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=NOTHING_BEHIND, unlit=unlit, detail=detail)
                 self._add(layers, image, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))

@@ -73,7 +73,7 @@ def checkerboard(columns: int, rows: int, cell_m: float, y_m: float, near_m: flo
 def spheres_over_checkerboard(seed: int = 0) -> tuple[Scene, Camera]:
     """Two dozen spheres from 1.2 to 14 m over a floor, forty small lights behind, a hard sun: textbook depth of field."""
     rng = np.random.default_rng(seed)
-    batches = [Batch(checkerboard(40, 73, 0.3, -1.0, -2.0), Material(uses_display_color=True, base_color=(1, 1, 1)), _HERE)]
+    batches = [Batch(checkerboard(20, 36, 0.6, -1.0, -2.0), Material(uses_display_color=True, base_color=(1, 1, 1)), _HERE)]
     for prim in range(1, 25):
         centre = (rng.uniform(-3, 3), rng.uniform(-0.8, 1.5), -rng.uniform(1.2, 14))
         ball = sphere(centre, rng.uniform(0.15, 0.5), prim=prim)

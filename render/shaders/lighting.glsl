@@ -14,7 +14,7 @@ struct Light {
 };
 
 layout(std140, binding = 2) uniform LightBlock {
-    vec4 count;             // lights; whether there is a dome; its brightest mip; unused
+    vec4 count;             // lights; whether there is a dome; its coarsest mip; how many lights have shadows (the first ones)
     vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, world axes
     mat4 dome_from_camera;
     mat4 world_from_camera;
@@ -28,7 +28,8 @@ layout(binding = 9) uniform sampler2D dome_map;
 
 vec3 fresnel(vec3 f0, float cosine)
 {
-    return f0 + (max(vec3(1.0), f0) - f0) * pow(1.0 - cosine, 5.0);
+    float x = 1.0 - cosine, x2 = x * x;  // multiplied out: a CPU rasteriser has no quick pow
+    return f0 + (max(vec3(1.0), f0) - f0) * (x2 * x2 * x);
 }
 
 // GGX with the height-correlated Smith term (Heitz 2014); `widened` is alpha grown by the light's apparent size.
@@ -53,16 +54,15 @@ vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
     vec3 f = fresnel(s.f0, vh);
     vec3 result = (1.0 - f) * (1.0 - s.metallic) * s.base_color / PI * response.x;
     result += f * ggx(nh, nl, nv, alpha, clamp(alpha + spread, 0.0, 1.0)) * response.y;
-    if (s.clearcoat > 0.0) {
-        float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
-        result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, clamp(coat + spread, 0.0, 1.0)) * response.y;
-    }
+#ifdef CLEARCOAT
+    float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
+    result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, clamp(coat + spread, 0.0, 1.0)) * response.y;
+#endif
     return result * nl;
 }
 
-vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v)
+vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v, out vec3 l)
 {
-    vec3 l;
     float spread;
     vec3 irradiance = light.radiance_area.rgb;
     if (light.position_kind.w < 0.5) {
@@ -80,9 +80,7 @@ vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v)
         if (outer > -1.0) irradiance *= smoothstep(outer, inner, facing);
         spread = r * 0.5 * inversesqrt(d2);
     }
-    if (irradiance == vec3(0.0)) return vec3(0.0);
-    vec3 reflected = irradiance * brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
-    return reflected == vec3(0.0) ? reflected : reflected * shadow_visibility(light, p, s.normal, l);
+    return irradiance * brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
 }
 
 vec2 dome_uv(vec3 d)  // latitude-longitude as OpenEXR has it: the centre looks along +Z, +X is left of it, row 0 up
@@ -122,7 +120,13 @@ vec3 dome_contribution(Surface s, vec3 v)
 vec3 shade(Surface s, vec3 p, vec3 v)
 {
     vec3 sum = lighting.count.y > 0.5 ? dome_contribution(s, v) : vec3(0.0);
-    int n = int(lighting.count.x);
-    for (int i = 0; i < n; ++i) sum += light_contribution(lighting.lights[i], s, p, v);
+    int n = int(lighting.count.x), shadowed = int(lighting.count.w);
+    vec3 l;
+    // two loops, since a CPU rasteriser runs both sides of a branch: only lights with shadow maps pay for them
+    for (int i = 0; i < shadowed; ++i) {
+        vec3 reflected = light_contribution(lighting.lights[i], s, p, v, l);
+        sum += reflected * shadow_visibility(lighting.lights[i], p, s.normal, l);
+    }
+    for (int i = shadowed; i < n; ++i) sum += light_contribution(lighting.lights[i], s, p, v, l);
     return sum;
 }

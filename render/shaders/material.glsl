@@ -29,6 +29,8 @@ layout(std140, binding = 1) uniform MaterialBlock {
     Lookup lookups[8];
 } material;
 
+uniform float detail;  // how many times finer than this pass's pixels the finished picture samples the surface
+
 #ifdef HAS_BASE_COLOR
 uniform sampler2D base_color_map;
 #endif
@@ -63,7 +65,7 @@ vec2 lookup_uv(Lookup l, vec2 uv)
 vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
 {
     vec2 st = lookup_uv(l, uv);
-    return texture(map, vec2(st.x, 1.0 - st.y)) * l.rows[2] + l.rows[3];  // images have row 0 at the top
+    return texture(map, vec2(st.x, 1.0 - st.y), -log2(detail)) * l.rows[2] + l.rows[3];  // images have row 0 at the top
 }
 
 float lookup_scalar(Lookup l, sampler2D map, vec2 uv)
@@ -86,6 +88,16 @@ vec3 mapped_normal(vec3 tangent_normal, vec3 n, vec3 p, vec2 uv)
     return normalize(flip * scale * (t * tangent_normal.x + b * tangent_normal.y) + n * tangent_normal.z);
 }
 #endif
+
+// Normals that turn within a pixel blur the highlight by their variance, or it would sparkle (Tokuyoshi & Kaplanyan 2019,
+// "Improved geometric specular antialiasing", section 3.1, with their sigma² = 1/4 and kappa = 0.18).
+float filtered_roughness(float roughness, vec3 n)
+{
+    vec3 dx = dFdx(n) / detail, dy = dFdy(n) / detail;
+    float kernel = min(0.5 * (dot(dx, dx) + dot(dy, dy)), 0.18);
+    float alpha = roughness * roughness;
+    return sqrt(sqrt(min(alpha * alpha + kernel, 1.0)));
+}
 
 Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool front)
 {
@@ -126,7 +138,6 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     float threshold = material.roughness_ior_threshold.z;
     if (threshold > 0.0) s.opacity = s.opacity >= threshold ? 1.0 : 0.0;
 
-    s.roughness = clamp(s.roughness, 0.03, 1.0);  // a mirror would turn each small light into a single bright texel
     float r = (1.0 - material.roughness_ior_threshold.y) / (1.0 + material.roughness_ior_threshold.y);
     if (material.specular_workflow.a > 0.5) {
         s.f0 = specular;
@@ -141,5 +152,6 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
     s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
 #endif
+    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal);  // 0 would have highlights of no size
     return s;
 }

@@ -18,7 +18,6 @@ int cube_face(vec3 d)  // the order of the maps of a sphere light: +X -X +Y -Y +
 float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
 {
     int map = int(light.shadow.x);
-    if (map < 0) return 1.0;
     bool distant = light.position_kind.w < 0.5;
     float distance_m = distant ? 1.0 : length(light.position_kind.xyz - p);
     // push the point off its surface by the texel it falls in, more where light grazes

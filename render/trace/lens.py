@@ -16,7 +16,7 @@ from render.scene import FloatArray
 from render.trace.rays import FocalSurface, RayBundle
 from render.trace.tracer import Tracer
 
-MAX_GUARD_SHARE = 0.15
+MAX_GUARD_SHARE = 0.08
 """The guard band's width on each side is at most this share of the picture's longer side: beyond it, rays see the edge's
 pixels repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
 _NO_PUPIL_UMBRA = 1e30

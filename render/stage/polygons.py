@@ -148,7 +148,7 @@ def face_normals(polygons: Polygons, fan_: Fan) -> FloatArray:
 
 
 def folded_share(polygons: Polygons, fan_: Fan) -> float:
-    """The share of the surface's area where fans fold over themselves: in concave faces, unless the first corner is the reflex."""
+    """The share of the area where fans fold over themselves: in concave faces, unless their first corner is the reflex one."""
     if not (polygons.counts > 3).any():
         return 0.0
     normals = face_normals(polygons, fan_)

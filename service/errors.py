@@ -7,6 +7,7 @@ for people, the file, prim or parameter that it is about, and the single finding
 from __future__ import annotations
 
 import errno
+import logging
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -15,6 +16,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from render.errors import (
     GraphicsError,
@@ -24,6 +26,8 @@ from render.errors import (
     PullfocusError,
     SettingsError,
 )
+
+log = logging.getLogger("pullfocus.service")
 
 # Nearest base class first: the first that matches gives the status.
 STATUS_OF_ERROR: tuple[tuple[type[PullfocusError], int], ...] = (
@@ -91,7 +95,35 @@ def install_error_handlers(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(OSError, _os_error)
-    app.add_exception_handler(Exception, _unexpected)
+    app.add_middleware(FaultMiddleware)
+
+
+class FaultMiddleware:
+    """Answers a fault of the program in the one shape, and logs it.
+
+    Starlette's own last resort answers too, and then raises on, whereupon the server drops the connection.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        started = False
+
+        async def send_and_see(message: Message) -> None:
+            nonlocal started
+            started = True
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_and_see)
+        except Exception:
+            if started or scope["type"] != "http":
+                raise
+            log.exception("%s %s failed", scope["method"], scope["path"])
+            detail = "The service failed on this request; its log says why."
+            await problem(500, "internal", detail, path=scope["path"])(scope, receive, send)
 
 
 async def _service_error(_: Request, error: Exception) -> JSONResponse:
@@ -132,8 +164,3 @@ async def _os_error(_: Request, error: Exception) -> JSONResponse:
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return problem(507, "disk_full", "The disk that holds the shots is full; delete a shot and try again.")
     raise error
-
-
-async def _unexpected(request: Request, _: Exception) -> JSONResponse:
-    """A fault of the program. The server logs its traceback."""
-    return problem(500, "internal", "The service failed on this request; its log says why.", path=request.url.path)

@@ -36,6 +36,7 @@ def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monke
         patch.setattr(ShotStore, "list", faulty)
         answer = client.get("/v1/shots")
     assert (answer.status_code, answer.json()["code"]) == (500, "internal")
+    assert answer.headers.get("connection") != "close"
     assert set(answer.json()) == SHAPE
     assert "42" not in answer.text
     assert client.get("/v1/shots").status_code == 200
@@ -58,7 +59,8 @@ sys.path.insert(0, sys.argv[1])
 from fake_work import ProcessId, Tally
 from service.process import WorkerProcess
 if __name__ == "__main__":
-    print(WorkerProcess("orphan", Tally).call(ProcessId(), 60), flush=True)
+    worker = WorkerProcess("orphan", Tally)
+    print(worker.call(ProcessId(), 60), flush=True)
     time.sleep(60)
 """
 

@@ -97,7 +97,14 @@ class LightReader:
             )
             return None
         self._note_ignored(prim)
-        return reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
+        light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
+        if (
+            light is not None
+            and not np.isfinite([*light.radiance, light.radius_m, light.width_m, light.height_m]).all()
+        ):
+            self._log.add("bad_light", path, f"light {path} is off: its numbers are not finite")
+            return None
+        return light
 
     def dome(self, prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Dome:
         """A dome light."""
@@ -108,7 +115,12 @@ class LightReader:
         pose[:3, 3] = 0.0
         if str(prim.GetTypeName()) == "DomeLight_1" and self._pole_is_z(prim, time):
             pose = pose @ _Z_UP_FROM_Y_UP
-        return Dome(_radiance(prim, time), pose, self._dome_image(prim, time), path=str(prim.GetPath()))
+        radiance = _radiance(prim, time)
+        if not np.isfinite(radiance).all():
+            path = prim.GetPath()
+            self._log.add("bad_light", path, f"light {path} is off: its numbers are not finite")
+            radiance = (0.0, 0.0, 0.0)
+        return Dome(radiance, pose, self._dome_image(prim, time), path=str(prim.GetPath()))
 
     def _pole_is_z(self, prim: Usd.Prim, time: Usd.TimeCode) -> bool:
         axis = prim.GetAttribute("poleAxis").Get(time)
@@ -200,6 +212,11 @@ class LightReader:
             value = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
             if value is not None and value != neutral:
                 self._log.add(f"light_{what.replace(' ', '_')}", path, f"the {what} of light {path} is not honoured")
+        portals = prim.GetRelationship("portals")
+        if portals and portals.GetTargets():
+            self._log.add(
+                "dome_portals", path, f"the portals of dome {path} are not honoured: it lights from all around"
+            )
         for name in ("lightLink", "shadowLink"):
             if _is_partial(Usd.CollectionAPI.Get(prim, name)):
                 self._log.add("light_linking", path, f"light {path} lights everything: {name} is not honoured")

@@ -50,10 +50,8 @@ class MaterialXFiles:
         surface = _surface_of(root, Sdf.Path(path).name)
         if surface is None:
             return None
-        message = (
-            f"MaterialX file {file} is approximated: base colour, metalness, roughness, normal and emission are read"
-        )
-        self._log.add("materialx_approximated", file, message)
+        message = f"MaterialX file {file.name} is approximated: base colour, metalness, roughness, normal and emission are read"
+        self._log.add("materialx_approximated", file.name, message)
         return _SurfaceReader(root, surface, file, path, self._textures, self._log).look()
 
     def _file_for(self, path: Sdf.Path) -> Path | None:
@@ -74,7 +72,8 @@ class MaterialXFiles:
             try:
                 self._documents[key] = ET.parse(file).getroot()
             except (OSError, ET.ParseError) as problem:
-                self._log.add("materialx_unreadable", key, f"MaterialX file {file} cannot be read: {problem}")
+                reason = "it is missing" if isinstance(problem, OSError) else str(problem)
+                self._log.add("materialx_unreadable", file.name, f"MaterialX file {file.name} cannot be read: {reason}")
                 self._documents[key] = None
         return self._documents[key]
 
@@ -143,11 +142,14 @@ class _SurfaceReader:
                 self._log.add(f"materialx_{theirs}", self._path, message)
             return
         space = file_input.get("colorspace") or ("raw" if purpose == "data" else "lin_rec709")
-        path = str(self._file.parent / (file_input.get("value") or ""))
+        name = file_input.get("value") or ""
+        path = str(self._file.parent / name)
         try:
             picture = self._textures.image(path, space, purpose)
         except (TextureError, InputError) as problem:
-            self._log.add("texture_unreadable", path, f"texture {path} {problem}; a constant is used")
+            self._log.add(
+                "texture_unreadable", self._path, f"texture {name} {problem}; {self._path} has a constant instead"
+            )
             return
         four = np.float32
         normal = ours == "normal"

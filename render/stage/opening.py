@@ -34,8 +34,10 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
             sublayer; it is named), ``unreadable_reference``, ``outside_reference`` or ``bad_unit``.
     """
     file = Path(path)
+    # Those who upload know their files by name alone.
+    name = str(file) if confined_to is None else file.name
     if not file.is_file():
-        raise StageError(f"{file} is not a file that can be opened", code="stage_missing", path=str(file))
+        raise StageError(f"{name} is not a file that can be opened", code="stage_missing", path=name)
     session = Sdf.Layer.CreateAnonymous("session.usda")
     with quiet_diagnostics():
         if confined_to is not None:
@@ -43,9 +45,9 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
             session.customLayerData = {_CONFINED_TO: str(Path(confined_to).resolve())}
         if edit_layer is not None:
             session.subLayerPaths.append(edit_layer.identifier)
-        stage = _open(file, session)
+        stage = _open(file, name, session)
     _refuse_missing(stage)
-    _check_unit(stage, file)
+    _check_unit(stage, name)
     if edit_layer is not None:
         stage.SetEditTarget(Usd.EditTarget(edit_layer))
     return stage
@@ -62,7 +64,8 @@ def composition_findings(stage: Usd.Stage, log: FindingLog) -> None:
     for error in stage.GetCompositionErrors():
         text = _one_line(str(error))
         if not _is_materialx(text):
-            log.add("composition", text, f"the stage does not compose cleanly: {text}")
+            text = _relative(text, _folder(stage))
+            log.add("composition", str(error.rootSite.path), f"the stage does not compose cleanly: {text}")
 
 
 @contextlib.contextmanager
@@ -83,9 +86,8 @@ def reading(stage: Usd.Stage) -> Iterator[None]:
             yield
     except Tf.ErrorException as error:
         name = stage.GetRootLayer().GetDisplayName()
-        raise StageError(
-            f"a file of {name} is damaged: {_reason(error)}", code="stage_unreadable", path=name
-        ) from error
+        reason = _relative(_reason(error), _folder(stage))
+        raise StageError(f"a file of {name} is damaged: {reason}", code="stage_unreadable", path=name) from error
 
 
 def _reason(error: Tf.ErrorException) -> str:
@@ -93,16 +95,16 @@ def _reason(error: Tf.ErrorException) -> str:
     return _one_line(reasons[0]) if reasons else "it cannot be read"
 
 
-def _open(file: Path, session: Sdf.Layer) -> Usd.Stage:
+def _open(file: Path, name: str, session: Sdf.Layer) -> Usd.Stage:
     try:
         layer = Sdf.Layer.FindOrOpen(str(file))
         stage = Usd.Stage.Open(layer, session) if layer else None
     except Tf.ErrorException as error:
-        message = f"{file} is not a readable USD file: {_reason(error)}"
-        raise StageError(message, code="stage_unreadable", path=str(file)) from error
+        message = f"{name} is not a readable USD file: {_relative(_reason(error), file.parent)}"
+        raise StageError(message, code="stage_unreadable", path=name) from error
     if not stage:
-        message = f"{file} is not a USD file: expected .usd, .usda, .usdc or .usdz content"
-        raise StageError(message, code="stage_unreadable", path=str(file))
+        message = f"{name} is not a USD file: expected .usd, .usda, .usdc or .usdz content"
+        raise StageError(message, code="stage_unreadable", path=name)
     return stage
 
 
@@ -114,20 +116,31 @@ def _refuse_missing(stage: Usd.Stage) -> None:
         if _is_materialx(text):
             continue
         found = _ASSET.search(text)
-        asset = found.group(1) if found else ""
-        exists = Path(asset).is_file()
+        exists = found is not None and Path(found.group(1)).is_file()
+        asset = _relative(found.group(1), _folder(stage)) if found else "a file"
+        what = "cannot be read" if exists else "is missing"
         raise StageError(
-            f"the stage refers to {asset}, which {'cannot be read' if exists else 'is missing'}: {text}",
+            f"the stage refers to {asset}, which {what}: {_relative(text, _folder(stage))}",
             code="unreadable_reference" if exists else "missing_reference",
-            path=asset or None,
+            path=asset,
         )
 
 
-def _check_unit(stage: Usd.Stage, file: Path) -> None:
+def _check_unit(stage: Usd.Stage, name: str) -> None:
     try:
         metres_per_unit(stage)
     except SchemaError as error:
-        raise StageError(str(error), code="bad_unit", path=str(file)) from error
+        raise StageError(_relative(str(error), _folder(stage)), code="bad_unit", path=name) from error
+
+
+def _folder(stage: Usd.Stage) -> Path:
+    """The folder that messages name files from: what the stage is confined to, else where it lies."""
+    return confinement(stage) or Path(stage.GetRootLayer().realPath).parent
+
+
+def _relative(text: str, folder: Path) -> str:
+    """A message with its files named from a folder: shorter, and without the server's own paths for those who upload."""
+    return text.replace(f"{folder}/", "")
 
 
 def _is_materialx(text: str) -> bool:

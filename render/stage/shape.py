@@ -128,7 +128,7 @@ class _Builder:
 
     def build(self, wanted: Wanted) -> Shape:
         normals, normal_index = self._normals()
-        uv = self._primvar(wanted.uv, 2) if wanted.uv else None
+        uv = self._coordinates(wanted.uv)
         color = self._primvar(wanted.color, 3) if wanted.color else None
         opacity = self._primvar(wanted.opacity, 1) if wanted.opacity else None
         read = [(normals, normal_index), *(p for p in (uv, color, opacity) if p)]
@@ -143,7 +143,7 @@ class _Builder:
             face_ids=self._fan.face_ids,
             fan_ids=self._fan.fan_ids,
             swapped=np.full(len(triangles), left_handed),
-            uvs=uv[0].values[uv[1][corner]] if uv else None,
+            uvs=np.nan_to_num(uv[0].values[uv[1][corner]]) if uv else None,
             colors=self._colors(wanted, color, opacity, corner),
         )
 
@@ -157,6 +157,18 @@ class _Builder:
                 self._log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
         computed = computed_normals(self._polygons, self._fan)
         return computed, value_index_of_corner(computed, self._polygons, self._fan)
+
+    def _coordinates(self, name: str | None) -> tuple[Values, LongArray] | None:
+        """Texture coordinates, or (0, 0) everywhere for a mesh that lacks them, as UsdPrimvarReader falls back to."""
+        if name is None:
+            return None
+        found = self._primvar(name, 2)
+        if found is None:
+            path = self._prim.GetPath()
+            message = f"{path} has no texture coordinates {name}: its textures are read at one place"
+            self._log.add("no_texture_coordinates", path, message)
+            found = Values(np.zeros((1, 2), np.float32), "constant"), np.zeros(len(self._polygons.corners), np.int64)
+        return found
 
     def _primvar(self, name: str, width: int) -> tuple[Values, LongArray] | None:
         found = find_primvar(self._prim, name)

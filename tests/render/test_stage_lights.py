@@ -132,6 +132,17 @@ def test_a_point_light_has_its_power_too() -> None:
     assert found.radiance[0] * 4 * np.pi * found.radius_m**2 == pytest.approx(1, rel=1e-3)
 
 
+@pytest.mark.parametrize("kind", ["SphereLight", "DomeLight"])
+def test_a_light_whose_numbers_are_not_finite_is_off(kind: str) -> None:
+    stage = new_stage()
+    stage.DefinePrim("/l", kind).GetAttribute("inputs:intensity").Set(float("nan"))
+    reader = StageReader(stage)
+    scene = reader.read(0)
+    assert scene.lights == ()
+    assert scene.dome is None or scene.dome.radiance == (0, 0, 0)
+    assert codes(reader) == {"bad_light"}
+
+
 def test_hidden_lights_are_off() -> None:
     stage = new_stage()
     light = UsdLux.SphereLight.Define(stage, "/l")

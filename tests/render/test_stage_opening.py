@@ -88,6 +88,7 @@ def test_a_missing_reference_is_named(tmp_path: Path, arc: str) -> None:
     assert "chair.usda" in error.detail
     assert error.path is not None
     assert error.path.endswith("props/chair.usda")
+    assert str(tmp_path) not in error.detail
 
 
 def test_a_missing_sublayer_is_named(tmp_path: Path) -> None:

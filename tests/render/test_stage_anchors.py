@@ -5,8 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom
-from stage_kit import ASSETS, QUAD_POINTS, add_mesh, needs_assets, new_stage, read, world_points
-from test_stage_instances import dense_grid, instancer, two_instances
+from stage_kit import (
+    ASSETS,
+    QUAD_POINTS,
+    add_mesh,
+    dense_grid,
+    instancer,
+    needs_assets,
+    new_stage,
+    read,
+    two_instances,
+    world_points,
+)
 
 from render.errors import NotFoundError
 from render.frame import FrameRenderer

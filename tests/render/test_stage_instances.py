@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom
-from stage_kit import add_mesh, new_stage, only_batch, read, set_primvar, world_points
-from test_stage_materials import add_material, bind
+from pxr import Gf, Sdf, UsdGeom
+from stage_kit import (
+    add_material,
+    add_mesh,
+    bind,
+    instancer,
+    new_stage,
+    only_batch,
+    read,
+    set_primvar,
+    two_instances,
+    world_points,
+)
 
 from render import colour
 from render.scene import Batch, Scene
@@ -21,25 +31,6 @@ def origins(batch: Batch) -> list[tuple[float, ...]]:
 def picked_as(scene: Scene, batch: Batch) -> list[str]:
     assert batch.instance_prim_ids is not None
     return [scene.prim_paths[i] for i in batch.instance_prim_ids]
-
-
-def dense_grid(stage: Usd.Stage, path: str, n: int = 80) -> UsdGeom.Mesh:
-    """A mesh of 2 n² triangles: enough for instancing to pay."""
-    x, y = np.meshgrid(np.arange(n + 1), np.arange(n + 1))
-    points = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3) / n
-    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
-    corners = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).ravel()
-    return add_mesh(stage, path, points, [4] * n * n, corners)
-
-
-def two_instances(stage: Usd.Stage) -> None:
-    dense_grid(stage, "/_proto/geo/grid")
-    stage.GetPrimAtPath("/_proto").SetSpecifier(Sdf.SpecifierClass)
-    for number in range(2):
-        prim = UsdGeom.Xform.Define(stage, f"/i{number}")
-        prim.GetPrim().GetReferences().AddInternalReference("/_proto")
-        prim.GetPrim().SetInstanceable(True)
-        prim.AddTranslateOp().Set(Gf.Vec3d(10 * number, 0, 0))
 
 
 def test_native_instances_share_one_geometry_and_are_picked_by_their_own_paths() -> None:
@@ -102,14 +93,6 @@ def test_instances_may_move_and_mirror() -> None:
     assert origins(plain) == [(10, 5, 0)]
     assert mirrored.geometry.swapped is not None
     assert mirrored.geometry.swapped.all()
-
-
-def instancer(stage: Usd.Stage, path: str, prototypes: list[str], indices: list[int]) -> UsdGeom.PointInstancer:
-    found = UsdGeom.PointInstancer.Define(stage, path)
-    found.CreatePrototypesRel().SetTargets([Sdf.Path(p) for p in prototypes])
-    found.CreateProtoIndicesAttr(indices)
-    found.CreatePositionsAttr([Gf.Vec3f(10 * i, 0, 0) for i in range(len(indices))])
-    return found
 
 
 def test_a_point_instancer_draws_its_prototypes_and_numbers_its_instances() -> None:

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
-from stage_kit import codes, new_stage, read
-from test_stage_materials import write_picture
+from stage_kit import codes, new_stage, read, write_picture
 
 from render import colour
 from render.scene import Light

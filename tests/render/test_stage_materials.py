@@ -5,70 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
-from stage_kit import add_mesh, codes, new_stage, only_batch, read, set_primvar
+from pxr import Gf, Usd, UsdGeom, UsdShade
+from stage_kit import (
+    T,
+    add_material,
+    add_mesh,
+    add_texture,
+    add_textured_material,
+    bind,
+    codes,
+    new_stage,
+    only_batch,
+    read,
+    set_primvar,
+    write_picture,
+)
 
 from render import colour
 from render.scene import Batch, Material
 from render.stage import StageReader
-
-T = Sdf.ValueTypeNames
-
-
-def add_material(stage: Usd.Stage, path: str, **inputs: object) -> UsdShade.Shader:
-    """A UsdPreviewSurface material with constant inputs; returns its surface shader."""
-    material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
-    shader.CreateIdAttr("UsdPreviewSurface")
-    for name, value in inputs.items():
-        kind = T.Float if isinstance(value, float) else T.Int if isinstance(value, int) else T.Color3f
-        shader.CreateInput(name, kind).Set(value)
-    material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", T.Token))
-    return shader
-
-
-def bind(prim: Usd.Prim, path: str, **options: object) -> None:
-    """Bind a material to a prim."""
-    material = UsdShade.Material(prim.GetStage().GetPrimAtPath(path))
-    UsdShade.MaterialBindingAPI.Apply(prim).Bind(material, **options)
-
-
-def add_texture(stage: Usd.Stage, path: str, file: str, varname: str = "st") -> UsdShade.Shader:
-    """A UsdUVTexture that reads a primvar."""
-    reader = UsdShade.Shader.Define(stage, f"{path}_reader")
-    reader.CreateIdAttr("UsdPrimvarReader_float2")
-    reader.CreateInput("varname", T.String).Set(varname)
-    texture = UsdShade.Shader.Define(stage, path)
-    texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", T.Asset).Set(file)
-    texture.CreateInput("st", T.Float2).ConnectToSource(reader.CreateOutput("result", T.Float2))
-    return texture
-
-
-def add_textured_material(stage: Usd.Stage, prim: Usd.Prim, file: str = "") -> UsdShade.Shader:
-    """Bind a material with a diffuse texture (a one-pixel picture unless given); returns the texture."""
-    if not file:
-        name = Path(__import__("tempfile").mkdtemp()) / "one.png"
-        write_picture(name, np.full((1, 1, 3), 128, np.uint8))
-        file = str(name)
-    shader = add_material(stage, "/looks/textured")
-    texture = add_texture(stage, "/looks/textured/diffuse", file)
-    shader.CreateInput("diffuseColor", T.Color3f).ConnectToSource(texture.CreateOutput("rgb", T.Float3))
-    bind(prim, "/looks/textured")
-    return texture
-
-
-def write_picture(path: Path, pixels: np.ndarray) -> str:
-    """Write a picture file of the array's own type."""
-    output = oiio.ImageOutput.create(str(path))
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], str(pixels.dtype))
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    assert output.open(str(path), spec)
-    assert output.write_image(pixels)
-    output.close()
-    return str(path)
 
 
 def material_of(stage: Usd.Stage) -> Material:
@@ -212,7 +168,8 @@ def test_a_data_channel_keeps_its_numbers(tmp_path: Path) -> None:
 
 def test_a_mesh_without_coordinates_is_reported_and_reads_its_texture_at_one_place(tmp_path: Path) -> None:
     stage = new_stage()
-    add_textured_material(stage, add_mesh(stage, "/m").GetPrim())
+    file = write_picture(tmp_path / "one.png", np.full((1, 1, 3), 128, np.uint8))
+    add_textured_material(stage, add_mesh(stage, "/m").GetPrim(), file)
     reader = StageReader(stage)
     geometry = only_batch(reader.read(0)).geometry
     assert geometry.uvs is not None

@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pxr import Gf, Sdf, UsdGeom
-from stage_kit import QUAD_POINTS, add_mesh, codes, facing, new_stage, only_batch, read, set_primvar, world_points
+from stage_kit import (
+    QUAD_POINTS,
+    add_mesh,
+    add_textured_material,
+    codes,
+    facing,
+    new_stage,
+    only_batch,
+    read,
+    set_primvar,
+    world_points,
+    write_picture,
+)
 
 from render.stage import StageReader
 
@@ -122,7 +136,7 @@ def test_normals_stand_upright_on_a_squashed_surface() -> None:
     np.testing.assert_allclose(np.abs(batch.geometry.normals[0]), np.abs(facing(batch)[0]), atol=1e-6)
 
 
-def test_corners_with_the_same_values_share_a_vertex() -> None:
+def test_corners_with_the_same_values_share_a_vertex(tmp_path: Path) -> None:
     """A grid with face-varying coordinates that are continuous needs no more vertices than it has points."""
     n = 16
     stage = new_stage()
@@ -133,9 +147,8 @@ def test_corners_with_the_same_values_share_a_vertex() -> None:
     mesh = add_mesh(stage, "/grid", points, [4] * n * n, corners, scheme="catmullClark")
     values = [Gf.Vec2f(*map(float, points[c, :2] / n)) for c in corners]
     set_primvar(mesh.GetPrim(), "st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying", values)
-    from test_stage_materials import add_textured_material
-
-    add_textured_material(stage, mesh.GetPrim())
+    file = write_picture(tmp_path / "one.png", np.full((1, 1, 3), 128, np.uint8))
+    add_textured_material(stage, mesh.GetPrim(), file)
     geometry = only_batch(read(stage)).geometry
     assert geometry.uvs is not None
     assert len(geometry.positions) == (n + 1) ** 2

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pxr import Sdf, UsdGeom
-from stage_kit import ASSETS, add_mesh, codes, needs_assets, new_stage
+from stage_kit import ASSETS, add_mesh, add_textured_material, codes, needs_assets, new_stage, write_picture
 
 from render.errors import InputError, StageError
 from render.stage import StageReader, open_stage, read_camera
@@ -238,8 +238,6 @@ def test_a_package_is_confined_to_itself(tmp_path: Path) -> None:
 
 def test_a_confined_reader_reads_no_texture_outside(tmp_path: Path) -> None:
     """What is authored after the check, in an edit layer, is refused when its pixels are asked for."""
-    from test_stage_materials import add_textured_material, write_picture
-
     secret = write_picture(tmp_path / "secret.png", np.full((1, 1, 3), 77, np.uint8))
     folder = tmp_path / "shot"
     root = write(folder / "a.usda", "")

@@ -10,7 +10,9 @@ from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdShade
 from stage_kit import (
     ASSETS,
     QUAD_POINTS,
+    add_material,
     add_mesh,
+    bind,
     needs_assets,
     new_stage,
     only_batch,
@@ -18,7 +20,6 @@ from stage_kit import (
     set_primvar,
     world_points,
 )
-from test_stage_materials import add_material, bind
 
 from render.errors import StageError
 from render.scene import Batch, Scene

@@ -17,7 +17,7 @@ from render.scene import Batch, Geometry, IntArray, Material
 from render.stage.drawing import joined, mirrored, placed
 from render.stage.materials import Look
 from render.stage.pieces import Piece, ShapeReader
-from render.stage.poses import instance_poses, is_hidden, relative_pose, world_pose
+from render.stage.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
 from render.stage.shape import Shape
 from render.stage.world import DoubleArray
 
@@ -32,6 +32,7 @@ class Moment:
         scale: metres in a stage unit.
         look: the look of a material path at that time.
         shapes: reads the triangles of pieces at that time.
+        instances: reads point instancers at that time.
         prim_id: the number of a prim path in ``Scene.prim_paths``.
     """
 
@@ -40,6 +41,7 @@ class Moment:
     scale: float
     look: Callable[[str], Look]
     shapes: ShapeReader
+    instances: InstanceReader
     prim_id: Callable[[str], int]
 
     @property
@@ -177,7 +179,9 @@ class InstancedGroup(Group):
             if is_hidden(occurrence.hiders, moment.time):
                 continue
             if occurrence.chain:
-                here, number = instance_poses(occurrence.chain, occurrence.prim, moment.transforms, moment.world)
+                here, number = instance_poses(
+                    occurrence.chain, occurrence.prim, moment.transforms, moment.world, moment.instances
+                )
                 picked_as = str(occurrence.chain[0].instancer.GetPath())
             else:
                 here = world_pose(occurrence.prim, moment.transforms, moment.world)[None]

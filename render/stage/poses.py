@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +28,70 @@ def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArra
     return pose
 
 
+@dataclass(frozen=True, eq=False)
+class _Instances:
+    """All instances of a point instancer.
+
+    Attributes:
+        matrices: ``(n, 4, 4)`` instancer from prototype root.
+        prototypes: ``(n,)`` which prototype each is of.
+        visible: ``(n,)`` bool.
+    """
+
+    matrices: DoubleArray
+    prototypes: IntArray
+    visible: NDArray[np.bool_]
+
+
+class InstanceReader:
+    """Reads the instances of point instancers at one time, each instancer once.
+
+    Args:
+        time: when.
+    """
+
+    def __init__(self, time: Usd.TimeCode) -> None:
+        self._time = time
+        self._read: dict[str, _Instances] = {}
+
+    def of_prototype(self, link: InstancerLink) -> tuple[DoubleArray, IntArray, int]:
+        """The visible instances of one prototype.
+
+        Returns:
+            ``(k, 4, 4)`` instancer from prototype root, ``(k,)`` their indices, and how many instances of all prototypes
+            there are.
+
+        Raises:
+            StageError: a transform is not finite.
+        """
+        path = str(link.instancer.GetPath())
+        if path not in self._read:
+            self._read[path] = self._instances(UsdGeom.PointInstancer(link.instancer))
+        every = self._read[path]
+        indices = np.flatnonzero(every.visible & (every.prototypes == link.prototype)).astype(np.int32)
+        matrices = every.matrices[indices]
+        if not np.isfinite(matrices).all():
+            raise _not_finite(link.instancer)
+        return matrices, indices, len(every.prototypes)
+
+    def _instances(self, instancer: UsdGeom.PointInstancer) -> _Instances:
+        prototypes = np.array(instancer.GetProtoIndicesAttr().Get(self._time) or [], np.int32)
+        rows = instancer.ComputeInstanceTransformsAtTime(
+            self._time, self._time, UsdGeom.PointInstancer.IncludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+        )
+        matrices = np.array(rows, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+        count = min(len(prototypes), len(matrices))
+        mask = instancer.ComputeMaskAtTime(self._time)
+        visible = np.array(mask, bool)[:count] if mask else np.ones(count, bool)
+        return _Instances(matrices[:count], prototypes[:count], visible)
+
+
 def instance_poses(
-    chain: Sequence[InstancerLink], prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
+    chain: Sequence[InstancerLink],
+    prim: Usd.Prim,
+    transforms: UsdGeom.XformCache,
+    world: DoubleArray,
+    instances: InstanceReader,
 ) -> tuple[DoubleArray, IntArray]:
     """Where the instances of a surface below one or more point instancers stand.
 
@@ -39,6 +102,7 @@ def instance_poses(
         prim: the surface below the last prototype.
         transforms: at the asked time.
         world: world from stage.
+        instances: reads instancers, at the same time.
 
     Returns:
         ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
@@ -49,7 +113,7 @@ def instance_poses(
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
     for link, below in zip(chain, [*(next_.instancer for next_ in chain[1:]), prim], strict=True):
-        matrices, indices, count = _instances(link, transforms.GetTime())
+        matrices, indices, count = instances.of_prototype(link)
         relative = relative_pose(below, link.root, transforms)
         poses = (poses[:, None] @ (matrices @ relative)[None]).reshape(-1, 4, 4)
         numbers = (numbers[:, None] * count + indices[None]).reshape(-1)
@@ -60,7 +124,7 @@ def pose_of_instance(
     chain: Sequence[InstancerLink], number: int, prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
 ) -> DoubleArray | None:
     """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time."""
-    poses, numbers = instance_poses(chain, prim, transforms, world)
+    poses, numbers = instance_poses(chain, prim, transforms, world, InstanceReader(transforms.GetTime()))
     found = np.flatnonzero(numbers == number)
     return poses[found[0]] if len(found) else None
 
@@ -68,29 +132,6 @@ def pose_of_instance(
 def is_hidden(hiders: Sequence[Usd.Prim], time: Usd.TimeCode) -> bool:
     """Whether any of these prims, whose visibility varies, is invisible at a time."""
     return any(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(time) == UsdGeom.Tokens.invisible for prim in hiders)
-
-
-def _instances(link: InstancerLink, time: Usd.TimeCode) -> tuple[DoubleArray, IntArray, int]:
-    """The visible instances of one prototype.
-
-    Returns:
-        ``(k, 4, 4)`` instancer from prototype root, ``(k,)`` their indices, and how many instances of all prototypes there are.
-    """
-    instancer = UsdGeom.PointInstancer(link.instancer)
-    prototypes = np.array(instancer.GetProtoIndicesAttr().Get(time) or [], np.int32)
-    matrices = instancer.ComputeInstanceTransformsAtTime(
-        time, time, UsdGeom.PointInstancer.IncludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
-    )
-    count = min(len(prototypes), len(matrices))
-    visible = prototypes[:count] == link.prototype
-    mask = instancer.ComputeMaskAtTime(time)
-    if mask:
-        visible &= np.array(mask, bool)[:count]
-    indices = np.flatnonzero(visible).astype(np.int32)
-    columns = np.array(matrices, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)[indices]
-    if not np.isfinite(columns).all():
-        raise _not_finite(link.instancer)
-    return columns, indices, count
 
 
 def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformCache) -> DoubleArray:

@@ -16,6 +16,7 @@ from render.stage.looks import LookReader
 from render.stage.opening import composition_findings, confinement, reading
 from render.stage.pieces import ShapeReader
 from render.stage.plan import plan_groups
+from render.stage.poses import InstanceReader
 from render.stage.skinning import Skeletons
 from render.stage.textures import TextureCache
 from render.stage.world import world_from_stage
@@ -95,6 +96,7 @@ class StageReader:
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
             shapes=ShapeReader(plan.skeletons, time, self._log),
+            instances=InstanceReader(time),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(moment))

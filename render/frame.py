@@ -51,7 +51,7 @@ class FrameSettings:
         rays: lens rays per pixel.
         layers: peeled layers at most.
         supersample: layer pixels per picture pixel along each axis.
-        shading: ``lit``, or ``unlit`` for base colour as radiance.
+        shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: of the sampling pattern.
         tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
         aovs: of `AOVS`; ``color`` is always there.
@@ -210,7 +210,9 @@ class FrameRenderer:
         if scene.lights or scene.dome is not None:
             return scene
         if self._lit is None or self._lit[0] is not scene or self._lit[1] is not camera:
-            lights = (Light("distant", (0.8 * np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light"),)
+            lights = (
+                Light("distant", (0.8 * np.pi,) * 3, camera.world_from_camera, casts_shadow=False, path="camera light"),
+            )
             dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
             self._lit = (scene, camera, replace(scene, lights=lights, dome=dome))
         return self._lit[2]

@@ -72,7 +72,16 @@ class Peeler:
         self._scene = scene
         self._draw_shadows()
 
-    def peel(self, view: PinholeView, *, layers: int, umbra: float, unlit: bool = False, detail: float = 1.0) -> Layers:
+    def peel(
+        self,
+        view: PinholeView,
+        *,
+        layers: int,
+        umbra: float,
+        unlit: bool = False,
+        detail: float = 1.0,
+        picture_px: float = 1.0,
+    ) -> Layers:
         """Peel the loaded scene.
 
         Args:
@@ -81,6 +90,7 @@ class Peeler:
             umbra: reach of an opaque surface's umbra in inverse depth, 1/m; infinite for a pinhole.
             unlit: take base colour for radiance.
             detail: how many times finer than the view's pixels the finished picture samples surfaces.
+            picture_px: side of the finished picture's pixels, in the view's.
         """
         targets = self._sized_targets(view)
         self._set_lighting(view)
@@ -89,7 +99,7 @@ class Peeler:
         for layer in range(min(layers, MAX_LAYERS)):
             targets.clear(layer)
             previous = targets.w[layer - 1] if layer else None
-            if self._draw_counted(LayerPass(view, umbra, previous, unlit, detail)) == 0:
+            if self._draw_counted(LayerPass(view, umbra, previous, unlit, detail, picture_px)) == 0:
                 break
             count = layer + 1
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)

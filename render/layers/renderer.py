@@ -61,6 +61,7 @@ class LayerPass:
         unlit: base colour for radiance.
         detail: how many times finer than this pass's pixels the finished picture samples surfaces: 1 for layers; more where
             many shifted views make one picture.
+        picture_px: side of the finished picture's pixels, in this pass's.
     """
 
     view: PinholeView
@@ -68,6 +69,7 @@ class LayerPass:
     previous: moderngl.Texture | None = None
     unlit: bool = False
     detail: float = 1.0
+    picture_px: float = 1.0
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -122,6 +124,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.detail)
+            GL.glUniform1f(program.location("picture_px"), layer.picture_px)
             self._draw(draw, program, view.camera_from_world, clip)
         self._end()
 
@@ -180,7 +183,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         primitive = draw.node.mesh.primitives[0]
         material: PreviewSurface = primitive.material
         maps = tuple(f"{name}_map" for name in material.maps)
-        key = (fragment, maps, primitive.texcoord_0 is None, primitive.color_0 is None, "CLEARCOAT" in material.defines)
+        key: tuple[object, ...] = (
+            fragment,
+            maps,
+            primitive.texcoord_0 is None,
+            primitive.color_0 is None,
+            "CLEARCOAT" in material.defines,
+        )
         key += tuple(sorted(defines.items()))
         if key not in self._programs:
             attributes = ["NORMAL_LOC"]

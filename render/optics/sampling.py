@@ -81,8 +81,10 @@ def lens_samples(rays: int, iris: Iris, *, seed: int = 0, tiled: bool = True) ->
         zero = np.zeros((tiles, 1, 2))
         return LensSamples(zero, zero)
     starts = np.mod(0.5 + seed * _R4[::-1] + _tile_rank(tiles)[:, None] * _R4, 1.0)
-    index = np.arange(rays)
-    steps = np.concatenate([index[:, None] * _R2, np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], -1)], 1)
+    index = np.arange(rays, dtype=np.int32)
+    steps = np.concatenate(
+        [index[:, None] * _R2, np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], -1)], 1
+    )
     points = np.mod(starts[:, None, :] + steps, 1.0)
     return LensSamples(fill_iris(points[..., :2], iris), points[..., 2:] - 0.5)
 

@@ -39,7 +39,9 @@ def triangles_of(
 def sphere(centre: tuple[float, float, float], radius_m: float, rings: int = 32, prim: int = 0) -> Geometry:
     """A sphere with smooth normals."""
     polar, azimuth = np.meshgrid(np.linspace(0, np.pi, rings), np.linspace(0, 2 * np.pi, 2 * rings), indexing="ij")
-    normals = np.stack([np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)], -1).reshape(-1, 3)
+    normals = np.stack([np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)], -1).reshape(
+        -1, 3
+    )
     row = 2 * rings
     a = (np.arange(rings - 1)[:, None] * row + np.arange(row - 1)).ravel()
     faces = np.concatenate([np.stack([a, a + 1, a + row], 1), np.stack([a + 1, a + row + 1, a + row], 1)])
@@ -73,7 +75,9 @@ def checkerboard(columns: int, rows: int, cell_m: float, y_m: float, near_m: flo
 def spheres_over_checkerboard(seed: int = 0) -> tuple[Scene, Camera]:
     """Two dozen spheres from 1.2 to 14 m over a floor, forty small lights behind, a hard sun: textbook depth of field."""
     rng = np.random.default_rng(seed)
-    batches = [Batch(checkerboard(20, 36, 0.6, -1.0, -2.0), Material(uses_display_color=True, base_color=(1, 1, 1)), _HERE)]
+    batches = [
+        Batch(checkerboard(20, 36, 0.6, -1.0, -2.0), Material(uses_display_color=True, base_color=(1, 1, 1)), _HERE)
+    ]
     for prim in range(1, 25):
         centre = (rng.uniform(-3, 3), rng.uniform(-0.8, 1.5), -rng.uniform(1.2, 14))
         ball = sphere(centre, rng.uniform(0.15, 0.5), prim=prim)
@@ -104,7 +108,9 @@ def posts_before_wall(seed: int = 0) -> tuple[Scene, Camera]:
     upright = np.eye(4)
     upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
     upright[:3, 3] = [0, -4.5, -10]
-    batches.append(Batch(wall, Material(uses_display_color=True, base_color=(1, 1, 1)), upright[None], double_sided=True))
+    batches.append(
+        Batch(wall, Material(uses_display_color=True, base_color=(1, 1, 1)), upright[None], double_sided=True)
+    )
     return Scene(tuple(batches), (), Dome((0.9, 0.9, 0.9), np.eye(4), visible=False), ("/World/posts",)), _camera(3.0)
 
 

@@ -29,7 +29,8 @@ layout(std140, binding = 1) uniform MaterialBlock {
     Lookup lookups[8];
 } material;
 
-uniform float detail;  // how many times finer than this pass's pixels the finished picture samples the surface
+uniform float detail;      // how many times finer than this pass's pixels the finished picture samples the surface
+uniform float picture_px;  // side of the finished picture's pixels, in this pass's
 
 #ifdef HAS_BASE_COLOR
 uniform sampler2D base_color_map;
@@ -89,12 +90,13 @@ vec3 mapped_normal(vec3 tangent_normal, vec3 n, vec3 p, vec2 uv)
 }
 #endif
 
-// Normals that turn within a pixel blur the highlight by their variance, or it would sparkle (Tokuyoshi & Kaplanyan 2019,
-// "Improved geometric specular antialiasing", section 3.1, with their sigma² = 1/4 and kappa = 0.18).
-float filtered_roughness(float roughness, vec3 n)
+// Normals that turn within a pixel of the picture blur the highlight by their variance, or it would sparkle: between pixels
+// by Tokuyoshi & Kaplanyan 2019 ("Improved geometric specular antialiasing", section 3.1, sigma² = 1/4, kappa = 0.18), within
+// a texel of the normal map by how much averaging has shortened its normal (Toksvig 2005, "Mipmapping normal maps").
+float filtered_roughness(float roughness, vec3 n, float shortening)
 {
-    vec3 dx = dFdx(n) / detail, dy = dFdy(n) / detail;
-    float kernel = min(0.5 * (dot(dx, dx) + dot(dy, dy)), 0.18);
+    vec3 dx = dFdx(n) * picture_px, dy = dFdy(n) * picture_px;
+    float kernel = min(0.5 * (dot(dx, dx) + dot(dy, dy)), 0.18) + min(2.0 * shortening, 0.18);
     float alpha = roughness * roughness;
     return sqrt(sqrt(min(alpha * alpha + kernel, 1.0)));
 }
@@ -147,11 +149,13 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.f0 = mix(vec3(r * r), s.base_color, s.metallic);
     }
     vec3 n = normalize(normal);
+    float shortening = 0.0;
     s.normal = front ? n : -n;
 #ifdef HAS_NORMAL
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
+    shortening = max(1.0 - length(tangent), 0.0);
     s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
 #endif
-    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal);  // 0 would have highlights of no size
+    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // 0 would have highlights of no size
     return s;
 }

@@ -25,7 +25,7 @@ void main()
 {
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
 #ifdef UNLIT
-    vec3 radiance = s.base_color + s.emissive;
+    vec3 radiance = s.base_color;
 #else
     vec3 radiance = s.emissive + shade(s, frag_position, normalize(eye - frag_position));
 #endif

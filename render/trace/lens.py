@@ -72,7 +72,7 @@ class LensEngine:
         wide = view.enlarged(supersample, guard_px)
         pupil_px = max(wide.fx, wide.fy) * bundle.pupil_radius_m
         umbra = 1.0 / pupil_px if pupil_px > 0 else _NO_PUPIL_UMBRA
-        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit)
+        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=float(supersample))
         color = self._tracer.trace(
             peeled,
             self._nbuffers.build(peeled),

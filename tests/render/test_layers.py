@@ -21,7 +21,7 @@ SIZE = (160, 120)
 DARK = Dome((0, 0, 0), np.eye(4), visible=False)
 
 
-@pytest.fixture()
+@pytest.fixture
 def peeler(renderer: FrameRenderer) -> Iterator[Peeler]:
     made = Peeler(renderer.graphics, ProgramCache(renderer.graphics.ctx))
     yield made
@@ -168,7 +168,9 @@ def test_aovs_name_what_is_there(renderer: FrameRenderer) -> None:
     scene = stacked([2.0])
     camera = Camera(np.eye(4), 50, 36, 27, f_stop=2.0, focus_distance_m=4.0, near_m=0.1)
     half = replace(scene, batches=(replace(scene.batches[0], poses=np.eye(4)[None] + 18 * np.eye(4, k=3)[None]),))
-    frame = renderer.render(half, camera, FrameSettings(*SIZE, rays=4, aovs=("color", "depth", "coc", "prim_id", "face_id")))
+    frame = renderer.render(
+        half, camera, FrameSettings(*SIZE, rays=4, aovs=("color", "depth", "coc", "prim_id", "face_id"))
+    )
     left, right = (60, 40), (60, 120)
     assert np.isinf(frame.aovs["depth"][left])
     assert frame.aovs["depth"][right] == pytest.approx(2.0)

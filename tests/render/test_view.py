@@ -20,7 +20,12 @@ def camera(**changes: object) -> Camera:
     pose[:3, :3] = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
     pose[:3, 3] = [1.0, 2.0, -0.5]
     base = Camera(
-        pose, focal_length_mm=40, horizontal_aperture_mm=24, vertical_aperture_mm=13.5, horizontal_offset_mm=2, vertical_offset_mm=-1
+        pose,
+        focal_length_mm=40,
+        horizontal_aperture_mm=24,
+        vertical_aperture_mm=13.5,
+        horizontal_offset_mm=2,
+        vertical_offset_mm=-1,
     )
     return replace(base, near_m=0.1, **changes)  # type: ignore[arg-type]
 
@@ -39,7 +44,9 @@ def test_the_ray_of_a_place_comes_back_to_it(place: tuple[float, float, float]) 
 
 
 @given(places, st.floats(-0.05, 0.05), st.floats(-0.05, 0.05))
-def test_the_projection_matrix_says_the_same_as_project(place: tuple[float, float, float], eye_x: float, eye_y: float) -> None:
+def test_the_projection_matrix_says_the_same_as_project(
+    place: tuple[float, float, float], eye_x: float, eye_y: float
+) -> None:
     view = replace(VIEW, eye_x_m=eye_x, eye_y_m=eye_y)
     origin, direction = VIEW.ray(*place[:2])
     world = origin + place[2] * direction

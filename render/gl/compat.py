@@ -4,6 +4,8 @@ Why each adaptation is here:
 
 - pyrender 0.1.45 (2021, its last release) uses ``np.infty``, which NumPy 2 removed. The alias is set for the import alone.
 - PyOpenGL picks its platform when it is first imported; without ``PYOPENGL_PLATFORM=egl`` it looks for an X display.
+- pyrender imports its viewer, and so pyglet, which looks for X libraries unless ``PYGLET_HEADLESS`` is set.
+- PyOpenGL knows the type of a ``ctypes.byref`` under its name before Python 3.12.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 """
 
@@ -24,19 +26,28 @@ from render.errors import GraphicsError
 _had_infty = hasattr(np, "infty")
 if not _had_infty:
     np.infty = np.inf  # type: ignore[attr-defined]
-import pyrender
-import pyrender.light
-import pyrender.material
-import pyrender.renderer
-import pyrender.shader_program
-import pyrender.texture
-from OpenGL import GL
-from OpenGL.EGL import eglGetProcAddress
-from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
-from pyrender.platforms import egl as pyrender_egl
+try:
+    import pyrender
+    import pyrender.light
+    import pyrender.material
+    import pyrender.renderer
+    import pyrender.shader_program
+    import pyrender.texture
+    from OpenGL import GL
+    from OpenGL.EGL import eglGetProcAddress
+    from OpenGL.plugins import FormatHandler
+    from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
+    from pyrender.platforms import egl as pyrender_egl
+except (ImportError, AttributeError) as error:  # PyOpenGL looks up a function in a library that it did not find
+    raise GraphicsError(
+        f"OpenGL's libraries cannot be loaded ({error}); on a machine without a GPU install Mesa's software rasteriser "
+        "(Debian: libegl1 libgl1 libgl1-mesa-dri)"
+    ) from error
 
 if not _had_infty:
     del np.infty  # type: ignore[attr-defined]
+
+FormatHandler("byref", "OpenGL.arrays.ctypesparameters.CtypesParameterHandler", ["_ctypes.CArgObject"], isOutput=True)
 
 __all__ = [
     "CLIP_NEGATIVE_ONE_TO_ONE",

@@ -37,7 +37,7 @@ class GraphicsContext:
         except Exception as error:  # EGL and PyOpenGL raise their own kinds, bare assertions included
             raise GraphicsError(
                 f"no OpenGL context could be made through EGL ({type(error).__name__}: {error}); on a machine without a GPU "
-                "install Mesa's software rasteriser (Debian: libegl1 libgl1-mesa-dri)"
+                "install Mesa's software rasteriser (Debian: libegl1 libgl1 libgl1-mesa-dri)"
             ) from error
         self.renderer: str = self.ctx.info["GL_RENDERER"]
         if self.ctx.version_code < REQUIRED_VERSION:

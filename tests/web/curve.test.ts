@@ -1,8 +1,15 @@
 import { distancesOf, pointNames, sampleAt, type Curve } from "@/model/curve";
 
 const curve: Curve = [1, 2, 4, 8].map((time) => ({
-  time, fStop: 2, focalLengthMm: 50, focusDistanceM: time, nearM: time - 0.1, farM: Infinity, hyperfocalM: 60,
-  source: "points", reason: "",
+  time,
+  fStop: 2,
+  focalLengthMm: 50,
+  focusDistanceM: time,
+  nearM: time - 0.1,
+  farM: Infinity,
+  hyperfocalM: 60,
+  source: "points",
+  reason: "",
   points: [
     { name: "a", depthM: time === 4 ? null : 3, share: 1 },
     { name: "b", depthM: -2, share: 0 },

@@ -1,4 +1,12 @@
-import { axisFraction, distanceAxis, formatDistance, formatMark, fromInverse, inverse, parseDistance } from "@/model/distance";
+import {
+  axisFraction,
+  distanceAxis,
+  formatDistance,
+  formatMark,
+  fromInverse,
+  inverse,
+  parseDistance,
+} from "@/model/distance";
 
 describe("distances as people write them", () => {
   it.each([
@@ -26,7 +34,12 @@ describe("distances as people write them", () => {
   });
 
   it("shows about three digits", () => {
-    expect([0.3777, 2.416, 37.72, 1234.5].map((d) => formatDistance(d, "m"))).toEqual(["0.378 m", "2.42 m", "37.7 m", "1235 m"]);
+    expect([0.3777, 2.416, 37.72, 1234.5].map((d) => formatDistance(d, "m"))).toEqual([
+      "0.378 m",
+      "2.42 m",
+      "37.7 m",
+      "1235 m",
+    ]);
   });
 
   it("inches carry into feet", () => {

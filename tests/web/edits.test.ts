@@ -5,8 +5,15 @@ import type { Readout } from "@/model/shot";
 import { point } from "./points";
 
 const readout: Readout = {
-  fStop: 2, focalLengthMm: 50, focusDistanceM: 3, nearM: 2.9, farM: 3.1, hyperfocalM: 60,
-  source: "points", reason: "", focusMode: "points",
+  fStop: 2,
+  focalLengthMm: 50,
+  focusDistanceM: 3,
+  nearM: 2.9,
+  farM: 3.1,
+  hyperfocalM: 60,
+  source: "points",
+  reason: "",
+  focusMode: "points",
 };
 
 function curve(...samples: Partial<CurveSample>[]): Curve {

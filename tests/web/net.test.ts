@@ -14,11 +14,23 @@ function answering(status: number, body: unknown): Request[] {
   return asked;
 }
 
-afterEach(() => { vi.unstubAllGlobals(); });
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
 
 describe("what the service says", () => {
   it("null distances are infinite", async () => {
-    answering(200, { fStop: 2, focalLengthMm: 50, focusDistanceM: null, nearM: 30, farM: null, hyperfocalM: null, source: "camera", reason: "", focusMode: "manual" });
+    answering(200, {
+      fStop: 2,
+      focalLengthMm: 50,
+      focusDistanceM: null,
+      nearM: 30,
+      farM: null,
+      hyperfocalM: null,
+      source: "camera",
+      reason: "",
+      focusMode: "manual",
+    });
     const readout = await new HttpService("http://host").readout(view, 3);
     expect([readout.focusDistanceM, readout.farM, readout.hyperfocalM]).toEqual([Infinity, Infinity, Infinity]);
   });
@@ -32,7 +44,11 @@ describe("what the service says", () => {
   it("a refusal is its own sentence, and what to do", async () => {
     answering(422, { code: "bad_stage", detail: "night.usda is no USD stage", path: "night.usda", errors: [] });
     const error: unknown = await new HttpService("http://host").shots().catch((reason: unknown) => reason);
-    expect(complaintOf(error)).toEqual({ message: "night.usda is no USD stage.", advice: "Nothing was changed." });
+    expect(complaintOf(error)).toEqual({
+      message: "night.usda is no USD stage.",
+      advice: "Nothing was changed.",
+      passing: false,
+    });
   });
 
   it("an answer that is no JSON of ours is still an error with its status", () => {

@@ -15,7 +15,9 @@ function harness(mostInFlight = 2): {
   const shown: string[] = [];
   const failed: string[] = [];
   const open = new Map<string, { resolve: (name: string) => void; reject: (error: Error) => void }>();
-  const settle = async (): Promise<void> => { await new Promise((resolve) => setTimeout(resolve)); };
+  const settle = async (): Promise<void> => {
+    await new Promise((resolve) => setTimeout(resolve));
+  };
   const fetcher = new NewestWins<string, string>({
     load: (name, signal) => {
       asked.push(name);
@@ -27,9 +29,19 @@ function harness(mostInFlight = 2): {
     mostInFlight,
   });
   return {
-    asked, aborted, shown, failed, fetcher,
-    answer: async (name) => { open.get(name)?.resolve(name); await settle(); },
-    refuse: async (name) => { open.get(name)?.reject(new Error(name)); await settle(); },
+    asked,
+    aborted,
+    shown,
+    failed,
+    fetcher,
+    answer: async (name) => {
+      open.get(name)?.resolve(name);
+      await settle();
+    },
+    refuse: async (name) => {
+      open.get(name)?.reject(new Error(name));
+      await settle();
+    },
   };
 }
 

@@ -1,5 +1,5 @@
 import { freshName, pullTo, type WeightKey } from "@/model/pull";
-import { keysOf, type FocusPoint, type Key } from "@/model/shot";
+import { keysOf, thingName, type FocusPoint, type Key } from "@/model/shot";
 import { point, valueAt } from "./points";
 
 /** The points after the keys were set; a new one is there with weight 1. */
@@ -75,6 +75,14 @@ describe("a click pulls the focus", () => {
 });
 
 describe("names of new points", () => {
+  it.each([
+    ["/World/Set/Tram/EnamelTeal", "Tram_EnamelTeal"],
+    ["/World/Cube", "Cube"],
+    ["/Cube", "Cube"],
+  ])("what is at %s is called %s", (path, name) => {
+    expect(thingName(path)).toBe(name);
+  });
+
   it("are the target's, made an identifier, and never one that is taken", () => {
     expect(freshName("robot", [])).toBe("robot");
     expect(freshName("robot", ["robot", "robot_2"])).toBe("robot_3");

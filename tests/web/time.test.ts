@@ -1,4 +1,12 @@
-import { frameAtFraction, frameCount, frameTicks, playheadAt, snapToFrame, stepFrames, type FrameRange } from "@/model/time";
+import {
+  frameAtFraction,
+  frameCount,
+  frameTicks,
+  playheadAt,
+  snapToFrame,
+  stepFrames,
+  type FrameRange,
+} from "@/model/time";
 
 const range: FrameRange = { start: 1, end: 96, framesPerSecond: 24 };
 const still: FrameRange = { start: 0, end: 0, framesPerSecond: 24 };

@@ -25,6 +25,10 @@ void editor.start(shot, camera, time).then(() => {
     const session = editor.session.value;
     // While playing the address keeps still: browsers allow few changes of it in a second.
     if (session?.playhead.playing.value || session?.playhead.scrubbing.value) return;
-    history.replaceState(null, "", writeAddress(session && { ...session.document.view, time: session.playhead.time.value }));
+    history.replaceState(
+      null,
+      "",
+      writeAddress(session && { ...session.document.view, time: session.playhead.time.value }),
+    );
   });
 });

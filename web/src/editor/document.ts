@@ -32,7 +32,9 @@ export class ShotDocument {
   readonly dragging = signal(false);
   /** Edits that are on their way. */
   readonly pending = signal(0);
-  readonly #readout = signal<{ readonly revision: number; readonly time: number; readonly value: Readout } | null>(null);
+  readonly #readout = signal<{ readonly revision: number; readonly time: number; readonly value: Readout } | null>(
+    null,
+  );
   readonly #curveRevision = signal(-1);
   readonly #time: ReadonlySignal<number>;
 
@@ -82,7 +84,8 @@ export class ShotDocument {
   readonly readout = computed<Readout | null>(() => {
     const told = this.#readout.value;
     if (told?.revision === this.revision.value && sameTime(told.time, this.#time.value)) return told.value;
-    const sample = this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
+    const sample =
+      this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
     return told && sample ? { ...told.value, ...sample } : (told?.value ?? null);
   });
 
@@ -110,7 +113,9 @@ export class ShotDocument {
     if (known) return known;
     const asked = this.#service.focusPoints(this.view, time);
     this.#pointsAt.set(name, asked);
-    asked.catch(() => { this.#pointsAt.delete(name); });
+    asked.catch(() => {
+      this.#pointsAt.delete(name);
+    });
     return asked;
   }
 
@@ -163,11 +168,19 @@ export class ShotDocument {
         this.dragging.value = true;
         void pump(() => this.#send(make(value).redo));
       },
-      commit: (value) => { end(() => this.edit(label, make(value))); },
+      commit: (value) => {
+        end(() => this.edit(label, make(value)));
+      },
       cancel: () => {
         if (this.dragging.value) end(() => this.#send(make(from).undo));
       },
     };
+  }
+
+  /** Asks again for everything, as after an edit. */
+  refresh(): void {
+    this.#pointsAt.clear();
+    this.revision.value += 1;
   }
 
   /** Lets go of everything that is under way. */
@@ -194,8 +207,7 @@ export class ShotDocument {
         if (!isAbort(error)) this.#fail(error);
         return false;
       } finally {
-        this.#pointsAt.clear();
-        this.revision.value += 1;
+        this.refresh();
         this.pending.value -= 1;
       }
     });

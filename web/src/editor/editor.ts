@@ -38,6 +38,13 @@ export class Editor {
     if (chosen) await this.open(chosen.id, camera, time);
   }
 
+  /** Asks again for what failed. */
+  async retry(): Promise<void> {
+    this.complaint.value = null;
+    if (this.session.value) this.session.value.document.refresh();
+    else await this.start(null, null, null);
+  }
+
   /** Opens a shot; the one that was open stays until the new one is there. */
   async open(shot: string, camera: string | null = null, time: number | null = null): Promise<void> {
     this.opening.value = shot;

@@ -43,7 +43,13 @@ export class Library {
     const abort = new AbortController();
     this.uploads.value = [...this.uploads.value, { id, name: file.name, progress: 0, complaint: null, abort }];
     try {
-      const shot = await this.#service.upload(file, (progress) => { this.#change(id, { progress }); }, abort.signal);
+      const shot = await this.#service.upload(
+        file,
+        (progress) => {
+          this.#change(id, { progress });
+        },
+        abort.signal,
+      );
       this.dismiss(id);
       await this.refresh();
       return shot;

@@ -63,7 +63,9 @@ export class Pictures {
     this.#document = document;
     this.#fetcher = new NewestWins({
       load: (request, signal) => this.#load(request, signal),
-      onResult: (picture) => { this.#show(picture); },
+      onResult: (picture) => {
+        this.#show(picture);
+      },
       onError: fail,
       onBusy: (busy) => (this.busy.value = busy),
     });
@@ -89,7 +91,9 @@ export class Pictures {
     }
     if (moving) return;
     const settle = Math.min(Math.max(this.#bestTookMs * SETTLE_MS.part, SETTLE_MS.least), SETTLE_MS.most);
-    this.#timer = setTimeout(() => { this.#fetcher.want({ request: best, disposable: true }); }, settle);
+    this.#timer = setTimeout(() => {
+      this.#fetcher.want({ request: best, disposable: true });
+    }, settle);
   }
 
   close(): void {

@@ -1,11 +1,33 @@
 /** One open shot: its document, its time, its picture, what is selected, and what a click does. */
 
 import { batch, computed, effect, signal } from "@preact/signals";
-import { NO_CHANGE, removePoint, setAttribute, setFocusMode, setKey, setLens, toggleKey, together, type Change, type SimpleAttribute } from "../model/command";
+import {
+  NO_CHANGE,
+  removePoint,
+  setAttribute,
+  setFocusMode,
+  setKey,
+  setLens,
+  toggleKey,
+  together,
+  type Change,
+  type SimpleAttribute,
+} from "../model/command";
 import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
-import { inFrame, primName, type Anchor, type FocusPoint, type FocusMode, type Lens, type Note, type Readout, type Shot } from "../model/shot";
+import {
+  inFrame,
+  thingName,
+  type Anchor,
+  type FocusPoint,
+  type FocusMode,
+  type Lens,
+  type Note,
+  type Readout,
+  type Shot,
+} from "../model/shot";
 import { sameTime } from "../model/time";
+import { HintError } from "../net/errors";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { Pictures } from "./pictures";
@@ -33,6 +55,7 @@ export class Session {
   readonly #service: Service;
   readonly #fail: (error: unknown) => void;
   readonly #stop: () => void;
+  #notesAsked = false;
 
   constructor(service: Service, shot: Shot, camera: string | null, time: number, fail: (error: unknown) => void) {
     this.#service = service;
@@ -42,7 +65,6 @@ export class Session {
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail);
     this.pictures = new Pictures(service, this.document, fail);
     this.#stop = this.#follow();
-    service.notes(shot.id).then((notes) => (this.notes.value = notes), fail);
   }
 
   get camera(): string | null {
@@ -62,8 +84,12 @@ export class Session {
   readonly settled = computed(() => {
     const shown = this.pictures.displayed.value;
     return (
-      shown !== null && shown.best && !this.moving.value && this.document.pending.value === 0 &&
-      shown.revision === this.document.revision.value && sameTime(shown.time, this.playhead.time.value)
+      shown !== null &&
+      shown.best &&
+      !this.moving.value &&
+      this.document.pending.value === 0 &&
+      shown.revision === this.document.revision.value &&
+      sameTime(shown.time, this.playhead.time.value)
     );
   });
 
@@ -87,7 +113,7 @@ export class Session {
     try {
       const quality = restQuality(box.value.width, box.value.height);
       const pick = await this.#service.pick(this.document.view, time, at, quality);
-      if (!pick) throw new Error("There is nothing to focus on there: click on a surface.");
+      if (!pick) throw new HintError("There is nothing to focus on there.", "Click on a surface.");
       await this.#place(pick.anchor, time, intent);
     } catch (error) {
       this.#fail(error);
@@ -106,7 +132,10 @@ export class Session {
       });
       return;
     }
-    const name = freshName(primName(anchor.target[0] ?? ""), points.map((point) => point.name));
+    const name = freshName(
+      thingName(anchor.target[0] ?? ""),
+      points.map((point) => point.name),
+    );
     const added: Change = {
       redo: [{ do: "addPoint", name, anchor, settings: {} }],
       undo: [{ do: "removePoint", name }],
@@ -142,7 +171,9 @@ export class Session {
 
   dragWeight(point: FocusPoint): Drag<number> {
     const time = this.playhead.time.value;
-    return this.document.drag(`Weight of ${point.name}`, point.settings.weight, (weight) => setAttribute(point, "weight", weight, time));
+    return this.document.drag(`Weight of ${point.name}`, point.settings.weight, (weight) =>
+      setAttribute(point, "weight", weight, time),
+    );
   }
 
   toggleKey(point: FocusPoint, attribute: SimpleAttribute): void {
@@ -192,10 +223,21 @@ export class Session {
         if (box) this.pictures.want({ time, revision, quality: restQuality(box.width, box.height) }, moving);
       }),
       effect(() => {
-        this.document.refreshCurve(this.document.revision.value);
+        // Not at each step of a drag: the next step would wait for it.
+        const revision = this.document.revision.value;
+        if (!this.document.dragging.value) this.document.refreshCurve(revision);
+      }),
+      effect(() => {
+        // Last of all, since it reads the whole shot; once.
+        if (this.settled.value && !this.#notesAsked) {
+          this.#notesAsked = true;
+          this.#service.notes(this.shot.id).then((notes) => (this.notes.value = notes), this.#fail);
+        }
       }),
     ];
-    return () => { for (const stop of stops) stop(); };
+    return () => {
+      for (const stop of stops) stop();
+    };
   }
 
   /** Selects the next point that is in the picture. */
@@ -216,7 +258,10 @@ function pullChange(name: string, time: number, points: readonly FocusPoint[]): 
       if (point) return setKey(point, "weight", key.value, key.time);
       const { time: at, value } = key;
       // The point is new: undone, it goes with all its keys.
-      return { redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }], undo: [] };
+      return {
+        redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }],
+        undo: [],
+      };
     }),
   );
 }

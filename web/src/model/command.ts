@@ -2,7 +2,18 @@
 
 import type { Curve } from "./curve";
 import type { Edit } from "./history";
-import { KEYED_ATTRIBUTES, keysOf, type Anchor, type FocusMode, type FocusPoint, type Key, type KeyedAttribute, type Lens, type PointSettings, type Readout } from "./shot";
+import {
+  KEYED_ATTRIBUTES,
+  keysOf,
+  type Anchor,
+  type FocusMode,
+  type FocusPoint,
+  type Key,
+  type KeyedAttribute,
+  type Lens,
+  type PointSettings,
+  type Readout,
+} from "./shot";
 import { sameTime } from "./time";
 
 export type LensChange = Partial<Lens & { readonly focusMode: FocusMode }>;
@@ -11,7 +22,12 @@ export type PointChange = Partial<PointSettings & { readonly anchor: Anchor }>;
 export type Command =
   /** With a time it sets a key there, without it holds for the whole shot. */
   | { readonly do: "setLens"; readonly change: LensChange; readonly time: number | null }
-  | { readonly do: "addPoint"; readonly name: string; readonly anchor: Anchor; readonly settings: Partial<PointSettings> }
+  | {
+      readonly do: "addPoint";
+      readonly name: string;
+      readonly anchor: Anchor;
+      readonly settings: Partial<PointSettings>;
+    }
   | { readonly do: "changePoint"; readonly name: string; readonly change: PointChange }
   | { readonly do: "removePoint"; readonly name: string }
   | { readonly do: "setKey"; readonly name: string; readonly attribute: KeyedAttribute; readonly key: Key }

@@ -28,7 +28,7 @@ export function formatDistance(distanceM: number, unit: LengthUnit): string {
 
 function metreDigits(distanceM: number): string {
   const size = Math.abs(distanceM);
-  return distanceM.toFixed(size < 1 ? 3 : size < 20 ? 2 : size < 200 ? 1 : 0);
+  return distanceM.toFixed(size < 1 ? 3 : size < 10 ? 2 : size < 100 ? 1 : 0);
 }
 
 function feetAndInches(distanceM: number): string {
@@ -119,4 +119,6 @@ function barrelMarks(nearW: number, farW: number, unit: LengthUnit, most: number
   return marks.reverse();
 }
 
-const ROUND = [-2, -1, 0, 1, 2, 3].flatMap((power) => [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9].map((m) => m * 10 ** power));
+const ROUND = [-2, -1, 0, 1, 2, 3].flatMap((power) =>
+  [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9].map((m) => m * 10 ** power),
+);

@@ -26,8 +26,14 @@ export function pullTo(name: string, time: number, points: readonly FocusPoint[]
   const rivals = others.filter((point) => point.settings.weight > 0);
   const own = points.filter((point) => point.name === name).flatMap((point) => keysOf(point, "weight"));
   const decided = others.flatMap((point) => keysOf(point, "weight").map((key) => key.time));
-  const before = nearest(decided.filter((t) => t < time && !sameTime(t, time)), time);
-  const after = nearest(decided.filter((t) => t > time && !sameTime(t, time)), time);
+  const before = nearest(
+    decided.filter((t) => t < time && !sameTime(t, time)),
+    time,
+  );
+  const after = nearest(
+    decided.filter((t) => t > time && !sameTime(t, time)),
+    time,
+  );
   const handOver = [before, after]
     .filter((t): t is number => t !== null && !keyedBetween(own, t, time))
     .map((t) => ({ point: name, time: t, value: 0 }));

@@ -132,7 +132,16 @@ export function inFrame(point: FocusPoint): boolean {
   return point.screen?.every((at) => at >= 0 && at <= 1) ?? false;
 }
 
-/** The last part of a prim path: what people call the thing. */
+/** The last part of a prim path. */
 export function primName(path: string): string {
   return path.slice(path.lastIndexOf("/") + 1) || path;
+}
+
+/**
+ * What people would call the thing at a prim path: its name with that of what it is a part of.
+ *
+ * Meshes are often named after their material or just `mesh`; the scope right under the root says nothing either way.
+ */
+export function thingName(path: string): string {
+  return path.split("/").slice(2).slice(-2).join("_") || primName(path);
 }

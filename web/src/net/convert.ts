@@ -1,7 +1,17 @@
 /** From what travels as JSON to the model and back: `null` distances are infinite, keys ride with their points. */
 
 import type { Curve } from "../model/curve";
-import { KEYED_ATTRIBUTES, type Anchor, type CameraSummary, type FocusPoint, type LensSample, type Pick, type Readout, type Shot, type ShotSummary } from "../model/shot";
+import {
+  KEYED_ATTRIBUTES,
+  type Anchor,
+  type CameraSummary,
+  type FocusPoint,
+  type LensSample,
+  type Pick,
+  type Readout,
+  type Shot,
+  type ShotSummary,
+} from "../model/shot";
 import type { components } from "./schema";
 
 export type Json = components["schemas"];
@@ -70,7 +80,9 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
 }
 
 export function toPick(json: Json["Pick"]): Pick | null {
-  return json.hit && json.anchor && typeof json.depthM === "number" ? { anchor: toAnchor(json.anchor), depthM: json.depthM } : null;
+  return json.hit && json.anchor && typeof json.depthM === "number"
+    ? { anchor: toAnchor(json.anchor), depthM: json.depthM }
+    : null;
 }
 
 function toAnchor(json: Json["Anchor"] | Json["FocusPoint"]): Anchor {

@@ -30,14 +30,30 @@ export class UnreachableError extends Error {
   }
 }
 
+/** Nothing failed, but what was wanted cannot be. */
+export class HintError extends Error {
+  readonly advice: string;
+
+  constructor(message: string, advice: string) {
+    super(message);
+    this.name = "HintError";
+    this.advice = advice;
+  }
+}
+
 /** Makes an error of what came back in place of a result. */
 export function errorOf(status: number, body: unknown): ServiceError {
   if (isProblem(body)) return new ServiceError(body, status);
-  return new ServiceError({ code: `http_${status.toString()}`, detail: `The service answered with status ${status.toString()}.` }, status);
+  return new ServiceError(
+    { code: `http_${status.toString()}`, detail: `The service answered with status ${status.toString()}.` },
+    status,
+  );
 }
 
 function isProblem(body: unknown): body is Problem {
-  return typeof body === "object" && body !== null && "code" in body && "detail" in body && typeof body.detail === "string";
+  return (
+    typeof body === "object" && body !== null && "code" in body && "detail" in body && typeof body.detail === "string"
+  );
 }
 
 /** Whether an error only says that its request was given up on purpose, here or by a newer one at the service. */
@@ -50,14 +66,23 @@ export function isAbort(error: unknown): boolean {
 export interface Complaint {
   readonly message: string;
   readonly advice: string;
+  /** Whether asking again may help. */
+  readonly passing: boolean;
 }
 
 export function complaintOf(error: unknown): Complaint {
   if (error instanceof UnreachableError) {
-    return { message: error.message, advice: "Check that `pullfocus serve` is running, then try again." };
+    return { message: error.message, advice: "Check that “pullfocus serve” is running.", passing: true };
   }
-  if (error instanceof ServiceError) return { message: sentence(error.message), advice: adviceFor(error) };
-  return { message: error instanceof Error ? sentence(error.message) : "Something failed.", advice: "Reload the page." };
+  if (error instanceof ServiceError) {
+    return { message: sentence(error.message), advice: adviceFor(error), passing: error.status >= 500 };
+  }
+  if (error instanceof HintError) return { message: error.message, advice: error.advice, passing: false };
+  return {
+    message: error instanceof Error ? sentence(error.message) : "Something failed.",
+    advice: "Reload the page.",
+    passing: false,
+  };
 }
 
 function adviceFor(error: ServiceError): string {
@@ -70,9 +95,10 @@ function adviceFor(error: ServiceError): string {
     case 422:
       return "Nothing was changed.";
     case 503:
+    case 504:
       return "Try again in a moment.";
     default:
-      return error.status >= 500 ? "Try again; if it fails again, look in the service's log." : "Nothing was changed.";
+      return error.status >= 500 ? "If it fails again, the service’s log says more." : "Nothing was changed.";
   }
 }
 

@@ -21,8 +21,6 @@ interface Answer<Data> {
 export class HttpService implements Service {
   readonly #base: string;
   readonly #client: Client<paths>;
-  /** Tells the service which frame requests are one viewer's, the newest of which wins. */
-  readonly #name = `page-${Math.random().toString(36).slice(2)}`;
 
   /** @param base address of the service, without a slash at its end; empty for where the page came from. */
   constructor(base = "") {
@@ -56,7 +54,7 @@ export class HttpService implements Service {
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
-    return this.#picture(view, { ...pictureOf(time, quality), format: quality.format, client: this.#name }, signal);
+    return this.#picture(view, { ...pictureOf(time, quality), format: quality.format }, signal);
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
@@ -88,7 +86,8 @@ export class HttpService implements Service {
       case "setLens": {
         const { focusDistanceM, ...rest } = command.change;
         // The service says infinity as USD does: 0.
-        const focus = focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
+        const focus =
+          focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
         const body = { ...rest, ...focus, ...(command.time === null ? {} : { time: command.time }) };
         return done(this.#client.PATCH("/v1/shots/{shot}/camera", { ...at(view, {}), body }));
       }

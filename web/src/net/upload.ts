@@ -26,9 +26,19 @@ export function sendFile(
       if (request.status >= 200 && request.status < 300) resolve(request.response);
       else reject(errorOf(request.status, request.response));
     };
-    request.onerror = () => { reject(new UnreachableError()); };
-    request.onabort = () => { reject(new DOMException("The upload was given up.", "AbortError")); };
-    signal.addEventListener("abort", () => { request.abort(); }, { once: true });
+    request.onerror = () => {
+      reject(new UnreachableError());
+    };
+    request.onabort = () => {
+      reject(new DOMException("The upload was given up.", "AbortError"));
+    };
+    signal.addEventListener(
+      "abort",
+      () => {
+        request.abort();
+      },
+      { once: true },
+    );
     request.send(form);
   });
 }

@@ -25,7 +25,13 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
 }
 
 /** The whole window takes files. */
-function DropTarget({ onFiles, children }: { onFiles: (files: File[]) => void; children: ComponentChildren }): JSX.Element {
+function DropTarget({
+  onFiles,
+  children,
+}: {
+  onFiles: (files: File[]) => void;
+  children: ComponentChildren;
+}): JSX.Element {
   const [over, setOver] = useState(false);
   const holdsFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
   return (

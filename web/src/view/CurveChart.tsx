@@ -4,7 +4,14 @@ import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { Session } from "../editor/session";
 import { distancesOf, pointNames, sampleAt, type Curve, type CurveSample } from "../model/curve";
-import { axisFraction, distanceAxis, formatDistance, formatMark, type DistanceAxis, type LengthUnit } from "../model/distance";
+import {
+  axisFraction,
+  distanceAxis,
+  formatDistance,
+  formatMark,
+  type DistanceAxis,
+  type LengthUnit,
+} from "../model/distance";
 import { useSize } from "./hooks";
 import type { TimeAxis } from "./Timeline";
 
@@ -26,16 +33,26 @@ export function CurveChart({ session, axis, unit, onScrub }: CurveChartProps): J
   const box = useRef<HTMLDivElement>(null);
   const { height } = useSize(box);
   const curve = session.document.curve.value;
-  const distances = useMemo(() => distanceAxis(distancesOf(curve), unit, Math.max(2, Math.floor(height / 26))), [curve, unit, height]);
+  const distances = useMemo(
+    () => distanceAxis(distancesOf(curve), unit, Math.max(2, Math.floor(height / 26))),
+    [curve, unit, height],
+  );
   const plot = useMemo<Plot>(
     () => ({ x: axis.x, y: (d) => (1 - Math.min(Math.max(axisFraction(distances, d), -1), 2)) * height, height }),
     [axis, distances, height],
   );
   return (
     <div class="chart" ref={box} onPointerDown={onScrub}>
-      {height > 0 && (
+      {curve.length === 0 && (
+        <p class="chart-hint muted" style={{ left: `${axis.left}px` }}>
+          {session.document.hasLens ? "Reading the focus curve…" : "No camera, no focus curve."}
+        </p>
+      )}
+      {height > 0 && curve.length > 0 && (
         <svg width={axis.width} height={height} role="img" aria-label={describe(curve, unit)}>
-          <clipPath id="plot-clip"><rect x={axis.left} y={0} width={axis.right - axis.left} height={height} /></clipPath>
+          <clipPath id="plot-clip">
+            <rect x={axis.left} y={0} width={axis.right - axis.left} height={height} />
+          </clipPath>
           <Grid axis={axis} distances={distances} plot={plot} unit={unit} />
           <g clip-path="url(#plot-clip)">
             <Band curve={curve} plot={plot} />
@@ -55,13 +72,26 @@ function describe(curve: Curve, unit: LengthUnit): string {
   return `Focus curve from ${formatDistance(first.focusDistanceM, unit)} at the first frame to ${formatDistance(last.focusDistanceM, unit)} at the last`;
 }
 
-function Grid({ axis, distances, plot, unit }: { axis: TimeAxis; distances: DistanceAxis; plot: Plot; unit: LengthUnit }): JSX.Element {
+function Grid({
+  axis,
+  distances,
+  plot,
+  unit,
+}: {
+  axis: TimeAxis;
+  distances: DistanceAxis;
+  plot: Plot;
+  unit: LengthUnit;
+}): JSX.Element {
   return (
     <g class="grid">
       {distances.ticks.map((tick) => (
         <g key={tick} transform={`translate(0 ${plot.y(tick).toFixed(1)})`}>
           <line x1={axis.left} x2={axis.right} />
-          <text x={axis.left - 10} y={4} text-anchor="end">{formatMark(tick, unit)}{unit === "m" && Number.isFinite(tick) ? " m" : ""}</text>
+          <text x={axis.left - 10} y={4} text-anchor="end">
+            {formatMark(tick, unit)}
+            {unit === "m" && Number.isFinite(tick) ? " m" : ""}
+          </text>
         </g>
       ))}
     </g>
@@ -77,7 +107,15 @@ function Band({ curve, plot }: { curve: Curve; plot: Plot }): JSX.Element {
 }
 
 function FocusLine({ curve, plot }: { curve: Curve; plot: Plot }): JSX.Element {
-  return <path class="focus-line" d={polyline(curve.map((sample) => [sample.time, sample.focusDistanceM]), plot)} />;
+  return (
+    <path
+      class="focus-line"
+      d={polyline(
+        curve.map((sample) => [sample.time, sample.focusDistanceM]),
+        plot,
+      )}
+    />
+  );
 }
 
 interface PointTracksProps {
@@ -92,7 +130,10 @@ function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.El
     () =>
       pointNames(curve).map((name) => ({
         name,
-        depths: curve.map((sample): Track[number] => [sample.time, sample.points.find((p) => p.name === name)?.depthM ?? null]),
+        depths: curve.map((sample): Track[number] => [
+          sample.time,
+          sample.points.find((p) => p.name === name)?.depthM ?? null,
+        ]),
       })),
     [curve],
   );
@@ -102,7 +143,11 @@ function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.El
       {tracks.map(({ name, depths }) => (
         <g key={name} class={name === selected ? "track selected" : "track"}>
           <path d={polyline(depths, plot)} />
-          {labels.has(name) && <text x={right - 6} y={labels.get(name)} text-anchor="end">{name}</text>}
+          {labels.has(name) && (
+            <text x={right - 6} y={labels.get(name)} text-anchor="end">
+              {name}
+            </text>
+          )}
         </g>
       ))}
     </>
@@ -112,7 +157,11 @@ function PointTracks({ curve, plot, selected, right }: PointTracksProps): JSX.El
 type Track = readonly [time: number, depthM: number | null][];
 
 /** Where the names of the tracks stand at their ends; the selected first, and none that would cover another. */
-function labelPlaces(tracks: readonly { name: string; depths: Track }[], plot: Plot, selected: string | null): Map<string, number> {
+function labelPlaces(
+  tracks: readonly { name: string; depths: Track }[],
+  plot: Plot,
+  selected: string | null,
+): Map<string, number> {
   const places = new Map<string, number>();
   const first = tracks.toSorted((a, b) => Number(b.name === selected) - Number(a.name === selected));
   for (const { name, depths } of first) {
@@ -141,5 +190,12 @@ function polyline(places: readonly (readonly [number, number | null])[], plot: P
 function NowDot({ session, plot }: { session: Session; plot: Plot }): JSX.Element | null {
   const sample = sampleAt(session.document.curve.value, session.playhead.time.value);
   if (!sample) return null;
-  return <circle class="now" cx={plot.x(sample.time)} cy={Math.min(Math.max(plot.y(sample.focusDistanceM), 0), plot.height)} r={4} />;
+  return (
+    <circle
+      class="now"
+      cx={plot.x(sample.time)}
+      cy={Math.min(Math.max(plot.y(sample.focusDistanceM), 0), plot.height)}
+      r={4}
+    />
+  );
 }

@@ -23,7 +23,12 @@ export interface FieldProps {
 
 const TRAVEL = 1000;
 const KEY_STEPS: Readonly<Record<string, number>> = {
-  ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1, PageUp: 5, PageDown: -5,
+  ArrowUp: 1,
+  ArrowRight: 1,
+  ArrowDown: -1,
+  ArrowLeft: -1,
+  PageUp: 5,
+  PageDown: -5,
 };
 
 export function Field(props: FieldProps): JSX.Element {
@@ -39,17 +44,42 @@ export function Field(props: FieldProps): JSX.Element {
   };
   return (
     <div class="field">
-      <span class={props.labelHidden ? "field-label hidden" : "field-label"} aria-hidden="true">{label}</span>
-      <TypedNumber {...props} value={value} onStep={step} onStepped={commit} onTyped={(typed) => { commit(typed); }} />
+      <span class={props.labelHidden ? "field-label hidden" : "field-label"} aria-hidden="true">
+        {label}
+      </span>
+      <TypedNumber
+        {...props}
+        value={value}
+        onStep={step}
+        onStepped={commit}
+        onTyped={(typed) => {
+          commit(typed);
+        }}
+      />
       <input
-        type="range" class="slider" min={0} max={TRAVEL} step={1} value={position} disabled={disabled}
-        style={{ "--at": `${position / TRAVEL * 100}%` }}
-        aria-label={label} aria-valuetext={format(value)}
-        onInput={(event) => { move(scale.toValue(event.currentTarget.valueAsNumber / TRAVEL)); }}
-        onChange={() => { commit(); }}
+        type="range"
+        class="slider"
+        min={0}
+        max={TRAVEL}
+        step={1}
+        value={position}
+        disabled={disabled}
+        style={{ "--at": `${(position / TRAVEL) * 100}%` }}
+        aria-label={label}
+        aria-valuetext={format(value)}
+        onInput={(event) => {
+          move(scale.toValue(event.currentTarget.valueAsNumber / TRAVEL));
+        }}
+        onChange={() => {
+          commit();
+        }}
         onKeyDown={step}
-        onKeyUp={(event) => { if (event.key in KEY_STEPS) commit(); }}
-        onBlur={() => { commit(); }}
+        onKeyUp={(event) => {
+          if (event.key in KEY_STEPS) commit();
+        }}
+        onBlur={() => {
+          commit();
+        }}
       />
     </div>
   );
@@ -95,7 +125,17 @@ interface TypedNumberProps extends FieldProps {
   readonly onStepped: () => void;
 }
 
-function TypedNumber({ label, value, format, parse, example, disabled, onTyped, onStep, onStepped }: TypedNumberProps): JSX.Element {
+function TypedNumber({
+  label,
+  value,
+  format,
+  parse,
+  example,
+  disabled,
+  onTyped,
+  onStep,
+  onStepped,
+}: TypedNumberProps): JSX.Element {
   const [text, setText] = useState<string | null>(null);
   const wrong = text !== null && parse(text) === null;
   const finish = (): void => {
@@ -105,18 +145,39 @@ function TypedNumber({ label, value, format, parse, example, disabled, onTyped, 
   };
   return (
     <input
-      type="text" class="number" inputMode="decimal" autocomplete="off" spellcheck={false} disabled={disabled ?? false}
-      aria-label={label} aria-invalid={wrong} title={wrong ? `Type for example ${example}` : undefined}
+      type="text"
+      class="number"
+      inputMode="decimal"
+      autocomplete="off"
+      spellcheck={false}
+      disabled={disabled ?? false}
+      aria-label={label}
+      aria-invalid={wrong}
+      title={wrong ? `Type for example ${example}` : undefined}
       value={text ?? format(value)}
-      onFocus={(event) => { event.currentTarget.select(); }}
-      onInput={(event) => { setText(event.currentTarget.value); }}
-      onBlur={() => { finish(); onStepped(); }}
+      onFocus={(event) => {
+        event.currentTarget.select();
+      }}
+      onInput={(event) => {
+        setText(event.currentTarget.value);
+      }}
+      onBlur={() => {
+        finish();
+        onStepped();
+      }}
       onKeyDown={(event) => {
         if (event.key === "Enter") event.currentTarget.blur();
-        else if (event.key === "Escape") { setText(null); event.currentTarget.blur(); }
-        else if (event.key === "ArrowUp" || event.key === "ArrowDown") { setText(null); onStep(event); }
+        else if (event.key === "Escape") {
+          setText(null);
+          event.currentTarget.blur();
+        } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
+          setText(null);
+          onStep(event);
+        }
       }}
-      onKeyUp={(event) => { if (event.key in KEY_STEPS) onStepped(); }}
+      onKeyUp={(event) => {
+        if (event.key in KEY_STEPS) onStepped();
+      }}
     />
   );
 }

@@ -15,10 +15,15 @@ export function FocusPoints({ session, unit }: { session: Session; unit: LengthU
   const points = session.document.points.value;
   return (
     <section class="points" aria-labelledby="points-title">
-      <div class="panel-head"><h2 id="points-title">Focus points</h2><span class="muted">{points.length > 0 ? points.length : ""}</span></div>
+      <div class="panel-head">
+        <h2 id="points-title">Focus points</h2>
+        <span class="muted">{points.length > 0 ? points.length : ""}</span>
+      </div>
       {points.length === 0 && <p class="muted pad">None yet. Click on what must be sharp.</p>}
       <ul>
-        {points.map((point) => <PointRow key={point.name} session={session} point={point} unit={unit} />)}
+        {points.map((point) => (
+          <PointRow key={point.name} session={session} point={point} unit={unit} />
+        ))}
       </ul>
     </section>
   );
@@ -28,28 +33,61 @@ function PointRow({ session, point, unit }: { session: Session; point: FocusPoin
   const { name, settings } = point;
   const selected = session.selected.value === name;
   return (
-    <li class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`} onClick={() => (session.selected.value = name)}>
+    <li
+      class={`point${selected ? " selected" : ""}${settings.enabled ? "" : " off"}`}
+      onClick={() => (session.selected.value = name)}
+    >
       <div class="point-head">
         <input
-          type="checkbox" class="switch" checked={settings.enabled} aria-label={`${name} enabled`} title="Enabled"
-          onChange={(event) => { session.setEnabled(point, event.currentTarget.checked); }}
+          type="checkbox"
+          class="switch"
+          checked={settings.enabled}
+          aria-label={`${name} enabled`}
+          title="Enabled"
+          onChange={(event) => {
+            session.setEnabled(point, event.currentTarget.checked);
+          }}
         />
         <KeyButton session={session} point={point} attribute="enabled" />
         <button type="button" class="point-name" aria-pressed={selected} title={point.anchor.target.join(" ")}>
           {name} <span class="muted">{where(point, unit)}</span>
         </button>
-        <button type="button" class="button icon-only quiet" aria-label={`Pull focus to ${name} now`} title="Pull focus to it now (F)" onClick={() => { session.pullTo(point); }}>
+        <button
+          type="button"
+          class="button icon-only quiet"
+          aria-label={`Pull focus to ${name} now`}
+          title="Pull focus to it now (F)"
+          onClick={() => {
+            session.pullTo(point);
+          }}
+        >
           <Icon name="target" />
         </button>
-        <button type="button" class="button icon-only quiet" aria-label={`Remove ${name}`} title="Remove (Delete)" onClick={(event) => { event.stopPropagation(); session.remove(point); }}>
+        <button
+          type="button"
+          class="button icon-only quiet"
+          aria-label={`Remove ${name}`}
+          title="Remove (Delete)"
+          onClick={(event) => {
+            event.stopPropagation();
+            session.remove(point);
+          }}
+        >
           <Icon name="trash" />
         </button>
       </div>
       <div class="point-weight">
         <KeyButton session={session} point={point} attribute="weight" />
         <Field
-          label={`Weight of ${name}`} labelHidden value={settings.weight} scale={WEIGHTS} fresh={session.document.fresh.value} example="0.5"
-          format={(value) => value.toFixed(2)} parse={parseWeight} startDrag={() => session.dragWeight(point)}
+          label={`Weight of ${name}`}
+          labelHidden
+          value={settings.weight}
+          scale={WEIGHTS}
+          fresh={session.document.fresh.value}
+          example="0.5"
+          format={(value) => value.toFixed(2)}
+          parse={parseWeight}
+          startDrag={() => session.dragWeight(point)}
         />
       </div>
     </li>
@@ -63,17 +101,32 @@ function where(point: FocusPoint, unit: LengthUnit): string {
 }
 
 /** A diamond, as in animation tools: hollow where nothing is keyed, filled where this frame has a key. */
-function KeyButton({ session, point, attribute }: { session: Session; point: FocusPoint; attribute: SimpleAttribute }): JSX.Element {
+function KeyButton({
+  session,
+  point,
+  attribute,
+}: {
+  session: Session;
+  point: FocusPoint;
+  attribute: SimpleAttribute;
+}): JSX.Element {
   const key = keyAt(point, attribute, session.playhead.time.value);
   const keyed = keysOf(point, attribute).length > 0;
   const does = key ? "Remove the key" : "Set a key";
   return (
     <button
-      type="button" class={`key${keyed ? " keyed" : ""}`} aria-pressed={key !== null}
-      aria-label={`Key of ${point.name}, ${attribute}`} title={`${does} of ${attribute} at this frame${attribute === "weight" ? " (K)" : ""}`}
-      onClick={() => { session.toggleKey(point, attribute); }}
+      type="button"
+      class={`key${keyed ? " keyed" : ""}`}
+      aria-pressed={key !== null}
+      aria-label={`Key of ${point.name}, ${attribute}`}
+      title={`${does} of ${attribute} at this frame${attribute === "weight" ? " (K)" : ""}`}
+      onClick={() => {
+        session.toggleKey(point, attribute);
+      }}
     >
-      <svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true"><path d="M0 -4.5L4.5 0L0 4.5L-4.5 0Z" /></svg>
+      <svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true">
+        <path d="M0 -4.5L4.5 0L0 4.5L-4.5 0Z" />
+      </svg>
     </button>
   );
 }

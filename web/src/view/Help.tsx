@@ -12,19 +12,25 @@ export function Help({ editor }: { editor: Editor }): JSX.Element {
     if (open) ref.current?.showModal();
     else ref.current?.close();
   }, [open]);
-  const close = (): void => { editor.helpOpen.value = false; };
+  const close = (): void => {
+    editor.helpOpen.value = false;
+  };
   return (
     <dialog ref={ref} class="help" aria-labelledby="help-title" onClose={close}>
       <h2 id="help-title">Keys and clicks</h2>
       <dl>
         {SHORTCUTS.map(({ keys, does }) => (
           <div key={keys}>
-            <dt><kbd>{keys}</kbd></dt>
+            <dt>
+              <kbd>{keys}</kbd>
+            </dt>
             <dd>{does}</dd>
           </div>
         ))}
       </dl>
-      <button type="button" class="button" onClick={close}>Close</button>
+      <button type="button" class="button" onClick={close}>
+        Close
+      </button>
     </dialog>
   );
 }

@@ -12,7 +12,8 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
     <aside class="inspector panel" aria-label="Lens and focus points">
       {session && !session.document.hasLens ? (
         <p class="muted pad-all">
-          This shot has no camera, so one was made to frame it. Add a camera to the shot to set its lens and pull its focus.
+          This shot has no camera, so one was made to frame it. Add a camera to the shot to set its lens and pull its
+          focus.
         </p>
       ) : session ? (
         <>

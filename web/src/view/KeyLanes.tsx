@@ -10,14 +10,22 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
   const points = session.document.points.value.filter((point) => keysOfPage(point).length > 0);
   return (
     <div class="lanes" role="group" aria-label="Keys of the focus points">
-      {points.length === 0 && <p class="lane-hint muted" style={{ left: `${axis.left}px` }}>The focus points’ keys show here.</p>}
-      {points.map((point) => <Lane key={point.name} session={session} axis={axis} point={point} />)}
+      {points.length === 0 && (
+        <p class="lane-hint muted" style={{ left: `${axis.left}px` }}>
+          The focus points’ keys show here.
+        </p>
+      )}
+      {points.map((point) => (
+        <Lane key={point.name} session={session} axis={axis} point={point} />
+      ))}
     </div>
   );
 }
 
 function keysOfPage(point: FocusPoint): { attribute: KeyedAttribute; key: Key }[] {
-  return (["weight", "enabled"] as const).flatMap((attribute) => keysOf(point, attribute).map((key) => ({ attribute, key })));
+  return (["weight", "enabled"] as const).flatMap((attribute) =>
+    keysOf(point, attribute).map((key) => ({ attribute, key })),
+  );
 }
 
 function Lane({ session, axis, point }: { session: Session; axis: TimeAxis; point: FocusPoint }): JSX.Element {
@@ -25,11 +33,20 @@ function Lane({ session, axis, point }: { session: Session; axis: TimeAxis; poin
   const now = session.playhead.time.value;
   return (
     <div class={selected ? "lane selected" : "lane"}>
-      <button type="button" class="lane-name" aria-pressed={selected} onClick={() => (session.selected.value = point.name)}>{point.name}</button>
+      <button
+        type="button"
+        class="lane-name"
+        aria-pressed={selected}
+        onClick={() => (session.selected.value = point.name)}
+      >
+        {point.name}
+      </button>
       <div class="lane-line" style={{ left: `${axis.left}px`, width: `${axis.right - axis.left}px` }} />
       {keysOfPage(point).map(({ attribute, key }) => (
         <button
-          key={`${attribute} ${key.time}`} type="button" tabIndex={-1}
+          key={`${attribute} ${key.time}`}
+          type="button"
+          tabIndex={-1}
           class={`lane-key ${attribute}${sameTime(key.time, now) ? " now" : ""}${key.value === 0 ? " zero" : ""}`}
           style={{ left: `${axis.x(key.time)}px` }}
           aria-label={`${attribute} of ${point.name} is ${key.value} at frame ${formatFrame(key.time)}`}

@@ -12,7 +12,9 @@ export function LensPanel({ session, unit }: { session: Session; unit: LengthUni
   const readout = session.document.readout.value;
   return (
     <section aria-labelledby="lens-title">
-      <div class="panel-head"><h2 id="lens-title">Lens</h2></div>
+      <div class="panel-head">
+        <h2 id="lens-title">Lens</h2>
+      </div>
       {readout ? (
         <>
           <LensFields session={session} readout={readout} unit={unit} />
@@ -30,19 +32,30 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
   return (
     <div class="fields">
       <Field
-        label="f-number" value={readout.fStop} scale={F_NUMBERS} fresh={fresh} example="2.8"
+        label="f-number"
+        value={readout.fStop}
+        scale={F_NUMBERS}
+        fresh={fresh}
+        example="2.8"
         format={(value) => (value === 0 ? "pinhole" : `f/${trim(value, 2)}`)}
         parse={(text) => parseNumber(text, /^[ft]?\s*\/?\s*([\d.]+)$/i)}
         startDrag={() => session.dragLens("f-number", "fStop", readout)}
       />
       <Field
-        label="Focal length" value={readout.focalLengthMm} scale={FOCAL_LENGTHS_MM} fresh={fresh} example="50 mm"
+        label="Focal length"
+        value={readout.focalLengthMm}
+        scale={FOCAL_LENGTHS_MM}
+        fresh={fresh}
+        example="50 mm"
         format={(value) => `${trim(value, 1)} mm`}
         parse={(text) => parseNumber(text, /^([\d.]+)\s*(?:mm)?$/i)}
         startDrag={() => session.dragLens("focal length", "focalLengthMm", readout)}
       />
       <Field
-        label="Focus distance" value={readout.focusDistanceM} scale={FOCUS_DISTANCES_M} fresh={fresh}
+        label="Focus distance"
+        value={readout.focusDistanceM}
+        scale={FOCUS_DISTANCES_M}
+        fresh={fresh}
         example={unit === "m" ? "2.5, 85 cm or ∞" : "8′ 2″ or ∞"}
         format={(value) => formatDistance(value, unit)}
         parse={(text) => parseDistance(text, unit)}
@@ -55,15 +68,26 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
 
 /** Who focuses, and why the focus is where it is. */
 function FocusBy({ session, readout }: { session: Session; readout: Readout }): JSX.Element {
-  const choices = [["points", "Points"], ["manual", "By hand"]] as const;
+  const choices = [
+    ["points", "Points"],
+    ["manual", "By hand"],
+  ] as const;
   return (
     <div class="focus-by">
-      <p class="reason" title={readout.reason}>{readout.reason}</p>
+      <p class="reason" title={readout.reason}>
+        {readout.reason}
+      </p>
       <div class="group" role="radiogroup" aria-label="Who focuses">
         {choices.map(([mode, name]) => (
           <button
-            key={mode} type="button" class="button small" role="radio" aria-checked={readout.focusMode === mode}
-            onClick={() => { session.setFocusMode(mode); }}
+            key={mode}
+            type="button"
+            class="button small"
+            role="radio"
+            aria-checked={readout.focusMode === mode}
+            onClick={() => {
+              session.setFocusMode(mode);
+            }}
           >
             {name}
           </button>
@@ -73,11 +97,24 @@ function FocusBy({ session, readout }: { session: Session; readout: Readout }): 
   );
 }
 
-function DepthOfField({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
+function DepthOfField({
+  session,
+  readout,
+  unit,
+}: {
+  session: Session;
+  readout: Readout;
+  unit: LengthUnit;
+}): JSX.Element {
   return (
     <div class="dof">
       <h3>Depth of field</h3>
-      <DepthStrip readout={readout} points={session.document.points.value} selected={session.selected.value} unit={unit} />
+      <DepthStrip
+        readout={readout}
+        points={session.document.points.value}
+        selected={session.selected.value}
+        unit={unit}
+      />
       <dl class="readout">
         <Reading name="Near" value={formatDistance(readout.nearM, unit)} />
         <Reading name="Far" value={formatDistance(readout.farM, unit)} />

@@ -11,15 +11,19 @@ import { followPointer } from "./hooks";
 const SLACK_PX = 4;
 
 export function Markers({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
-  const picking = session.picking.value;
   return (
     <div class="markers" role="group" aria-label="Focus points on the picture">
       {session.shownPoints.value.filter(inFrame).map((point) => (
         <Marker key={point.name} session={session} point={point} unit={unit} />
       ))}
-      {picking && <div class="picking" style={place(picking)} />}
     </div>
   );
+}
+
+/** Where a click is being looked up. */
+export function Picking({ session }: { session: Session }): JSX.Element | null {
+  const at = session.picking.value;
+  return at && <div class="picking" style={place(at)} role="status" aria-label="Looking what is there" />;
 }
 
 function Marker({ session, point, unit }: { session: Session; point: FocusPoint; unit: LengthUnit }): JSX.Element {
@@ -49,17 +53,27 @@ function Marker({ session, point, unit }: { session: Session; point: FocusPoint;
             setDragged(at);
           },
           (event) => {
-            if (at && event.type === "pointerup") void session.click(at, "move").then(() => { setDragged(null); });
+            if (at && event.type === "pointerup")
+              void session.click(at, "move").then(() => {
+                setDragged(null);
+              });
             else setDragged(null);
           },
         );
       }}
     >
       <svg viewBox="-14 -14 28 28" width="28" height="28" aria-hidden="true">
-        <g class="halo"><Reticle /></g>
-        <g class="line"><Reticle /></g>
+        <g class="halo">
+          <Reticle />
+        </g>
+        <g class="line">
+          <Reticle />
+        </g>
       </svg>
-      <span class="tag">{point.name}<small>{depth}</small></span>
+      <span class="tag">
+        {point.name}
+        <small>{depth}</small>
+      </span>
     </button>
   );
 }

@@ -20,10 +20,19 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
   const major = frameTicks(range, (axis.right - axis.left) / 70);
   return (
     <div
-      class="scrubber" role="slider" tabIndex={0} aria-label="Frame" aria-orientation="horizontal"
-      aria-valuemin={range.start} aria-valuemax={range.end} aria-valuenow={time} aria-valuetext={`Frame ${formatFrame(time)}`}
+      class="scrubber"
+      role="slider"
+      tabIndex={0}
+      aria-label="Frame"
+      aria-orientation="horizontal"
+      aria-valuemin={range.start}
+      aria-valuemax={range.end}
+      aria-valuenow={time}
+      aria-valuetext={`Frame ${formatFrame(time)}`}
       onPointerDown={onScrub}
-      onKeyDown={(event) => { if (scrubKey(session, event)) event.preventDefault(); }}
+      onKeyDown={(event) => {
+        if (scrubKey(session, event)) event.preventDefault();
+      }}
     >
       <svg width={axis.width} height={HEIGHT_PX} aria-hidden="true">
         <rect class="scrub-bed" x={axis.left} y={0} width={axis.right - axis.left} height={HEIGHT_PX} />
@@ -31,7 +40,9 @@ export function Scrubber({ session, axis, onScrub }: ScrubberProps): JSX.Element
         {major.map((tick) => (
           <g key={tick} transform={`translate(${axis.x(tick)} 0)`}>
             <line y1={HEIGHT_PX - 9} y2={HEIGHT_PX} />
-            <text y={12} text-anchor="middle">{formatFrame(tick)}</text>
+            <text y={12} text-anchor="middle">
+              {formatFrame(tick)}
+            </text>
           </g>
         ))}
         <KeptFrames session={session} axis={axis} />
@@ -68,6 +79,12 @@ function MinorTicks({ axis }: { axis: TimeAxis }): JSX.Element | null {
 function KeptFrames({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
   const half = (axis.x(axis.range.start + 1) - axis.left) / 2;
   const kept = session.pictures.keptTimes.value;
-  const line = kept.map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`).join("");
-  return <path class="kept" d={line}><title>Frames that play at once</title></path>;
+  const line = kept
+    .map((time) => `M${(axis.x(time) - half).toFixed(1)} ${HEIGHT_PX - 1}h${(2 * half).toFixed(1)}`)
+    .join("");
+  return (
+    <path class="kept" d={line}>
+      <title>Frames that play at once</title>
+    </path>
+  );
 }

@@ -19,9 +19,17 @@ export function Shots({ editor }: { editor: Editor }): JSX.Element {
       </div>
       {shots === null && <p class="muted pad">Listing the shots…</p>}
       <ul class="shot-list">
-        {shots?.map((shot) => <ShotRow key={shot.id} editor={editor} shot={shot} />)}
+        {shots?.map((shot) => (
+          <ShotRow key={shot.id} editor={editor} shot={shot} />
+        ))}
         {editor.library.uploads.value.map((upload) => (
-          <UploadRow key={upload.id} upload={upload} onDismiss={() => { editor.library.dismiss(upload.id); }} />
+          <UploadRow
+            key={upload.id}
+            upload={upload}
+            onDismiss={() => {
+              editor.library.dismiss(upload.id);
+            }}
+          />
         ))}
       </ul>
       <p class="drop-hint">Drop a .usda, .usdc or .usdz file anywhere, or a .zip of a shot with what it references.</p>
@@ -33,11 +41,23 @@ export function UploadButton({ editor, label }: { editor: Editor; label?: string
   const input = useRef<HTMLInputElement>(null);
   return (
     <>
-      <button type="button" class={label ? "button primary" : "button icon-only"} aria-label="Add a shot" title="Add a shot" onClick={() => input.current?.click()}>
-        <Icon name="plus" />{label}
+      <button
+        type="button"
+        class={label ? "button primary" : "button icon-only"}
+        aria-label="Add a shot"
+        title="Add a shot"
+        onClick={() => input.current?.click()}
+      >
+        <Icon name="plus" />
+        {label}
       </button>
       <input
-        ref={input} type="file" accept={ACCEPTED} multiple hidden aria-label="File of a shot"
+        ref={input}
+        type="file"
+        accept={ACCEPTED}
+        multiple
+        hidden
+        aria-label="File of a shot"
         onChange={(event) => {
           const files = [...(event.currentTarget.files ?? [])];
           event.currentTarget.value = ""; // so that the same file can be sent again
@@ -56,19 +76,51 @@ function ShotRow({ editor, shot }: { editor: Editor; shot: ShotSummary }): JSX.E
   return (
     <li class={isOpen ? "shot open" : "shot"}>
       <div class="shot-row">
-        <button type="button" class="shot-open" aria-current={isOpen ? "true" : undefined} onClick={() => void editor.open(shot.id)}>
+        <button
+          type="button"
+          class="shot-open"
+          aria-current={isOpen ? "true" : undefined}
+          onClick={() => void editor.open(shot.id)}
+        >
           <span class="name">{shot.name}</span>
-          <span class="muted">{opening ? "Opening…" : `${plural(shot.fileCount, "file")} · ${formatBytes(shot.sizeBytes)}`}</span>
+          <span class="muted">
+            {opening ? "Opening…" : `${plural(shot.fileCount, "file")} · ${formatBytes(shot.sizeBytes)}`}
+          </span>
         </button>
-        <button type="button" class="button icon-only quiet" aria-label={`Remove ${shot.name}`} title="Remove this shot" onClick={() => { setAsking(!asking); }}>
+        <button
+          type="button"
+          class="button icon-only quiet"
+          aria-label={`Remove ${shot.name}`}
+          title="Remove this shot"
+          onClick={() => {
+            setAsking(!asking);
+          }}
+        >
           <Icon name="trash" />
         </button>
       </div>
       {asking && (
         <div class="ask" role="group" aria-label={`Remove ${shot.name}?`}>
           <span>Remove it and its edits?</span>
-          <button type="button" class="button" onClick={() => { setAsking(false); void editor.remove(shot.id); }}>Remove</button>
-          <button type="button" class="button" onClick={() => { setAsking(false); }}>Keep</button>
+          <button
+            type="button"
+            class="button"
+            onClick={() => {
+              setAsking(false);
+              void editor.remove(shot.id);
+            }}
+          >
+            Remove
+          </button>
+          <button
+            type="button"
+            class="button"
+            onClick={() => {
+              setAsking(false);
+            }}
+          >
+            Keep
+          </button>
         </div>
       )}
       {isOpen && session.notes.value.length > 0 && <Notes notes={session.notes.value} />}
@@ -83,7 +135,7 @@ function Notes({ notes }: { notes: readonly Note[] }): JSX.Element {
       <ul>
         {notes.map((note) => (
           <li key={`${note.code} ${note.path}`}>
-            {note.message} <span class="muted">{note.path}</span>
+            {note.message} {!note.message.includes(note.path) && <span class="muted">{note.path}</span>}
           </li>
         ))}
       </ul>
@@ -103,11 +155,18 @@ function UploadRow({ upload, onDismiss }: { upload: Upload; onDismiss: () => voi
           ) : (
             <>
               <progress aria-label={`Sending ${name}`} {...(progress < 1 ? { value: progress } : {})} max={1} />
-              <span class="muted">{progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}</span>
+              <span class="muted">
+                {progress < 1 ? `Sending, ${Math.round(progress * 100)} %` : "Reading the shot…"}
+              </span>
             </>
           )}
         </div>
-        <button type="button" class="button icon-only quiet" aria-label={complaint ? `Dismiss ${name}` : `Stop sending ${name}`} onClick={onDismiss}>
+        <button
+          type="button"
+          class="button icon-only quiet"
+          aria-label={complaint ? `Dismiss ${name}` : `Stop sending ${name}`}
+          onClick={onDismiss}
+        >
           <Icon name="close" />
         </button>
       </div>

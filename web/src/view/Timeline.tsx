@@ -28,7 +28,10 @@ const MARGIN_PX = 24;
 function timeAxis(range: FrameRange, width: number): TimeAxis {
   const [left, right] = [GUTTER_PX, Math.max(GUTTER_PX + 1, width - MARGIN_PX)];
   return {
-    range, left, right, width,
+    range,
+    left,
+    right,
+    width,
     x: (time) => left + fractionOf(range, time) * (right - left),
     time: (x) => frameAtFraction(range, Math.min(Math.max((x - left) / (right - left), 0), 1)),
   };
@@ -38,7 +41,11 @@ export function Timeline({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
   return (
     <section class="timeline" aria-label="Timeline">
-      {session ? <Tracks session={session} unit={editor.remembered.unit.value} /> : <p class="muted pad-all">The focus curve of a shot shows here.</p>}
+      {session ? (
+        <Tracks session={session} unit={editor.remembered.unit.value} />
+      ) : (
+        <p class="muted pad-all">The focus curve of a shot shows here.</p>
+      )}
     </section>
   );
 }
@@ -50,10 +57,14 @@ function Tracks({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
   const scrub = (down: PointerEvent): void => {
     if (down.button !== 0) return;
     const left = box.current?.getBoundingClientRect().left ?? 0;
-    const goTo = (event: PointerEvent): void => { session.playhead.goTo(axis.time(event.clientX - left)); };
+    const goTo = (event: PointerEvent): void => {
+      session.playhead.goTo(axis.time(event.clientX - left));
+    };
     session.playhead.scrubbing.value = true;
     goTo(down);
-    followPointer(down, goTo, () => { session.playhead.scrubbing.value = false; });
+    followPointer(down, goTo, () => {
+      session.playhead.scrubbing.value = false;
+    });
   };
   return (
     <>

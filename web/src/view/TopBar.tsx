@@ -14,13 +14,24 @@ export function TopBar({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
   return (
     <header class="topbar">
-      <h1 class="wordmark"><Icon name="mark" />Pullfocus</h1>
+      <h1 class="wordmark">
+        <Icon name="mark" />
+        Pullfocus
+      </h1>
       {session && <CameraChoice editor={editor} session={session} />}
       <div class="spacer" />
       {session && <UndoButtons session={session} />}
       <Appearance editor={editor} />
       {session && <Downloads editor={editor} session={session} />}
-      <button type="button" class="button icon-only" aria-label="Keys and clicks" title="Keys and clicks (?)" onClick={() => (editor.helpOpen.value = true)}>?</button>
+      <button
+        type="button"
+        class="button icon-only"
+        aria-label="Keys and clicks"
+        title="Keys and clicks (?)"
+        onClick={() => (editor.helpOpen.value = true)}
+      >
+        ?
+      </button>
     </header>
   );
 }
@@ -30,7 +41,9 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
   return (
     <div class="crumbs">
       <span class="shot-name">{session.shot.name}</span>
-      <span class="slash" aria-hidden="true">/</span>
+      <span class="slash" aria-hidden="true">
+        /
+      </span>
       {cameras.length === 0 ? (
         <span class="muted">framing camera: the shot has none</span>
       ) : (
@@ -40,7 +53,11 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
           value={session.camera ?? ""}
           onChange={(event) => void editor.lookThrough(event.currentTarget.value)}
         >
-          {cameras.map(({ path }) => <option key={path} value={path} title={path}>{primName(path)}</option>)}
+          {cameras.map(({ path }) => (
+            <option key={path} value={path} title={path}>
+              {primName(path)}
+            </option>
+          ))}
         </select>
       )}
     </div>
@@ -54,10 +71,24 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
   const redoLabel = redo ? `Redo: ${redo.label}` : "Nothing to redo";
   return (
     <div class="group">
-      <button type="button" class="button icon-only" disabled={!undo} aria-label={undoLabel} title={`${undoLabel} (Ctrl Z)`} onClick={() => void session.document.undo()}>
+      <button
+        type="button"
+        class="button icon-only"
+        disabled={!undo}
+        aria-label={undoLabel}
+        title={`${undoLabel} (Ctrl Z)`}
+        onClick={() => void session.document.undo()}
+      >
         <Icon name="undo" />
       </button>
-      <button type="button" class="button icon-only" disabled={!redo} aria-label={redoLabel} title={`${redoLabel} (Ctrl Shift Z)`} onClick={() => void session.document.redo()}>
+      <button
+        type="button"
+        class="button icon-only"
+        disabled={!redo}
+        aria-label={redoLabel}
+        title={`${redoLabel} (Ctrl Shift Z)`}
+        onClick={() => void session.document.redo()}
+      >
         <Icon name="redo" />
       </button>
     </div>
@@ -71,14 +102,26 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
   const shown = markers.value === "on";
   return (
     <>
-      <button type="button" class="button icon-only" aria-pressed={shown} aria-label="Show focus points on the picture" title="Show focus points (M)" onClick={() => (markers.value = shown ? "off" : "on")}>
+      <button
+        type="button"
+        class="button icon-only"
+        aria-pressed={shown}
+        aria-label="Show focus points on the picture"
+        title="Show focus points (M)"
+        onClick={() => (markers.value = shown ? "off" : "on")}
+      >
         <Icon name="points" />
       </button>
       <div class="group" role="radiogroup" aria-label="Surround of the picture">
         {SURROUNDS.map((name) => (
           <button
-            key={name} type="button" class={`button icon-only swatch ${name}`} role="radio"
-            aria-checked={surround.value === name} aria-label={SURROUND_NAMES[name]} title={`Surround: ${SURROUND_NAMES[name]}`}
+            key={name}
+            type="button"
+            class={`button icon-only swatch ${name}`}
+            role="radio"
+            aria-checked={surround.value === name}
+            aria-label={SURROUND_NAMES[name]}
+            title={`Surround: ${SURROUND_NAMES[name]}`}
             onClick={() => (surround.value = name)}
           />
         ))}
@@ -86,8 +129,13 @@ function Appearance({ editor }: { editor: Editor }): JSX.Element {
       <div class="group" role="radiogroup" aria-label="Unit of distances">
         {(["m", "ft"] as const).map((name) => (
           <button
-            key={name} type="button" class="button" role="radio" aria-checked={unit.value === name}
-            title={name === "m" ? "Metres" : "Feet and inches"} onClick={() => (unit.value = name)}
+            key={name}
+            type="button"
+            class="button"
+            role="radio"
+            aria-checked={unit.value === name}
+            title={name === "m" ? "Metres" : "Feet and inches"}
+            onClick={() => (unit.value = name)}
           >
             {name}
           </button>
@@ -103,7 +151,8 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
   useEffect(() => {
     if (!open) return;
     const outside = (event: Event): void => {
-      if (event instanceof KeyboardEvent ? event.key === "Escape" : !ref.current?.contains(event.target as Node)) setOpen(false);
+      if (event instanceof KeyboardEvent ? event.key === "Escape" : !ref.current?.contains(event.target as Node))
+        setOpen(false);
     };
     document.addEventListener("pointerdown", outside);
     document.addEventListener("keydown", outside);
@@ -115,7 +164,16 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
   const making = editor.exporting.value;
   return (
     <div class="menu" ref={ref}>
-      <button type="button" class="button primary" aria-expanded={open} aria-controls="downloads" disabled={making !== null} onClick={() => { setOpen(!open); }}>
+      <button
+        type="button"
+        class="button primary"
+        aria-expanded={open}
+        aria-controls="downloads"
+        disabled={making !== null}
+        onClick={() => {
+          setOpen(!open);
+        }}
+      >
         <Icon name="download" />
         {making === null ? "Download" : `Making ${making}…`}
       </button>
@@ -125,7 +183,8 @@ function Downloads({ editor, session }: { editor: Editor; session: Session }): J
             <>
               {group !== all[at - 1]?.group && <h3 key={group}>{group}</h3>}
               <button
-                key={what} type="button"
+                key={what}
+                type="button"
                 onClick={() => {
                   setOpen(false);
                   void editor.export(what, make, save);

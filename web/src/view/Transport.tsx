@@ -15,14 +15,55 @@ export function Transport({ session, unit }: { session: Session; unit: LengthUni
   const seconds = (time - range.start) / range.framesPerSecond;
   return (
     <div class="transport" role="toolbar" aria-label="Transport">
-      <TransportButton icon="first" label="First frame" keys="Home" act={() => { playhead.goTo(range.start); }} />
-      <TransportButton icon="back" label="One frame back" keys="←" act={() => { playhead.step(-1); }} />
-      <TransportButton icon={playing ? "pause" : "play"} label={playing ? "Pause" : "Play"} keys="Space" act={() => { playhead.toggle(); }} />
-      <TransportButton icon="on" label="One frame on" keys="→" act={() => { playhead.step(1); }} />
-      <TransportButton icon="last" label="Last frame" keys="End" act={() => { playhead.goTo(range.end); }} />
-      <FrameNumber time={time} onTyped={(typed) => { playhead.goTo(typed); }} />
+      <TransportButton
+        icon="first"
+        label="First frame"
+        keys="Home"
+        act={() => {
+          playhead.goTo(range.start);
+        }}
+      />
+      <TransportButton
+        icon="back"
+        label="One frame back"
+        keys="←"
+        act={() => {
+          playhead.step(-1);
+        }}
+      />
+      <TransportButton
+        icon={playing ? "pause" : "play"}
+        label={playing ? "Pause" : "Play"}
+        keys="Space"
+        act={() => {
+          playhead.toggle();
+        }}
+      />
+      <TransportButton
+        icon="on"
+        label="One frame on"
+        keys="→"
+        act={() => {
+          playhead.step(1);
+        }}
+      />
+      <TransportButton
+        icon="last"
+        label="Last frame"
+        keys="End"
+        act={() => {
+          playhead.goTo(range.end);
+        }}
+      />
+      <FrameNumber
+        time={time}
+        onTyped={(typed) => {
+          playhead.goTo(typed);
+        }}
+      />
       <span class="muted numbers">
-        of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s · {Number(range.framesPerSecond.toFixed(3))} fps
+        of {formatFrame(range.start)}–{formatFrame(range.end)} · {seconds.toFixed(2)} s ·{" "}
+        {Number(range.framesPerSecond.toFixed(3))} fps
       </span>
       <div class="spacer" />
       <Legend session={session} unit={unit} />
@@ -54,13 +95,24 @@ function FrameNumber({ time, onTyped }: { time: number; onTyped: (time: number) 
   };
   return (
     <input
-      type="text" class="number frame" inputMode="numeric" aria-label="Frame" value={text ?? formatFrame(time)}
-      onFocus={(event) => { event.currentTarget.select(); }}
-      onInput={(event) => { setText(event.currentTarget.value); }}
+      type="text"
+      class="number frame"
+      inputMode="numeric"
+      aria-label="Frame"
+      value={text ?? formatFrame(time)}
+      onFocus={(event) => {
+        event.currentTarget.select();
+      }}
+      onInput={(event) => {
+        setText(event.currentTarget.value);
+      }}
       onBlur={finish}
       onKeyDown={(event) => {
         if (event.key === "Enter") event.currentTarget.blur();
-        else if (event.key === "Escape") { setText(null); event.currentTarget.blur(); }
+        else if (event.key === "Escape") {
+          setText(null);
+          event.currentTarget.blur();
+        }
       }}
     />
   );
@@ -72,7 +124,10 @@ function Legend({ session, unit }: { session: Session; unit: LengthUnit }): JSX.
   return (
     <span class="legend numbers">
       <i class="swatch-line" /> Focus <b data-reading="focus">{formatDistance(readout.focusDistanceM, unit)}</b>
-      <i class="swatch-band" /> Depth of field <b>{formatDistance(readout.nearM, unit)} – {formatDistance(readout.farM, unit)}</b>
+      <i class="swatch-band" /> Depth of field{" "}
+      <b>
+        {formatDistance(readout.nearM, unit)} – {formatDistance(readout.farM, unit)}
+      </b>
     </span>
   );
 }

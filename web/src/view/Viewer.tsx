@@ -9,7 +9,7 @@ import { letterbox } from "../model/quality";
 import { formatFrame } from "../model/time";
 import { usePixelRatio, useSize } from "./hooks";
 import { Icon } from "./icons";
-import { Markers } from "./Markers";
+import { Markers, Picking } from "./Markers";
 import { UploadButton } from "./Shots";
 
 export function Viewer({ editor }: { editor: Editor }): JSX.Element {
@@ -25,7 +25,12 @@ export function Viewer({ editor }: { editor: Editor }): JSX.Element {
 
 function Empty({ editor }: { editor: Editor }): JSX.Element {
   const waiting = editor.opening.value !== null || (editor.library.shots.value === null && !editor.complaint.value);
-  if (waiting) return <div class="empty"><p>Opening the shot…</p></div>;
+  if (waiting)
+    return (
+      <div class="empty">
+        <p>Opening the shot…</p>
+      </div>
+    );
   return (
     <div class="empty">
       <h2>No shot is open</h2>
@@ -42,7 +47,8 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
   const box = snapToPixels(letterbox(size.width, size.height, session.aspect), ratio);
   const { width, height } = box;
   useLayoutEffect(() => {
-    if (width > 0 && height > 0) session.box.value = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+    if (width > 0 && height > 0)
+      session.box.value = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
   }, [session, width, height, ratio]);
   const style = { left: `${box.left}px`, top: `${box.top}px`, width: `${width}px`, height: `${height}px` };
   return (
@@ -50,6 +56,7 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
       <div class="picture" style={style}>
         <Canvas session={session} />
         {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
+        <Picking session={session} />
       </div>
       <Busy editor={editor} session={session} />
     </div>
@@ -99,7 +106,9 @@ function snapToPixels<Box extends Record<"left" | "top" | "width" | "height", nu
 
 function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const busy = session.pictures.busy.value || session.document.pending.value > 0 || editor.opening.value !== null;
-  return busy && !session.playhead.playing.value ? <div class="busy" role="progressbar" aria-label="Rendering" /> : null;
+  return busy && !session.playhead.playing.value ? (
+    <div class="busy" role="progressbar" aria-label="Rendering" />
+  ) : null;
 }
 
 /** What went wrong, in one line, with what to do. */
@@ -108,8 +117,20 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
   if (!complaint) return null;
   return (
     <div class="complaint" role="alert">
-      <p><strong>{complaint.message}</strong> {complaint.advice}</p>
-      <button type="button" class="button icon-only quiet" aria-label="Dismiss" onClick={() => (editor.complaint.value = null)}>
+      <p>
+        <strong>{complaint.message}</strong> {complaint.advice}
+      </p>
+      {complaint.passing && (
+        <button type="button" class="button" onClick={() => void editor.retry()}>
+          Try again
+        </button>
+      )}
+      <button
+        type="button"
+        class="button icon-only quiet"
+        aria-label="Dismiss"
+        onClick={() => (editor.complaint.value = null)}
+      >
         <Icon name="close" />
       </button>
     </div>
@@ -122,10 +143,17 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
   return (
     <footer class="picture-foot">
       <span>
-        <b>Click</b> pulls focus there · <b>Shift</b> adds a point{selected !== null && <> · <b>Alt</b> moves {selected}</>}
+        <b>Click</b> pulls focus there · <b>Shift</b> adds a point
+        {selected !== null && (
+          <>
+            {" "}
+            · <b>Alt</b> moves {selected}
+          </>
+        )}
       </span>
       <span class="numbers" aria-live="off">
-        {shown && `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.best ? "" : " · draft"}`}
+        {shown &&
+          `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.best ? "" : " · draft"}`}
       </span>
     </footer>
   );

@@ -18,7 +18,9 @@ export function useSize(ref: RefObject<HTMLElement | null>): Size {
       if (entry) setSize({ width: entry.contentRect.width, height: entry.contentRect.height });
     });
     observer.observe(element);
-    return () => { observer.disconnect(); };
+    return () => {
+      observer.disconnect();
+    };
   }, [ref]);
   return size;
 }
@@ -28,9 +30,13 @@ export function usePixelRatio(): number {
   const [ratio, setRatio] = useState(devicePixelRatio);
   useEffect(() => {
     const query = matchMedia(`(resolution: ${ratio.toString()}dppx)`);
-    const changed = (): void => { setRatio(devicePixelRatio); };
+    const changed = (): void => {
+      setRatio(devicePixelRatio);
+    };
     query.addEventListener("change", changed);
-    return () => { query.removeEventListener("change", changed); };
+    return () => {
+      query.removeEventListener("change", changed);
+    };
   }, [ratio]);
   return ratio;
 }
@@ -45,7 +51,11 @@ export function save({ blob, name }: { blob: Blob; name: string }): void {
 }
 
 /** Follows a pointer from where it went down until it is let go or its hold is taken away. */
-export function followPointer(down: PointerEvent, onMove: (event: PointerEvent) => void, onEnd: (event: PointerEvent) => void): void {
+export function followPointer(
+  down: PointerEvent,
+  onMove: (event: PointerEvent) => void,
+  onEnd: (event: PointerEvent) => void,
+): void {
   const element = down.currentTarget as Element;
   element.setPointerCapture(down.pointerId);
   const listening = new AbortController();
@@ -54,7 +64,13 @@ export function followPointer(down: PointerEvent, onMove: (event: PointerEvent) 
     listening.abort();
     onEnd(event as PointerEvent);
   };
-  element.addEventListener("pointermove", (event) => { onMove(event as PointerEvent); }, { signal });
+  element.addEventListener(
+    "pointermove",
+    (event) => {
+      onMove(event as PointerEvent);
+    },
+    { signal },
+  );
   element.addEventListener("pointerup", end, { signal });
   element.addEventListener("pointercancel", end, { signal });
 }

@@ -22,7 +22,7 @@ EYE_M = np.array([0.0, 1.14, 0.15])
 LEFT_M, RIGHT_M, NEAR_Z_M, FAR_Z_M = -2.7, 2.7, -3.0, -23.0
 SIZE_PX = (416, 1024)  # across the street, along it
 FULL_SCALE = 2.0  # radiance of a white texel
-ALPHA = 0.10  # GGX roughness of wet granite, squared already
+ALPHA = 0.085  # GGX roughness of wet granite, squared already
 WATER_F0 = 0.035
 
 
@@ -37,11 +37,11 @@ class Glow:
 
 def _glows() -> list[Glow]:
     """The lights that leave a streak of their own; the many bulbs together leave an even gleam, which the dome gives."""
-    glows = [Glow(np.array(place) - [0, 0.3, 0], AMBER, 2.0) for place in LANTERNS]
+    glows = [Glow(np.array(place) - [0, 0.3, 0], AMBER, 3.6) for place in LANTERNS]
     # Shop windows, as a row of soft spots on either side; the neon in its two colours; the tram's lamps.
-    glows += [Glow(np.array([side * 3.9, 1.5, z]), AMBER, 2.0) for side in (-1, 1) for z in np.arange(-8.0, -22, -3.2)]
+    glows += [Glow(np.array([side * 3.9, 1.5, z]), AMBER, 3.6) for side in (-1, 1) for z in np.arange(-8.0, -22, -3.2)]
     neon = np.array(NEON_PLACE)
-    glows += [Glow(neon, ROSE, 16.0), Glow(neon + np.array([0, 0.36, 0]), TEAL, 7.0)]
+    glows += [Glow(neon, ROSE, 34.0), Glow(neon + np.array([0, 0.36, 0]), TEAL, 16.0)]
     tram = np.array(TRAM_PLACE)
     return [*glows, *(Glow(tram + np.array([x, 0.98, 0.2]), TUNGSTEN, 0.8) for x in (-0.62, 0.62))]
 

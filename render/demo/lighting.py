@@ -58,7 +58,7 @@ def _lamps() -> dict[str, Lamp]:
     return posts | {
         # Pip: the lantern in its hand, a cool rim from the moonlit side, a warm one from the café.
         f"{PIP}/Body/ArmRight/Lantern/Flame": Lamp("SphereLight", (0.0, -0.18, 0.0), AMBER, 80.0, (0.05,)),
-        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-1.75, 1.5, -3.75), MOONLIGHT, 260.0, (0.7, 1.3), PIP_M, shadow=True),
+        f"{LIGHTS}/PipRimCool": Lamp("RectLight", (-1.75, 1.5, -3.75), MOONLIGHT, 150.0, (0.7, 1.3), PIP_M, shadow=True),
         f"{LIGHTS}/PipRimWarm": Lamp("RectLight", (0.75, 1.35, -4.3), AMBER, 90.0, (0.5, 1.1), PIP_M, shadow=True),
         f"{LIGHTS}/Leaves": Lamp("SphereLight", (0.75, 1.15, -0.35), TUNGSTEN, 260.0, (0.05,)),
         f"{LIGHTS}/Ivy": Lamp("SphereLight", (-1.05, 1.3, -0.35), TUNGSTEN, 200.0, (0.05,)),

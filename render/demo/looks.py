@@ -95,7 +95,7 @@ TABLE: dict[str, Look] = {
     ),
     "Roof": Look((0.05, 0.035, 0.03), 0.6),
     "Iron": Look((0.025, 0.027, 0.03), 0.38, metallic=0.0, clearcoat=0.5),
-    "Brass": Look((0.83, 0.56, 0.25), 0.28, metallic=1.0),
+    "Brass": Look((0.83, 0.56, 0.25), 0.36, metallic=1.0),
     "Steel": Look((0.42, 0.43, 0.46), 0.4, metallic=1.0),
     "Wood": Look(roughness=0.5, pictures=_WOOD),
     "AwningRed": Look(roughness=0.8, pictures={"diffuseColor": Picture("./textures/stripes_red.png", (0.5, 0.5))}),
@@ -118,22 +118,22 @@ TABLE: dict[str, Look] = {
     "Raincoat": Look((0.80, 0.42, 0.03), 0.33, clearcoat=0.5),
     "Porcelain": Look((0.80, 0.78, 0.74), 0.22, clearcoat=0.8),
     "Umbrella": Look((0.75, 0.07, 0.03), 0.45, emissive=(0.05, 0.004, 0.001)),
-    "EyeGlow": glow((0.45, 0.92, 1.0), 2.4),
+    "EyeGlow": glow((0.16, 0.72, 1.0), 2.2),
     "VisorGlow": glow((1.0, 0.62, 0.22), 3.0),
     "HeartGlow": glow(ROSE, 5.0),
     "PaperGlow": Look(
         (0.3, 0.2, 0.1), 0.8, pictures={"emissiveColor": Picture("./textures/paper.jpg", (0.5, 0.42), scale=3.0)}
     ),
     "FlameGlow": glow((1.0, 0.42, 0.10), 2.4),
-    "BulbWarm": glow(TUNGSTEN, 34.0),
-    "BulbAmber": glow(AMBER, 28.0),
-    "BulbRose": glow(ROSE, 26.0),
-    "BulbTeal": glow(TEAL, 24.0),
+    "BulbWarm": glow(TUNGSTEN, 22.0),
+    "BulbAmber": glow(AMBER, 22.0),
+    "BulbRose": glow(ROSE, 22.0),
+    "BulbTeal": glow(TEAL, 22.0),
     "LampGlow": glow(TUNGSTEN, 12.0),
     "NeonRose": glow((1.0, 0.12, 0.22), 14.0),
     "NeonTeal": glow((0.1, 0.8, 0.9), 10.0),
     "TramGlow": _window("tram.jpg", 2.2),
-    "HeadLamp": glow((1.0, 0.90, 0.72), 40.0),
+    "HeadLamp": glow((1.0, 0.90, 0.72), 24.0),
 }
 
 

@@ -141,4 +141,4 @@ def _umbrella_arm() -> dict[str, Mesh]:
     spike = lathe([[0.014, -0.01], [0.012, 0.03], [0.006, 0.09], [0.0, 0.10]], 12)
     metal = merge([*ribs, *stays, *tips, spike]).turned(x=lean[0], z=lean[1]).at(*crown)
     canopy = _canopy().turned(x=lean[0], z=lean[1]).at(*crown)
-    return {**arm, "Brass": merge([metal, shaft]), "Wood": hook, "Umbrella": canopy}
+    return {**arm, "Brass": metal, "Wood": merge([hook, shaft]), "Umbrella": canopy}

@@ -64,7 +64,7 @@ def setts_height(size: int = 1024) -> tuple[Plane, Plane]:
     tilt = random.uniform(-0.07, 0.07, (2, courses, stones))[:, course, stone % stones]
     lean = tilt[0] * (shifted - (left + right) / 2) * tile + tilt[1] * (lane % 1 - 0.5) / courses * tile
     rough = fractal_noise(size, 32, 4, 20) - 0.5
-    return (0.010 * dome + 0.4 * lean * dome + 0.0008 * rough).astype(np.float32), tone.astype(np.float32)
+    return (0.007 * dome + 0.4 * lean * dome + 0.0003 * rough).astype(np.float32), tone.astype(np.float32)
 
 
 def _setts() -> dict[str, Plane]:
@@ -75,7 +75,7 @@ def _setts() -> dict[str, Plane]:
     tint = np.stack([0.96 + 0.10 * tone, np.full_like(tone, 0.99), 1.12 - 0.12 * tone], axis=-1)
     return {
         "setts_colour.jpg": shade[..., None] * tint,
-        "setts_roughness.png": np.clip(0.23 + 0.20 * (1 - wet) + 0.10 * (grain - 0.5), 0.12, 1),
+        "setts_roughness.png": np.clip(0.34 + 0.16 * (1 - wet) + 0.06 * (grain - 0.5), 0.2, 1),
         "setts_normal.png": normal_map(height, SETTS_TILE_M),
     }
 

@@ -175,7 +175,14 @@ def test_away_from_a_terminal_each_frame_is_a_line(pullfocus: Command, shot: Pat
 def _start(shot: Path, stderr: int, *arguments: object) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "render.cli", "record", shot, shot.parent / "f.####.png", *arguments]
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
-    return subprocess.Popen([str(word) for word in command], stderr=stderr, env=environment)
+
+    def listen_to_control_c() -> None:
+        """A test run in the background of a shell hands down that Ctrl-C is ignored."""
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    return subprocess.Popen(
+        [str(word) for word in command], stderr=stderr, env=environment, preexec_fn=listen_to_control_c
+    )
 
 
 def test_on_a_terminal_a_bar_shows_how_far_it_is(shot: Path) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 import pytest
 
 from render.cli import main
@@ -56,7 +56,7 @@ def recorded(tmp_path: Path, asset: str, **camera: object) -> np.ndarray:
     shot, picture = tmp_path / "shot.usda", tmp_path / "frame.exr"
     shot.write_text(CAMERA.format(asset=path.as_posix(), **camera))
     assert main(["record", str(shot), str(picture), "--imageWidth", "320", "--rays", "32"]) == 0
-    return oiio.ImageBuf(str(picture)).get_pixels(oiio.FLOAT)
+    return OpenImageIO.ImageBuf(str(picture)).get_pixels(OpenImageIO.FLOAT)
 
 
 def detail(picture: np.ndarray) -> float:

@@ -143,7 +143,7 @@ export class ShotDocument {
    * @param from the value at the start.
    * @param make the change from what was there at the start to a value.
    */
-  drag<Value>(label: string, from: Value, make: (value: Value) => Change): Drag<Value> {
+  drag<Value>(label: string, from: NoInfer<Value>, make: (value: Value) => Change): Drag<Value> {
     let waiting: (() => Promise<unknown>) | null = null;
     let sending = false;
     const pump = async (next: () => Promise<unknown>): Promise<void> => {

@@ -17,6 +17,9 @@ const SETTLE_MS = { least: 120, most: 1500, part: 0.25 };
 /** A best picture that comes this fast needs no quick one before it, ms. */
 const QUICK_MS = 180;
 
+/** Pictures kept for playing again. */
+const MOST_KEPT = 400;
+
 /** A picture on screen, with the points where they were at its time. */
 export interface Displayed {
   readonly bitmap: ImageBitmap;
@@ -52,7 +55,7 @@ export class Pictures {
   readonly #service: Service;
   readonly #document: ShotDocument;
   readonly #fetcher: NewestWins<FrameRequest, Displayed>;
-  readonly #kept = new Recent<Kept>(600);
+  readonly #kept = new Recent<Kept>(MOST_KEPT);
   #keptRevision = -1;
   #rung = FIRST_RUNG;
   #bestTookMs = 2 * QUICK_MS;
@@ -135,11 +138,9 @@ export class Pictures {
     if (request.revision !== this.#keptRevision) {
       this.#kept.clear();
       this.#keptRevision = request.revision;
-      this.keptTimes.value = [];
     }
-    const name = request.time.toString();
-    if (!this.#kept.has(name)) this.keptTimes.value = [...this.keptTimes.value, request.time];
-    this.#kept.set(name, { blob, quality: request.quality, best: request.best });
+    this.#kept.set(request.time.toString(), { blob, quality: request.quality, best: request.best });
+    this.keptTimes.value = this.#kept.names().map(Number);
   }
 
   /** Whether a kept picture will do for a request. */

@@ -17,6 +17,8 @@ import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
 import {
   inFrame,
+  KEYED_ATTRIBUTES,
+  keysOf,
   thingName,
   type Anchor,
   type FocusPoint,
@@ -162,6 +164,14 @@ export class Session {
   /** Lets the points decide the focus. */
   #byPoints(): Change {
     return setFocusMode("points", this.document.readout.value?.focusMode ?? "points");
+  }
+
+  /** Goes to the next key of a point, or with -1 to the one before. */
+  goToKey(point: FocusPoint, by: 1 | -1): void {
+    const now = this.playhead.time.value;
+    const times = KEYED_ATTRIBUTES.flatMap((attribute) => keysOf(point, attribute)).map((key) => key.time);
+    const beyond = times.filter((time) => !sameTime(time, now) && Math.sign(time - now) === by);
+    if (beyond.length > 0) this.playhead.goTo(by > 0 ? Math.min(...beyond) : Math.max(...beyond));
   }
 
   setEnabled(point: FocusPoint, enabled: boolean): void {

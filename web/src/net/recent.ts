@@ -13,8 +13,8 @@ export class Recent<Value> {
     return value;
   }
 
-  has(name: string): boolean {
-    return this.#entries.has(name);
+  names(): string[] {
+    return [...this.#entries.keys()];
   }
 
   set(name: string, value: Value): void {

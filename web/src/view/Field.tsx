@@ -93,6 +93,8 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
   cancel: () => void;
 } {
   const drag = useRef<Drag<number> | null>(null);
+  // After Escape the pointer may still be down: until it is let go, nothing moves.
+  const givenUp = useRef(false);
   const [draft, setDraft] = useState<number | null>(null);
   useEffect(() => {
     if (fresh && !drag.current) setDraft(null);
@@ -100,18 +102,21 @@ function useDrag({ value, fresh, startDrag }: FieldProps): {
   return {
     value: draft ?? value,
     move: (next) => {
+      if (givenUp.current) return;
       drag.current ??= startDrag();
       setDraft(next);
       drag.current.move(next);
     },
     commit: (typed) => {
       const last = typed ?? draft;
+      givenUp.current = false;
       if (last === null || (typed === undefined && !drag.current)) return;
       setDraft(last);
       (drag.current ?? startDrag()).commit(last);
       drag.current = null;
     },
     cancel: () => {
+      givenUp.current = drag.current !== null;
       drag.current?.cancel();
       drag.current = null;
       setDraft(null);

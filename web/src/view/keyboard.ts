@@ -19,6 +19,7 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Alt click", does: "Move the selected point there" },
   { keys: "[ ]", does: "Select the previous or next point" },
   { keys: "F", does: "Pull focus to the selected point, now" },
+  { keys: ", .", does: "Go to its previous or next key" },
   { keys: "K", does: "Set or remove its weight key, now" },
   { keys: "Delete", does: "Remove the selected point" },
   { keys: "Esc", does: "Select nothing" },
@@ -78,6 +79,7 @@ function pointKeys(event: KeyboardEvent, session: Session): boolean {
   else if (event.key === "Escape" && session.selected.value !== null) session.selected.value = null;
   else if (!point) return false;
   else if (event.key.toLowerCase() === "f") session.pullTo(point);
+  else if (event.key === "," || event.key === ".") session.goToKey(point, event.key === "." ? 1 : -1);
   else if (event.key.toLowerCase() === "k") session.toggleKey(point, "weight");
   else if (event.key === "Delete" || event.key === "Backspace") session.remove(point);
   else return false;

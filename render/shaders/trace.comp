@@ -34,7 +34,7 @@ uniform float slope_slack;      // share of w by which a surface may slope withi
 
 const int BLOCK = 4;
 const int ROUNDS = 3;
-const int MAX_STEPS = 1024;
+const int MAX_STEPS = 160;  // a ray that crosses more pixels than this strides over some: its blur is wider than what it misses
 
 // Range of w over the layer pixels from `low` to `high`, in four look-ups of overlapping squares.
 vec2 range_over(ivec2 low, ivec2 high)

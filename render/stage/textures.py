@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
+import OpenImageIO as oiio
 from numpy.typing import NDArray
 from pxr import Ar
 

@@ -234,3 +234,18 @@ def test_far_from_the_origin_nothing_shakes(renderer: FrameRenderer) -> None:
         replace(scene, batches=moved), there, FrameSettings(*SIZE, engine="pinhole", rays=4, shading="unlit")
     ).color
     assert np.mean(np.abs(near - far).max(-1) > 1e-3) < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("f_stop", "focus_m", "focal_mm"), [(0.5, 0.001, 50), (1.0, 1.0, 200), (0.01, 2.0, 50), (64, 1e9, 5)]
+)
+def test_an_absurd_lens_makes_a_finite_picture(
+    renderer: FrameRenderer, f_stop: float, focus_m: float, focal_mm: float
+) -> None:
+    """A blur wider than the picture, as a mistyped unit gives, still ends, and its light is light."""
+    scene, camera = spheres_over_checkerboard()
+    absurd = replace(camera, f_stop=f_stop, focus_distance_m=focus_m, focal_length_mm=focal_mm)
+    frame = renderer.render(scene, absurd, FrameSettings(64, 48, rays=16))
+    assert np.isfinite(frame.color).all()
+    assert 0.01 < frame.color[..., :3].mean() < 2
+    assert frame.color[..., 3].max() <= 1 + 1e-5

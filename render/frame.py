@@ -126,6 +126,7 @@ class FrameRenderer:
             CameraError: the camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
+        self.graphics.make_current()
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         self._peeler.load(self._with_light(scene, camera))
         if settings.engine == "accumulation":
@@ -166,11 +167,13 @@ class FrameRenderer:
         view = PinholeView.from_camera(camera, width, height)
         if not (0 <= x <= width and 0 <= y <= height):
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
+        self.graphics.make_current()
         self._peeler.load(self._with_light(scene, camera))
         return pick_surface(self._peeler, scene, view, x, y)
 
     def close(self) -> None:
         """Give the device's memory and the context back."""
+        self.graphics.make_current()
         self._lens.release()
         self._peeler.release()
         self.graphics.close()

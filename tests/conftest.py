@@ -23,6 +23,7 @@ def _session_renderer() -> Iterator[FrameRenderer]:
 def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
     """The session's renderer; no OpenGL error before a test, and none after it."""
     ctx = _session_renderer.graphics.ctx
+    _session_renderer.graphics.make_current()
     assert ctx.error == "GL_NO_ERROR"
     yield _session_renderer
     assert ctx.error == "GL_NO_ERROR"

@@ -34,7 +34,7 @@ try:
     import pyrender.shader_program
     import pyrender.texture
     from OpenGL import GL
-    from OpenGL.EGL import eglGetProcAddress
+    from OpenGL.EGL import EGL_NO_CONTEXT, EGL_NO_SURFACE, eglDestroyContext, eglGetProcAddress, eglMakeCurrent
     from OpenGL.plugins import FormatHandler
     from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
     from pyrender.platforms import egl as pyrender_egl
@@ -56,12 +56,23 @@ __all__ = [
     "half_float_image",
     "pyrender",
     "pyrender_egl",
+    "release_context",
     "set_clip_depth",
 ]
 
 CLIP_NEGATIVE_ONE_TO_ONE = 0x935E
 CLIP_ZERO_TO_ONE = 0x935F
 _LOWER_LEFT = 0x8CA1
+
+
+def release_context(platform: pyrender_egl.EGLPlatform) -> None:
+    """Destroy a platform's context. pyrender's own way terminates the display, and with it every context of the process.
+
+    Args:
+        platform: whose context was made and is not wanted any more.
+    """
+    eglMakeCurrent(platform._egl_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT)
+    eglDestroyContext(platform._egl_display, platform._egl_context)
 
 
 def set_clip_depth(mode: int) -> None:

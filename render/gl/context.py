@@ -7,7 +7,7 @@ from types import TracebackType
 import moderngl
 
 from render.errors import GraphicsError
-from render.gl.compat import pyrender_egl
+from render.gl.compat import pyrender_egl, release_context
 
 REQUIRED_VERSION = 450
 
@@ -46,9 +46,13 @@ class GraphicsContext:
             raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
         self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
 
+    def make_current(self) -> None:
+        """Let what is called next, by this thread, be called on this context and no other of the process."""
+        self._platform.make_current()
+
     def close(self) -> None:
-        """Give the context back. Everything that was made in it is gone."""
-        self._platform.delete_context()
+        """Give the context back. Everything that was made in it is gone; other contexts of the process live on."""
+        release_context(self._platform)
 
     def __enter__(self) -> GraphicsContext:
         return self

@@ -166,8 +166,9 @@ function labelPlaces(
   const first = tracks.toSorted((a, b) => Number(b.name === selected) - Number(a.name === selected));
   for (const { name, depths } of first) {
     const end = depths.at(-1)?.[1] ?? 0;
-    const y = plot.y(end) - 5;
-    if (end > 0 && [...places.values()].every((other) => Math.abs(other - y) > 11)) places.set(name, Math.max(y, 10));
+    const above = plot.y(end) - 5;
+    const y = above < 12 ? above + 18 : above;
+    if (end > 0 && [...places.values()].every((other) => Math.abs(other - y) > 11)) places.set(name, y);
   }
   return places;
 }

@@ -9,7 +9,7 @@ describe("letterbox", () => {
 
 describe("quality", () => {
   it("at rest it is the size on screen, up to a bound, and as good as the command line's", () => {
-    expect(restQuality(960, 540)).toMatchObject({ width: 960, height: 540, rays: 100, supersample: 2, format: "png" });
+    expect(restQuality(960, 540)).toMatchObject({ width: 960, height: 540, rays: 100, layers: 4, supersample: 2, format: "png" });
     const large = restQuality(3840, 2160);
     expect([large.width, large.height]).toEqual([1920, 1080]);
   });

@@ -7,6 +7,8 @@ export interface Quality {
   readonly height: number;
   /** Lens rays for each pixel. */
   readonly rays: number;
+  /** Depth layers at most: each is drawn from the whole scene anew. */
+  readonly layers: number;
   /** Layers are peeled this many times finer than the picture. */
   readonly supersample: number;
   readonly format: "png" | "jpeg";
@@ -19,27 +21,31 @@ interface Rung {
   /** Of the width at rest. */
   readonly scale: number;
   readonly rays: number;
+  /** Fewer than 2 would show holes behind what is near. */
+  readonly layers: number;
 }
+
+const CHEAPEST: Rung = { scale: 0.25, rays: 16, layers: 2 };
 
 /** From dear to cheap. */
 const LADDER: readonly Rung[] = [
-  { scale: 1, rays: 48 },
-  { scale: 0.7, rays: 36 },
-  { scale: 0.5, rays: 28 },
-  { scale: 0.35, rays: 20 },
-  { scale: 0.25, rays: 16 },
+  { scale: 1, rays: 48, layers: 4 },
+  { scale: 0.7, rays: 36, layers: 3 },
+  { scale: 0.5, rays: 28, layers: 2 },
+  { scale: 0.35, rays: 20, layers: 2 },
+  CHEAPEST,
 ];
 
 /** A picture that fills a box of device pixels. */
 export function restQuality(widthPx: number, heightPx: number): Quality {
   const scale = Math.min(1, MOST_PX / Math.max(widthPx, heightPx));
-  return { ...even(widthPx * scale, heightPx * scale), rays: 100, supersample: 2, format: "png" };
+  return { ...even(widthPx * scale, heightPx * scale), rays: 100, layers: 4, supersample: 2, format: "png" };
 }
 
 /** The picture for a rung of the ladder. */
 export function movingQuality(rest: Quality, rung: number): Quality {
-  const { scale, rays } = LADDER[Math.min(Math.max(rung, 0), LADDER.length - 1)] ?? { scale: 0.25, rays: 16 };
-  return { ...even(rest.width * scale, rest.height * scale), rays, supersample: 1, format: "jpeg" };
+  const { scale, rays, layers } = LADDER[Math.min(Math.max(rung, 0), LADDER.length - 1)] ?? CHEAPEST;
+  return { ...even(rest.width * scale, rest.height * scale), rays, layers, supersample: 1, format: "jpeg" };
 }
 
 /** Rung to start from before anything is known of the service's speed. */

@@ -144,8 +144,8 @@ export class HttpService implements Service {
 
 type PictureQuery = paths["/v1/shots/{shot}/frame"]["get"]["parameters"]["query"];
 
-function pictureOf(time: number, { width, height, rays, supersample }: Quality): PictureQuery {
-  return { time, width, height, rays, supersample };
+function pictureOf(time: number, { width, height, rays, layers, supersample }: Quality): PictureQuery {
+  return { time, width, height, rays, layers, supersample };
 }
 
 /** The camera as a parameter: left out, the service takes the shot's own. */

@@ -1,15 +1,38 @@
-import { FIRST_RUNG, letterbox, movingQuality, nextRung, restQuality } from "@/model/quality";
+import {
+  FIRST_RUNG,
+  letterbox,
+  movingQuality,
+  nextRung,
+  restQuality,
+} from "@/model/quality";
 
 describe("letterbox", () => {
   it("fills a wide box in height, a tall one in width, centred", () => {
-    expect(letterbox(1000, 300, 2)).toEqual({ left: 200, top: 0, width: 600, height: 300 });
-    expect(letterbox(320, 500, 2)).toEqual({ left: 0, top: 170, width: 320, height: 160 });
+    expect(letterbox(1000, 300, 2)).toEqual({
+      left: 200,
+      top: 0,
+      width: 600,
+      height: 300,
+    });
+    expect(letterbox(320, 500, 2)).toEqual({
+      left: 0,
+      top: 170,
+      width: 320,
+      height: 160,
+    });
   });
 });
 
 describe("quality", () => {
   it("at rest it is the size on screen, up to a bound, and as good as the command line's", () => {
-    expect(restQuality(960, 540)).toMatchObject({ width: 960, height: 540, rays: 100, layers: 4, supersample: 2, format: "png" });
+    expect(restQuality(960, 540)).toMatchObject({
+      width: 960,
+      height: 540,
+      rays: 100,
+      layers: 4,
+      supersample: 2,
+      format: "png",
+    });
     const large = restQuality(3840, 2160);
     expect([large.width, large.height]).toEqual([1920, 1080]);
   });

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from render.errors import SettingsError
 from render.optics.sampling import Iris, fill_iris, lens_samples
 
-GRID = np.stack(np.meshgrid(*[(np.arange(200) + 0.5) / 200] * 2, indexing="ij"), -1).reshape(-1, 2)
+# 200 by 201: on a square grid, one point in a hundred would lie on the diagonal, which is one angle of the iris.
+GRID = np.stack(np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (200, 201)], indexing="ij"), -1).reshape(-1, 2)
 
 
 def rim(angle: np.ndarray, iris: Iris) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.gl.compat import pyrender
+from render.layers.bounds import BoxCache
 from render.layers.materials import HalfTexture, PreviewSurface
 from render.optics.view import PinholeView
 from render.scene import Batch, DoubleArray, Geometry, Image, IntArray, Material, Scene, Wrap
@@ -42,6 +43,7 @@ class Draw:
         first_object: the object number of its first instance; ids in layers are object numbers.
         mirrored: whether its poses turn the triangles' winding around.
         double_sided: whether back faces are drawn.
+        corners: ``(n, 3)`` of boxes around what it draws, world, metres.
     """
 
     node: pyrender.Node
@@ -50,6 +52,7 @@ class Draw:
     first_object: int
     mirrored: bool
     double_sided: bool
+    corners: DoubleArray
 
 
 class SceneIndex:
@@ -66,6 +69,7 @@ class SceneIndex:
         self._nodes: dict[DrawKey, HeldNode] = {}
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
+        self._boxes = BoxCache()
         self._camera: pyrender.Node | None = None
         self._scene: Scene | None = None
 
@@ -82,11 +86,13 @@ class SceneIndex:
                 place = number if len(instances) == 1 else id(batch.poses)
                 key = (id(batch.geometry), id(batch.material), place, mirrored)
                 node = self._node(batch, instances, key, kept)
-                self.draws.append(Draw(node, batch, instances, first_object, mirrored, batch.double_sided))
+                corners = self._boxes.corners(batch)
+                self.draws.append(Draw(node, batch, instances, first_object, mirrored, batch.double_sided, corners))
                 first_object += len(instances)
         for key in self._nodes.keys() - kept.keys():
             self.graph.remove_node(self._nodes[key][0])
         self._nodes = kept
+        self._boxes.forget(scene.batches)
         self._forget_unused()
 
     def look_through(self, view: PinholeView) -> None:

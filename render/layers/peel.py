@@ -20,10 +20,10 @@ from render.layers.index import SceneIndex
 from render.layers.lights import chosen_lights, dome_irradiance, pack_lights
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerPass, LayerRenderer
-from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, plan_shadows, scene_sphere
+from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, plan_shadows, sphere_around
 from render.layers.targets import MAX_LAYERS, LayerTargets
 from render.optics.view import PinholeView
-from render.scene import Image, Light, Scene
+from render.scene import DoubleArray, Image, Light, Scene
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Peeler:
         self._lights = chosen_lights(scene)
         if self._scene is None or scene.dome is not self._scene.dome:
             self._load_dome(scene)
-        self._plan = plan_shadows(self._lights, *scene_sphere(scene))
+        self._plan = plan_shadows(self._lights, *sphere_around(self._all_corners()))
         self._scene = scene
         self._draw_shadows()
 
@@ -115,6 +115,10 @@ class Peeler:
         if self._dome is not None:
             self._dome.delete()
         self._renderer.delete()
+
+    def _all_corners(self) -> DoubleArray:
+        corners = [draw.corners for draw in self.index.draws]
+        return np.concatenate(corners) if corners else np.zeros((0, 3))
 
     def _draw_counted(self, layer: LayerPass) -> int:
         """Draw a layer and say whether any pixel of it was filled (an occlusion query)."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
 from render.gl.shaders import SHADER_DIR, load_source
+from render.layers.bounds import may_be_seen
 from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
@@ -105,11 +106,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         """
         view = layer.view
         self._begin(view.width, view.height)
-        clip = view.projection_matrix().astype(np.float32)
+        projection = view.projection_matrix()
+        clip = projection.astype(np.float32)
+        seen = self._seen(projection @ view.camera_from_world)
         if layer.previous is not None:
             layer.previous.use(_PREVIOUS_UNIT)
         GL.glColorMask(False, False, False, False)
-        for draw in self._index.draws:
+        for draw in seen:
             program = self._depth_program(draw, peel=layer.previous is not None, clear_below=0.0)
             GL.glUseProgram(program._program_id)
             GL.glUniform1f(program.location("umbra"), layer.umbra)
@@ -118,7 +121,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glColorMask(True, True, True, True)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
-        for draw in self._index.draws:
+        for draw in seen:
             program = self._program("surface.frag", draw, {"UNLIT": 1} if layer.unlit else {})
             GL.glUseProgram(program._program_id)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
@@ -132,7 +135,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         """Draw the depth of everything into the bound shadow map; what is more than half transparent casts nothing."""
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
-        for draw in self._index.draws:
+        for draw in self._seen(clip_from_world):
             program = self._depth_program(draw, peel=False, clear_below=0.5)
             GL.glUseProgram(program._program_id)
             GL.glUniform1f(program.location("detail"), 1.0)
@@ -146,6 +149,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             program.delete()
         self._programs = {}
         GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
+
+    def _seen(self, clip_from_world: DoubleArray) -> list[Draw]:
+        """The draws that may reach into a view."""
+        return [draw for draw in self._index.draws if may_be_seen(draw.corners, clip_from_world)]
 
     def _draw(
         self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: FloatArray, *, cull: bool = True

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.layers.lights import ShadowSlot, power
-from render.scene import DoubleArray, Light, Scene
+from render.scene import DoubleArray, Light
 
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024
@@ -47,18 +47,11 @@ def plan_shadows(lights: tuple[Light, ...], centre: DoubleArray, radius_m: float
     return ShadowPlan(slots, np.array(matrices).reshape(-1, 4, 4))
 
 
-def scene_sphere(scene: Scene) -> tuple[DoubleArray, float]:
-    """Centre ``(3,)`` and radius in metres of a sphere around all that is drawn; a point at the origin when nothing is."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for batch in scene.batches:
-        p = batch.geometry.positions
-        if len(p) == 0:
-            continue
-        corners = np.array(np.meshgrid(*zip(p.min(0), p.max(0), strict=True))).reshape(3, -1)
-        placed = batch.poses[:, :3, :3] @ corners + batch.poses[:, :3, 3:]
-        low, high = np.minimum(low, placed.min((0, 2))), np.maximum(high, placed.max((0, 2)))
-    if not np.isfinite(low).all():
+def sphere_around(corners: DoubleArray) -> tuple[DoubleArray, float]:
+    """Centre ``(3,)`` and radius in metres of a sphere around points ``(n, 3)``; one metre at the origin where there are none."""
+    if len(corners) == 0:
         return np.zeros(3), 1.0
+    low, high = corners.min(0), corners.max(0)
     return (low + high) / 2, float(np.linalg.norm(high - low) / 2) or 1.0
 
 

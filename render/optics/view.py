@@ -88,7 +88,7 @@ class PinholeView:
         points = np.asarray(points_world, np.float64).reshape(-1, 3)
         x, y, z = (points @ self.camera_from_world[:3, :3].T + self.camera_from_world[:3, 3]).T
         depth = -z
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             px = self.cx + self.fx * (x - self.eye_x_m) / depth
             py = self.cy - self.fy * (y - self.eye_y_m) / depth
         pixels = np.stack([px, py], axis=-1)

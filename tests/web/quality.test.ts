@@ -1,10 +1,4 @@
-import {
-  FIRST_RUNG,
-  letterbox,
-  movingQuality,
-  nextRung,
-  restQuality,
-} from "@/model/quality";
+import { FIRST_RUNG, letterbox, movingQuality, nextRung, restQuality } from "@/model/quality";
 
 describe("letterbox", () => {
   it("fills a wide box in height, a tall one in width, centred", () => {

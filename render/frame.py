@@ -8,15 +8,18 @@ The stage reader, the focus solver, film and output stand on either side; `rende
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import TracebackType
 from typing import Any
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.errors import SettingsError
+from render.errors import GraphicsError, InputError, SettingsError
+from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
@@ -104,12 +107,15 @@ class FrameRenderer:
 
     def __init__(self) -> None:
         """Raises `GraphicsError` where no context can be made."""
+        self._lit: tuple[Scene, Camera, Scene] | None = None
+        self._open()
+
+    def _open(self) -> None:
         self.graphics = GraphicsContext()
         programs = ProgramCache(self.graphics.ctx)
         self._peeler = Peeler(self.graphics, programs)
         self._lens = LensEngine(self.graphics.ctx, programs)
         self._accumulator = Accumulator(self.graphics.ctx, programs)
-        self._lit: tuple[Scene, Camera, Scene] | None = None
 
     def render(
         self, scene: Scene, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None = None
@@ -126,8 +132,18 @@ class FrameRenderer:
             CameraError: the camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
-        self.graphics.make_current()
         view = PinholeView.from_camera(camera, settings.width, settings.height)
+        with self._device():
+            return self._frame(view, scene, camera, settings, on_progress)
+
+    def _frame(
+        self,
+        view: PinholeView,
+        scene: Scene,
+        camera: Camera,
+        settings: FrameSettings,
+        on_progress: Callable[[float], None] | None,
+    ) -> Frame:
         self._peeler.load(self._with_light(scene, camera))
         if settings.engine == "accumulation":
             color = self._accumulate(view, camera, settings, on_progress)
@@ -167,9 +183,9 @@ class FrameRenderer:
         view = PinholeView.from_camera(camera, width, height)
         if not (0 <= x <= width and 0 <= y <= height):
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
-        self.graphics.make_current()
-        self._peeler.load(self._with_light(scene, camera))
-        return pick_surface(self._peeler, scene, view, x, y)
+        with self._device():
+            self._peeler.load(self._with_light(scene, camera))
+            return pick_surface(self._peeler, scene, view, x, y)
 
     def close(self) -> None:
         """Give the device's memory and the context back."""
@@ -185,6 +201,21 @@ class FrameRenderer:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    @contextmanager
+    def _device(self) -> Iterator[None]:
+        """Work on the device. What fails half way there leaves nothing behind: the context is made anew for the next frame."""
+        self.graphics.make_current()
+        try:
+            yield
+        except (SettingsError, InputError):
+            raise  # said before anything was drawn
+        except Exception as error:
+            self.graphics.close()
+            self._open()
+            if isinstance(error, (OpenGLError, moderngl.Error, RuntimeError)):
+                raise GraphicsError(f"{self.graphics.renderer} could not draw the frame: {error}") from error
+            raise
 
     def _accumulate(
         self, view: PinholeView, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None

@@ -6,6 +6,7 @@ Why each adaptation is here:
 - PyOpenGL picks its platform when it is first imported; without ``PYOPENGL_PLATFORM=egl`` it looks for an X display.
 - pyrender imports its viewer, and so pyglet, which looks for X libraries unless ``PYGLET_HEADLESS`` is set.
 - PyOpenGL knows the type of a ``ctypes.byref`` under its name before Python 3.12.
+- pyrender's platform asks for OpenGL 4.1, and NVIDIA's driver gives what it was asked for; `make_context` asks for 4.5.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 """
 
@@ -33,8 +34,8 @@ try:
     import pyrender.renderer
     import pyrender.shader_program
     import pyrender.texture
-    from OpenGL import GL
-    from OpenGL.EGL import EGL_NO_CONTEXT, EGL_NO_SURFACE, eglDestroyContext, eglGetProcAddress, eglMakeCurrent
+    from OpenGL import EGL, GL
+    from OpenGL.error import Error as OpenGLError
     from OpenGL.plugins import FormatHandler
     from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
     from pyrender.platforms import egl as pyrender_egl
@@ -53,7 +54,9 @@ __all__ = [
     "CLIP_NEGATIVE_ONE_TO_ONE",
     "CLIP_ZERO_TO_ONE",
     "GL",
+    "OpenGLError",
     "half_float_image",
+    "make_context",
     "pyrender",
     "pyrender_egl",
     "release_context",
@@ -63,6 +66,23 @@ __all__ = [
 CLIP_NEGATIVE_ONE_TO_ONE = 0x935E
 CLIP_ZERO_TO_ONE = 0x935F
 _LOWER_LEFT = 0x8CA1
+_VERSION = (4, 5)
+
+
+def make_context(platform: pyrender_egl.EGLPlatform) -> None:
+    """Initialise a platform and give it a current context of OpenGL 4.5 core; its own of 4.1 stays where there is none."""
+    platform.init_context()
+    wanted = [EGL.EGL_SURFACE_TYPE, EGL.EGL_PBUFFER_BIT, EGL.EGL_RENDERABLE_TYPE, EGL.EGL_OPENGL_BIT, EGL.EGL_NONE]
+    configs, count = (EGL.EGLConfig * 1)(), ctypes.c_long()
+    EGL.eglChooseConfig(platform._egl_display, (EGL.EGLint * len(wanted))(*wanted), configs, 1, count)
+    version = [EGL.EGL_CONTEXT_MAJOR_VERSION, _VERSION[0], EGL.EGL_CONTEXT_MINOR_VERSION, _VERSION[1]]
+    version += [EGL.EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL.EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL.EGL_NONE]
+    attributes = (EGL.EGLint * len(version))(*version)
+    context = EGL.eglCreateContext(platform._egl_display, configs[0], EGL.EGL_NO_CONTEXT, attributes)
+    if context:
+        release_context(platform)
+        platform._egl_context = context
+    platform.make_current()
 
 
 def release_context(platform: pyrender_egl.EGLPlatform) -> None:
@@ -71,8 +91,8 @@ def release_context(platform: pyrender_egl.EGLPlatform) -> None:
     Args:
         platform: whose context was made and is not wanted any more.
     """
-    eglMakeCurrent(platform._egl_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT)
-    eglDestroyContext(platform._egl_display, platform._egl_context)
+    EGL.eglMakeCurrent(platform._egl_display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
+    EGL.eglDestroyContext(platform._egl_display, platform._egl_context)
 
 
 def set_clip_depth(mode: int) -> None:
@@ -100,7 +120,7 @@ def half_float_image(pixels: NDArray[np.float16]) -> None:
 
 @cache
 def _clip_control() -> ctypes._CFunctionType:
-    address = ctypes.cast(eglGetProcAddress(b"glClipControl"), ctypes.c_void_p).value
+    address = ctypes.cast(EGL.eglGetProcAddress(b"glClipControl"), ctypes.c_void_p).value
     if address is None:
         raise GraphicsError("the driver has no glClipControl; OpenGL 4.5 is needed")
     return ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(address)

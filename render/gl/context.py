@@ -7,7 +7,7 @@ from types import TracebackType
 import moderngl
 
 from render.errors import GraphicsError
-from render.gl.compat import pyrender_egl, release_context
+from render.gl.compat import make_context, pyrender_egl, release_context
 
 REQUIRED_VERSION = 450
 
@@ -29,8 +29,7 @@ class GraphicsContext:
         """
         try:
             self._platform = pyrender_egl.EGLPlatform(1, 1)
-            self._platform.init_context()
-            self._platform.make_current()
+            make_context(self._platform)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
             moderngl.init_context()
             self.ctx = moderngl.get_context()

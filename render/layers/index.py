@@ -7,29 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.gl.compat import pyrender
+from render.gl.compat import GL, pyrender
 from render.layers.bounds import BoxCache
 from render.layers.materials import HalfTexture, PreviewSurface
-from render.optics.view import PinholeView
-from render.scene import Batch, DoubleArray, Geometry, Image, IntArray, Material, Scene, Wrap
+from render.scene import Batch, DoubleArray, FloatArray, Geometry, Image, IntArray, Material, Scene, Wrap
 
 IndexArray = NDArray[np.intp]
 DrawKey = tuple[int, int, int, bool]
-"""Identities of geometry and material, then of the poses (or the batch's place, where one pose may move), mirrored."""
+"""Identities of geometry and material, which of the draws with both it is, and whether it is mirrored."""
+_POSE_BUFFER = 1  # of the buffers that pyrender's primitive makes: vertices, poses, indices
 HeldNode = tuple[pyrender.Node, tuple[object, ...]]
 """A node, and the objects whose identities its key holds: kept so that no new object gets their id."""
-
-
-class ViewCamera(pyrender.Camera):  # type: ignore[misc]
-    """A pyrender camera whose projection is a `PinholeView`."""
-
-    def __init__(self, view: PinholeView) -> None:
-        super().__init__(znear=view.near_m, zfar=None if np.isinf(view.far_m) else view.far_m, name="view")
-        self.view = view
-
-    def get_projection_matrix(self, width: int | None = None, height: int | None = None) -> DoubleArray:
-        """``(4, 4)``; the view knows its own size."""
-        return self.view.projection_matrix()
 
 
 @dataclass(frozen=True)
@@ -44,6 +32,7 @@ class Draw:
         mirrored: whether its poses turn the triangles' winding around.
         double_sided: whether back faces are drawn.
         corners: ``(n, 3)`` of boxes around what it draws, world, metres.
+        may_be_clear: whether a fragment may be wholly transparent.
     """
 
     node: pyrender.Node
@@ -53,6 +42,7 @@ class Draw:
     mirrored: bool
     double_sided: bool
     corners: DoubleArray
+    may_be_clear: bool
 
 
 class SceneIndex:
@@ -70,38 +60,31 @@ class SceneIndex:
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
         self._boxes = BoxCache()
-        self._camera: pyrender.Node | None = None
+        self._faded: dict[int, tuple[Geometry, bool]] = {}
         self._scene: Scene | None = None
 
     def update(self, scene: Scene) -> None:
         """Make the graph show ``scene``."""
         if scene is self._scene:
             return
-        self._scene = scene
         kept: dict[DrawKey, HeldNode] = {}
         self.draws = []
         first_object = 0
-        for number, batch in enumerate(scene.batches):
+        for batch in scene.batches:
             for mirrored, instances in _by_handedness(batch.poses):
-                place = number if len(instances) == 1 else id(batch.poses)
-                key = (id(batch.geometry), id(batch.material), place, mirrored)
-                node = self._node(batch, instances, key, kept)
+                node = self._node(batch, instances, mirrored, kept)
                 corners = self._boxes.corners(batch)
-                self.draws.append(Draw(node, batch, instances, first_object, mirrored, batch.double_sided, corners))
+                clear = self._may_be_clear(batch)
+                self.draws.append(
+                    Draw(node, batch, instances, first_object, mirrored, batch.double_sided, corners, clear)
+                )
                 first_object += len(instances)
         for key in self._nodes.keys() - kept.keys():
             self.graph.remove_node(self._nodes[key][0])
         self._nodes = kept
         self._boxes.forget(scene.batches)
         self._forget_unused()
-
-    def look_through(self, view: PinholeView) -> None:
-        """Put the graph's main camera at ``view``."""
-        if self._camera is None:
-            self._camera = self.graph.add(ViewCamera(view), pose=np.eye(4))
-            self.graph.main_camera_node = self._camera
-        self._camera.camera.view = view
-        self.graph.set_pose(self._camera, np.linalg.inv(view.camera_from_world))
+        self._scene = scene
 
     def locate(self, object_number: int) -> tuple[Batch, int]:
         """The batch and pose index of an object number that a layer holds."""
@@ -112,30 +95,49 @@ class SceneIndex:
         raise IndexError(f"no object {object_number}")
 
     def _node(
-        self,
-        batch: Batch,
-        instances: IndexArray,
-        key: DrawKey,
-        kept: dict[DrawKey, HeldNode],
+        self, batch: Batch, instances: IndexArray, mirrored: bool, kept: dict[DrawKey, HeldNode]
     ) -> pyrender.Node:
-        """The node that draws some of a batch's instances: an old one moved, where only its pose changed."""
-        single = len(instances) == 1
-        found = self._nodes.get(key)
-        if found is not None and key not in kept:
-            node, owners = found
-            kept[key] = (node, owners)
-            if single:
-                self.graph.set_pose(node, batch.poses[instances[0]])
-            return node
-        pose = batch.poses[instances[0]] if single else np.eye(4)
-        mesh = pyrender.Mesh([self._primitive(batch, None if single else batch.poses[instances])])
-        node = pyrender.Node(mesh=mesh)
-        self.graph.add_node(node)
-        self.graph.set_pose(node, pose)  # a matrix given to the Node is decomposed, and mirrors and shears are lost
-        kept[key] = (node, (batch.geometry, batch.material, batch.poses))  # owners keep the ids in the key from reuse
+        """The node that draws some of a batch's instances: one that drew the same before, moved, or a new one."""
+        times = 0
+        while (key := (id(batch.geometry), id(batch.material), times, mirrored)) in kept:
+            times += 1
+        if key in self._nodes:
+            node = self._nodes[key][0]
+        else:
+            node = pyrender.Node(mesh=pyrender.Mesh([self._primitive(batch)]))
+            self.graph.add_node(node)
+        kept[key] = (node, (batch.geometry, batch.material))
+        self._place(node, batch.poses[instances])
         return node
 
-    def _primitive(self, batch: Batch, poses: DoubleArray | None) -> pyrender.Primitive:
+    def _may_be_clear(self, batch: Batch) -> bool:
+        m, colors = batch.material, batch.geometry.colors
+        if m.uses_display_color and colors is not None:
+            if id(batch.geometry) not in self._faded:
+                self._faded[id(batch.geometry)] = (batch.geometry, bool((colors[:, 3] < 1).any()))
+            if self._faded[id(batch.geometry)][1]:
+                return True
+        return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups
+
+    def _place(self, node: pyrender.Node, poses: DoubleArray) -> None:
+        """Put a node's instances where they stand.
+
+        pyrender keeps instances' poses in float32, so they are told relative to where the first one stands, and that is the
+        node's own pose. A matrix is never given to a Node when it is made: it would be decomposed, and lose mirrors and shears.
+        """
+        primitive: LargePrimitive = node.mesh.primitives[0]
+        if len(poses) == 1:
+            primitive.place(None)
+            self.graph.set_pose(node, poses[0])
+            return
+        stand = np.eye(4)
+        stand[:3, 3] = poses[0, :3, 3]
+        relative = poses.copy()
+        relative[:, :3, 3] -= stand[:3, 3]
+        primitive.place(relative.astype(np.float32))
+        self.graph.set_pose(node, stand)
+
+    def _primitive(self, batch: Batch) -> LargePrimitive:
         g: Geometry = batch.geometry
         return LargePrimitive(
             positions=g.positions,
@@ -144,7 +146,6 @@ class SceneIndex:
             color_0=g.colors,
             indices=g.triangles,
             material=self._material(batch.material),
-            poses=poses,
         )
 
     def _material(self, material: Material) -> PreviewSurface:
@@ -164,13 +165,32 @@ class SceneIndex:
     def _forget_unused(self) -> None:
         """Drop materials and textures that no draw uses, so that a long session does not grow."""
         used = {id(draw.batch.material) for draw in self.draws}
+        drawn = {id(draw.batch.geometry) for draw in self.draws}
+        self._faded = {key: value for key, value in self._faded.items() if key in drawn}
         self._materials = {key: value for key, value in self._materials.items() if key in used}
         images = {id(texture.image) for surface, _ in self._materials.values() for texture in surface.textures}
         self._textures = {key: value for key, value in self._textures.items() if key[0] in images}
 
 
 class LargePrimitive(pyrender.Primitive):  # type: ignore[misc]
-    """A primitive that keeps its indices whole: pyrender stores them as float32, which is wrong from 2^24 vertices on."""
+    """A primitive that keeps its indices whole (pyrender stores them as float32, wrong from 2^24 vertices on) and whose
+    instances can move after it was uploaded."""
+
+    poses: FloatArray | None
+
+    def place(self, poses: FloatArray | None) -> None:
+        """Set the poses of the instances, ``(k, 4, 4)``, or None for one at the node."""
+        if poses is None and self.poses is None:
+            return
+        if poses is not None and self.poses is not None and np.array_equal(poses, self.poses):
+            return
+        self.poses = poses
+        if self._in_context():
+            data = np.eye(4, dtype=np.float32)[None] if poses is None else poses
+            GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self._buffers[_POSE_BUFFER])
+            columns = np.ascontiguousarray(data.transpose(0, 2, 1))
+            GL.glBufferData(GL.GL_ARRAY_BUFFER, columns.nbytes, columns, GL.GL_STATIC_DRAW)
+            GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
 
     @property
     def indices(self) -> NDArray[np.uint32] | None:

@@ -73,6 +73,7 @@ class NBufferBuilder:
     def _sized(self, width: int, height: int, levels: int) -> moderngl.TextureArray:
         if self._ranges is None or self._ranges.size != (width, height, levels):
             self.release()
+            self._ranges = None
             self._ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
             self._ranges.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return self._ranges

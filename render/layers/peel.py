@@ -21,7 +21,7 @@ from render.layers.lights import chosen_lights, dome_irradiance, pack_lights
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerPass, LayerRenderer
 from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, plan_shadows, sphere_around
-from render.layers.targets import MAX_LAYERS, LayerTargets
+from render.layers.targets import MAX_LAYERS, LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Image, Light, Scene
 
@@ -63,14 +63,15 @@ class Peeler:
         """Upload a scene: what is new in it, its lights and its shadows. Does nothing for the scene that is loaded."""
         if scene is self._scene:
             return
+        before, self._scene = self._scene, None  # nothing is loaded until all of it is
         self.index.update(scene)
         self._renderer.upload()
         self._lights = chosen_lights(scene)
-        if self._scene is None or scene.dome is not self._scene.dome:
+        if before is None or scene.dome is not before.dome:
             self._load_dome(scene)
         self._plan = plan_shadows(self._lights, *sphere_around(self._all_corners()))
-        self._scene = scene
         self._draw_shadows()
+        self._scene = scene
 
     def peel(
         self,
@@ -125,8 +126,10 @@ class Peeler:
         query = GL.glGenQueries(1)
         name = int(np.ravel(query)[0])
         GL.glBeginQuery(GL.GL_ANY_SAMPLES_PASSED, name)
-        self._renderer.draw_layer(layer)
-        GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
+        try:
+            self._renderer.draw_layer(layer)
+        finally:
+            GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
         passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
         GL.glDeleteQueries(1, [name])
         return passed
@@ -138,8 +141,10 @@ class Peeler:
 
     def _sized_targets(self, view: PinholeView) -> LayerTargets:
         if self._targets is None or (self._targets.width, self._targets.height) != (view.width, view.height):
+            check_layer_size(self._ctx, view.width, view.height)
             if self._targets is not None:
                 self._targets.release()
+                self._targets = None
             self._targets = LayerTargets.make(self._ctx, view.width, view.height)
         return self._targets
 

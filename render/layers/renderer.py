@@ -122,7 +122,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw in seen:
-            program = self._program("surface.frag", draw, {"UNLIT": 1} if layer.unlit else {})
+            program = self._surface_program(draw, unlit=layer.unlit)
             GL.glUseProgram(program._program_id)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
@@ -149,6 +149,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             program.delete()
         self._programs = {}
         GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
+
+    def __del__(self) -> None:
+        """Nothing: pyrender's own would free names that may be another renderer's by now. `delete` is called by the owner."""
 
     def _seen(self, clip_from_world: DoubleArray) -> list[Draw]:
         """The draws that may reach into a view."""
@@ -182,9 +185,15 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def _depth_program(self, draw: Draw, *, peel: bool, clear_below: float) -> SourceProgram:
         """The program that finds depths. Where nothing can be clear it reads no material, and the device tests depth early."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
-        if _may_be_clear(draw):
+        if draw.may_be_clear:
             defines |= {"MAY_BE_CLEAR": 1, "CLEAR_BELOW": clear_below}
         return self._program("depth.frag", draw, defines)
+
+    def _surface_program(self, draw: Draw, *, unlit: bool) -> SourceProgram:
+        defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
+        if draw.may_be_clear:
+            defines["MAY_BE_CLEAR"] = 1
+        return self._program("surface.frag", draw, defines)
 
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
         primitive = draw.node.mesh.primitives[0]
@@ -232,13 +241,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glFrontFace(GL.GL_CCW)
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
-
-
-def _may_be_clear(draw: Draw) -> bool:
-    """Whether a fragment may be wholly transparent."""
-    m, colors = draw.batch.material, draw.batch.geometry.colors
-    faded = m.uses_display_color and colors is not None and bool((colors[:, 3] < 1).any())
-    return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups or faded
 
 
 def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.errors import GraphicsError
+from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
 
 MAX_LAYERS = 4
+MAX_LAYER_PIXELS = 80_000_000
+"""Some 110 bytes each, all layers together: nine gigabytes."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 
@@ -83,6 +85,16 @@ class LayerTargets:
             texture.release()
         GL.glDeleteFramebuffers(len(self.framebuffers), list(self.framebuffers))
         GL.glDeleteRenderbuffers(1, [self.depth])
+
+
+def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
+    """Raise `SettingsError` where layers of this size are more than the device, or a sensible amount of memory, can hold."""
+    side = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
+    if max(width, height) > side or width * height > MAX_LAYER_PIXELS:
+        raise SettingsError(
+            f"the picture's layers would have {width}x{height} pixels, supersampled and with their margin; at most {side} on a "
+            f"side and {MAX_LAYER_PIXELS // 1_000_000} million in all can be held: ask for a smaller picture or supersample less"
+        )
 
 
 def _framebuffer(

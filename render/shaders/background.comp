@@ -12,7 +12,7 @@ uniform vec3 radiance;
 uniform vec2 focal_px;
 uniform vec2 centre_px;
 
-const float PI = 3.14159265358979;
+#include "latlong.glsl"
 
 void main()
 {
@@ -22,8 +22,7 @@ void main()
     if (radiance != vec3(0.0)) {
         vec2 slope = (vec2(pixel) + 0.5 - centre_px) / focal_px;
         vec3 d = normalize(mat3(dome_from_camera) * vec3(slope.x, -slope.y, -1.0));
-        vec2 uv = vec2(0.5 - atan(d.x, d.z) / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
-        colour = radiance * textureLod(dome_map, uv, 0.0).rgb;
+        colour = radiance * textureLod(dome_map, latlong_uv(d), 0.0).rgb;
     }
     imageStore(background, pixel, vec4(min(colour, vec3(65000.0)), 0.0));
 }

@@ -19,11 +19,18 @@ uniform float umbra;  // how far in w an opaque surface hides what is behind it,
 
 void main()
 {
+#if defined(PEEL) || defined(MAY_BE_CLEAR)
+    bool hidden = false;
+#endif
 #ifdef PEEL
     float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0).r;
-    if (gl_FragCoord.w >= abs(last_w) - (last_w > 0.0 ? umbra : 0.0)) discard;  // a transparent surface hides nothing
+    hidden = gl_FragCoord.w >= abs(last_w) - (last_w > 0.0 ? umbra : 0.0);  // a transparent surface hides nothing
 #endif
 #ifdef MAY_BE_CLEAR
-    if (evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity <= CLEAR_BELOW) discard;
+    // before any discard: look-ups need their neighbours' coordinates
+    hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity <= CLEAR_BELOW || hidden;
+#endif
+#if defined(PEEL) || defined(MAY_BE_CLEAR)
+    if (hidden) discard;
 #endif
 }

@@ -1,7 +1,6 @@
 // Light that a surface sends to the eye: UsdLux lights by their irradiance, and the dome.
 // All in camera space, metres; radiance scene-linear. Area lights are lit from their centre, with the exact irradiance
-// of a sphere above the horizon and of a disk on its axis; their size widens the highlight (Karis 2013, "Real shading in
-// Unreal Engine 4", representative point normalisation).
+// of a sphere above the horizon and of a disk on its axis; their apparent size widens the highlight, whose energy stays.
 
 #define PI 3.14159265358979
 
@@ -14,8 +13,8 @@ struct Light {
 };
 
 layout(std140, binding = 2) uniform LightBlock {
-    vec4 count;             // lights; whether there is a dome; its coarsest mip; how many lights have shadows (the first ones)
-    vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, world axes
+    vec4 count;             // lights; whether there is a dome; its mip for a rough surface; how many lights have shadows (the first ones)
+    vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, the dome's axes
     mat4 dome_from_camera;
     mat4 world_from_camera;
     vec4 dome_radiance;
@@ -25,6 +24,7 @@ layout(std140, binding = 2) uniform LightBlock {
 layout(binding = 9) uniform sampler2D dome_map;
 
 #include "shadow.glsl"
+#include "latlong.glsl"
 
 vec3 fresnel(vec3 f0, float cosine)
 {
@@ -32,12 +32,13 @@ vec3 fresnel(vec3 f0, float cosine)
     return f0 + (max(vec3(1.0), f0) - f0) * (x2 * x2 * x);
 }
 
-// GGX with the height-correlated Smith term (Heitz 2014); `widened` is alpha grown by the light's apparent size.
-float ggx(float nh, float nl, float nv, float alpha, float widened)
+// GGX with the height-correlated Smith term (Heitz 2014). The half vectors of a light that reaches `spread` to each side (half
+// its radius over its distance) blur the distribution of normals: their variances add.
+float ggx(float nh, float nl, float nv, float alpha, float spread)
 {
-    float a2 = widened * widened;
+    float a2 = min(alpha * alpha + spread * spread, 1.0);
     float d = nh * nh * (a2 - 1.0) + 1.0;
-    float distribution = a2 / (PI * d * d) * (alpha * alpha) / a2;
+    float distribution = a2 / (PI * d * d);
     float k2 = alpha * alpha;
     float v = nl * sqrt(nv * nv * (1.0 - k2) + k2) + nv * sqrt(nl * nl * (1.0 - k2) + k2);
     return distribution * 0.5 / max(v, 1e-4);
@@ -53,10 +54,10 @@ vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
     float alpha = s.roughness * s.roughness;
     vec3 f = fresnel(s.f0, vh);
     vec3 result = (1.0 - f) * (1.0 - s.metallic) * s.base_color / PI * response.x;
-    result += f * ggx(nh, nl, nv, alpha, clamp(alpha + spread, 0.0, 1.0)) * response.y;
+    result += f * ggx(nh, nl, nv, alpha, spread) * response.y;
 #ifdef CLEARCOAT
     float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
-    result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, clamp(coat + spread, 0.0, 1.0)) * response.y;
+    result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, spread) * response.y;
 #endif
     return result * nl;
 }
@@ -83,11 +84,6 @@ vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v, out vec3 l)
     return irradiance * brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
 }
 
-vec2 dome_uv(vec3 d)  // latitude-longitude as OpenEXR has it: the centre looks along +Z, +X is left of it, row 0 up
-{
-    return vec2(0.5 - atan(d.x, d.z) / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
-}
-
 vec3 dome_irradiance_over_pi(vec3 n)
 {
     vec4 c[9] = lighting.dome_irradiance;
@@ -112,7 +108,7 @@ vec3 dome_contribution(Surface s, vec3 v)
     float nv = max(abs(dot(s.normal, v)), 1e-3);
     vec3 reflectance = environment_reflectance(s.f0, s.roughness, nv);
     vec3 mirror = normalize(dome * reflect(-v, s.normal));
-    vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, dome_uv(mirror), s.roughness * lighting.count.z).rgb;
+    vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, latlong_uv(mirror), s.roughness * lighting.count.z).rgb;
     vec3 diffuse = (1.0 - s.metallic) * (1.0 - reflectance) * s.base_color * dome_irradiance_over_pi(normalize(dome * s.normal));
     return s.occlusion * (diffuse + reflectance * seen);
 }

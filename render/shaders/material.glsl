@@ -148,13 +148,17 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.metallic = clamp(s.metallic, 0.0, 1.0);
         s.f0 = mix(vec3(r * r), s.base_color, s.metallic);
     }
-    vec3 n = normalize(normal);
+    // a normal of no length, as a flattened instance has it, gives way to the triangle's own
+    vec3 facet = cross(dFdx(position), dFdy(position));
+    facet = dot(facet, position) > 0.0 ? -facet : facet;
+    vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
     float shortening = 0.0;
     s.normal = front ? n : -n;
 #ifdef HAS_NORMAL
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
     shortening = max(1.0 - length(tangent), 0.0);
-    s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
+    if (dot(tangent, tangent) > 1e-12)
+        s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
 #endif
     s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // 0 would have highlights of no size
     return s;

@@ -24,11 +24,15 @@ uniform uint first_object;       // object number of the batch's first instance
 void main()
 {
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
+#ifdef MAY_BE_CLEAR
+    if (s.opacity <= 0.0) discard;  // it may share its depth with a surface that is there
+#endif
 #ifdef UNLIT
     vec3 radiance = s.base_color;
 #else
     vec3 radiance = s.emissive + shade(s, frag_position, normalize(eye - frag_position));
 #endif
+    if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // light that cannot be is none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
     out_w = s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w;
     out_id = uvec2(first_object + frag_instance + 1u, uint(gl_PrimitiveID));

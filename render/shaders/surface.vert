@@ -36,7 +36,7 @@ void main()
     vec4 p = camera_from_local * vec4(position, 1.0);
     mat3 c = cofactor(mat3(camera_from_local));
     frag_position = p.xyz;
-    frag_normal = c * normal * sign(dot(c[0], camera_from_local[0].xyz));
+    frag_normal = c * normal * (dot(c[0], camera_from_local[0].xyz) < 0.0 ? -1.0 : 1.0);
 #ifdef TEXCOORD_0_LOC
     frag_uv = texcoord_0;
 #else

@@ -34,7 +34,7 @@ uniform float slope_slack;      // share of w by which a surface may slope withi
 
 const int BLOCK = 4;
 const int ROUNDS = 3;
-const int MAX_STEPS = 160;  // a ray that crosses more pixels than this strides over some: its blur is wider than what it misses
+const int MAX_STEPS = 160;  // a ray that crosses more pixels than this strides over some; where it lands is looked at again
 
 // Range of w over the layer pixels from `low` to `high`, in four look-ups of overlapping squares.
 vec2 range_over(ivec2 low, ivec2 high)
@@ -63,6 +63,14 @@ vec2 bound_footprint(vec2 p, float w_f, float reach)
 }
 
 struct Hit { float w; int layer; bool opaque; };
+
+// The surface that was met, looked at again where the ray meets it: the step found it in the pixel under the step's middle.
+ivec2 exact_pixel(ivec2 found, ivec2 at, Hit hit, float tolerance)
+{
+    if (at == found) return found;
+    float w = texelFetch(packed_w, at, 0)[hit.layer];
+    return abs(abs(w) - hit.w) <= tolerance && (w > 0.0) == hit.opaque ? at : found;
+}
 
 // The nearest surface of a pixel within (low, high) of w, in front of `limit`.
 Hit nearest_in(vec4 stored, float low, float high, float limit)
@@ -95,7 +103,9 @@ vec4 trace(vec2 a, vec2 b, vec2 range)
             if (stored.x == 0.0) continue;
             Hit hit = nearest_in(stored, low - pad - slope_slack * low, high + pad + slope_slack * high, limit);
             while (hit.layer >= 0) {
-                vec4 surface = texelFetch(radiance, ivec3(pixel, hit.layer), 0);
+                ivec2 at = clamp(ivec2(floor(a + b * hit.w)), ivec2(0), last);
+                at = exact_pixel(pixel, at, hit, pad + slope_slack * hit.w);
+                vec4 surface = texelFetch(radiance, ivec3(at, hit.layer), 0);
                 float share = (1.0 - seen.a) * (hit.opaque ? 1.0 : surface.a);
                 seen += share * vec4(surface.rgb, 1.0);
                 if (hit.opaque) return seen;

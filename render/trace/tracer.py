@@ -93,6 +93,7 @@ class Tracer:
             self._program[name] = _UNITS[name]
         if self._rays is not None:
             self._rays.release()
+            self._rays = None
         self._rays = self._ctx.buffer(np.ascontiguousarray(bundle.table).tobytes())
         self._rays.bind_to_storage_buffer(4)
 
@@ -120,6 +121,7 @@ class Tracer:
         if self._sum is None or self._sum.size != size:
             if self._sum is not None:
                 self._sum.release()
+                self._sum = None
             self._sum = self._ctx.texture(size, 4, dtype="f4")
         self._sum.bind_to_image(0, read=True, write=True)
         return self._sum

@@ -24,6 +24,7 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface, read_surfaces
+from render.layers.shadows import Sphere
 from render.layers.targets import MAX_LAYERS
 from render.optics.sampling import MAX_RAYS, lens_samples
 from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
@@ -144,7 +145,7 @@ class FrameRenderer:
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None,
     ) -> Frame:
-        self._peeler.load(self._with_light(scene, camera))
+        self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
         if settings.engine == "accumulation":
             color = self._accumulate(view, camera, settings, on_progress)
             aovs = self._surfaces(view, scene, camera, settings) if set(settings.aovs) - {"color"} else {}
@@ -184,7 +185,7 @@ class FrameRenderer:
         if not (0 <= x <= width and 0 <= y <= height):
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
         with self._device():
-            self._peeler.load(self._with_light(scene, camera))
+            self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
             return pick_surface(self._peeler, scene, view, x, y)
 
     def close(self) -> None:
@@ -250,6 +251,13 @@ class FrameRenderer:
             dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
             self._lit = (scene, camera, replace(scene, lights=lights, dome=dome))
         return self._lit[2]
+
+
+def shadow_interest(camera: Camera) -> Sphere:
+    """Where a distant light's shadows are resolved in a large scene: around the point in focus, twelve metres at the least."""
+    focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
+    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
+    return Sphere(x, y, z, max(12.0, 2.5 * focus_m))
 
 
 def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -7,10 +7,12 @@ frame has room for all that a shot uses and costs nothing per primitive.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from render.scene import Dome, DoubleArray, FloatArray, Light, Scene
+from render.scene import Dome, DoubleArray, FloatArray, Light
 
 MAX_LIGHTS = 96
 _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}
@@ -25,12 +27,10 @@ class ShadowSlot:
     texel_m: float
 
 
-def chosen_lights(scene: Scene) -> tuple[Light, ...]:
+def chosen_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
     """The lights that are drawn: all, or the `MAX_LIGHTS` strongest where there are more."""
-    lights = [light for light in scene.lights if max(light.radiance) > 0]
-    if len(lights) > MAX_LIGHTS:
-        lights = sorted(lights, key=power, reverse=True)[:MAX_LIGHTS]
-    return tuple(lights)
+    shining = [light for light in lights if max(light.radiance) > 0 and light.cone_angle_rad > 0]
+    return tuple(shining if len(shining) <= MAX_LIGHTS else sorted(shining, key=power, reverse=True)[:MAX_LIGHTS])
 
 
 def power(light: Light) -> float:
@@ -72,7 +72,7 @@ def pack_lights(
     dome_from_camera = np.eye(4)
     radiance = np.zeros(4)
     if dome is not None:
-        dome_from_camera[:3, :3] = np.linalg.inv(_rotation(dome.pose)) @ world_from_camera[:3, :3]
+        dome_from_camera[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ world_from_camera[:3, :3]
         radiance[:3] = dome.radiance
     rows = np.zeros((MAX_LIGHTS, 5, 4), np.float32)
     # lights with shadows come first, as the shader's two loops have it
@@ -96,26 +96,36 @@ def dome_irradiance(dome: Dome | None) -> FloatArray:
         flat = np.zeros((9, 3), np.float32)
         flat[0] = dome.radiance
         return flat
-    radiance = dome.image.pixels[..., :3].astype(np.float64) * np.asarray(dome.radiance)
-    step = max(1, radiance.shape[0] // 64)
-    radiance = radiance[: radiance.shape[0] // step * step, : radiance.shape[1] // step * step]
-    h, w = radiance.shape[0] // step, radiance.shape[1] // step
-    radiance = radiance.reshape(h, step, w, step, 3).mean((1, 3))
-    theta = (np.arange(h) + 0.5) / h * np.pi
-    phi = (0.5 - (np.arange(w) + 0.5) / w) * 2 * np.pi
-    y = np.cos(theta)[:, None] * np.ones(w)
+    radiance, theta_edges, phi_edges = _reduced(dome.image.pixels)
+    radiance *= np.asarray(dome.radiance)
+    theta, phi = (theta_edges[1:] + theta_edges[:-1]) / 2, (phi_edges[1:] + phi_edges[:-1]) / 2
+    y = np.cos(theta)[:, None] * np.ones(len(phi))
     x = np.sin(theta)[:, None] * np.sin(phi)
     z = np.sin(theta)[:, None] * np.cos(phi)
-    solid_angle = (np.sin(theta) * (np.pi / h) * (2 * np.pi / w))[:, None]
+    solid_angle = -np.diff(np.cos(theta_edges))[:, None] * -np.diff(phi_edges)
     basis = np.stack([np.ones_like(x), y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
     norm = np.array([0.282095] + [0.488603] * 3 + [1.092548, 1.092548, 0.315392, 1.092548, 0.546274])
     cosine_lobe = np.array([1.0] + [2 / 3] * 3 + [1 / 4] * 5)  # A_l over pi
-    coefficients = np.einsum("bhw,hwc,hw->bc", basis, radiance, solid_angle * np.ones(w))
+    coefficients = np.einsum("bhw,hwc,hw->bc", basis, radiance, solid_angle)
     return np.asarray(coefficients * (norm**2 * cosine_lobe)[:, None], np.float32)
 
 
+def _reduced(pixels: NDArray[np.float16]) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+    """A latitude-longitude image of about 64 rows: means ``(h, w, 3)``, and the polar and azimuth angles between its cells.
+
+    A smaller image has its pixels repeated, since harmonics need more places than it has; a larger one is taken band by band.
+    """
+    pixels = pixels.repeat(-(-32 // pixels.shape[0]), axis=0).repeat(-(-64 // pixels.shape[1]), axis=1)
+    height, width = pixels.shape[:2]
+    rows = np.unique(np.linspace(0, height, 65).astype(int))
+    columns = np.unique(np.linspace(0, width, 129).astype(int))
+    bands = [pixels[a:b, :, :3].astype(np.float32).mean(0) for a, b in pairwise(rows)]
+    means = np.add.reduceat(np.stack(bands), columns[:-1], axis=1) / np.diff(columns)[:, None]
+    return means.astype(np.float64), rows / height * np.pi, (0.5 - columns / width) * 2 * np.pi
+
+
 def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot | None) -> FloatArray:
-    rotation = camera_from_world[:3, :3] @ _rotation(light.pose)
+    rotation = camera_from_world[:3, :3] @ unit_axes(light.pose)
     position = (camera_from_world @ light.pose[:, 3])[:3]
     area = area_m2(light)
     radius = np.sin(light.angle_rad / 2) if light.kind == "distant" else np.sqrt(area / np.pi)
@@ -130,7 +140,8 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
     return rows
 
 
-def _rotation(pose: DoubleArray) -> DoubleArray:
+def unit_axes(pose: DoubleArray) -> DoubleArray:
     """The pose's axes at unit length: a light's scale is in its size already."""
     axes = pose[:3, :3]
-    return np.asarray(axes / np.linalg.norm(axes, axis=0))
+    lengths = np.linalg.norm(axes, axis=0)
+    return np.asarray(axes / lengths) if lengths.min() > 0 else np.eye(3)

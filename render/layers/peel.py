@@ -17,10 +17,10 @@ from render.gl.compat import GL
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.index import SceneIndex
-from render.layers.lights import chosen_lights, dome_irradiance, pack_lights
+from render.layers.lights import chosen_lights, dome_irradiance, pack_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerPass, LayerRenderer
-from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, plan_shadows, sphere_around
+from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, Sphere, plan_shadows, sphere_around
 from render.layers.targets import MAX_LAYERS, LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Image, Light, Scene
@@ -54,24 +54,34 @@ class Peeler:
         self._scene: Scene | None = None
         self._lights: tuple[Light, ...] = ()
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
+        self._interest: Sphere | None = None
         self._shadow_layers = 0
         self._shadow_maps: tuple[int, int] | None = None
         self._dome: HalfTexture | None = None
         self._harmonics = dome_irradiance(None)
 
-    def load(self, scene: Scene) -> None:
-        """Upload a scene: what is new in it, its lights and its shadows. Does nothing for the scene that is loaded."""
-        if scene is self._scene:
+    def load(self, scene: Scene, interest: Sphere | None = None) -> None:
+        """Upload a scene: what is new in it, its lights and its shadows. Does nothing for the scene that is loaded.
+
+        Args:
+            scene: what to upload.
+            interest: where a distant light's shadows are wanted; everywhere, where the scene is no larger.
+        """
+        if scene is not self._scene:
+            before, self._scene = self._scene, None  # nothing is loaded until all of it is
+            self.index.update(scene)
+            self._renderer.upload()
+            self._lights = chosen_lights(scene.lights)
+            if before is None or scene.dome is not before.dome:
+                self._load_dome(scene)
+            self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
+        elif interest == self._interest:
             return
-        before, self._scene = self._scene, None  # nothing is loaded until all of it is
-        self.index.update(scene)
-        self._renderer.upload()
-        self._lights = chosen_lights(scene)
-        if before is None or scene.dome is not before.dome:
-            self._load_dome(scene)
-        self._plan = plan_shadows(self._lights, *sphere_around(self._all_corners()))
-        self._draw_shadows()
-        self._scene = scene
+        plan = plan_shadows(self._lights, sphere_around(self._all_corners()), interest)
+        if not np.array_equal(plan.clip_from_world, self._plan.clip_from_world):
+            self._plan = plan
+            self._draw_shadows()
+        self._scene, self._interest = scene, interest
 
     def peel(
         self,
@@ -196,8 +206,7 @@ class Peeler:
         program = self._programs.compute("background.comp")
         rotation = np.eye(4)
         if dome is not None:
-            axes = dome.pose[:3, :3] / np.linalg.norm(dome.pose[:3, :3], axis=0)
-            rotation[:3, :3] = np.linalg.inv(axes) @ np.linalg.inv(view.camera_from_world)[:3, :3]
+            rotation[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ np.linalg.inv(view.camera_from_world)[:3, :3]
         program["dome_from_camera"] = tuple(rotation.T.ravel())
         program["radiance"] = dome.radiance if dome is not None and dome.visible else (0.0, 0.0, 0.0)
         program["focal_px"] = (view.fx, view.fy)

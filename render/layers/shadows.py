@@ -6,13 +6,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.layers.lights import ShadowSlot, power
+from render.layers.lights import ShadowSlot, power, unit_axes
 from render.scene import DoubleArray, Light
 
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024
 _WIDEST_RAD = np.radians(150.0)
 _CUBE_AXES = ((0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1))
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere in the world, metres."""
+
+    x: float
+    y: float
+    z: float
+    radius_m: float
+
+    @property
+    def centre(self) -> DoubleArray:
+        """``(3,)``."""
+        return np.array([self.x, self.y, self.z])
 
 
 @dataclass(frozen=True)
@@ -28,39 +43,47 @@ class ShadowPlan:
     clip_from_world: DoubleArray
 
 
-def plan_shadows(lights: tuple[Light, ...], centre: DoubleArray, radius_m: float) -> ShadowPlan:
+def plan_shadows(lights: tuple[Light, ...], whole: Sphere, interest: Sphere | None = None) -> ShadowPlan:
     """Give the strongest casters the maps there are.
 
     Args:
         lights: as drawn.
-        centre: ``(3,)`` of the sphere that holds the scene.
-        radius_m: of that sphere.
+        whole: holds the scene.
+        interest: the part of it in which a distant light's shadows are resolved, where the scene is larger.
     """
+    part = whole if interest is None or interest.radius_m >= whole.radius_m else interest
     slots: dict[int, ShadowSlot] = {}
     matrices: list[DoubleArray] = []
     casters = [i for i, light in enumerate(lights) if light.casts_shadow]
     for i in sorted(casters, key=lambda i: -power(lights[i])):
-        maps, texel_m = _light_maps(lights[i], centre, radius_m)
+        maps, texel_m = _light_maps(lights[i], whole, part)
         if len(matrices) + len(maps) <= MAX_SHADOW_MAPS:
             slots[i] = ShadowSlot(len(matrices), len(maps), texel_m)
             matrices += maps
     return ShadowPlan(slots, np.array(matrices).reshape(-1, 4, 4))
 
 
-def sphere_around(corners: DoubleArray) -> tuple[DoubleArray, float]:
-    """Centre ``(3,)`` and radius in metres of a sphere around points ``(n, 3)``; one metre at the origin where there are none."""
+def lights_without_shadow(lights: tuple[Light, ...]) -> list[str]:
+    """Paths of the lights that ask for a shadow and get none, since stronger ones have all the maps."""
+    slots = plan_shadows(lights, Sphere(0, 0, 0, 1.0)).slots
+    return [light.path for i, light in enumerate(lights) if light.casts_shadow and i not in slots]
+
+
+def sphere_around(corners: DoubleArray) -> Sphere:
+    """A sphere around points ``(n, 3)``; one metre at the origin where there are none."""
     if len(corners) == 0:
-        return np.zeros(3), 1.0
+        return Sphere(0, 0, 0, 1.0)
     low, high = corners.min(0), corners.max(0)
-    return (low + high) / 2, float(np.linalg.norm(high - low) / 2) or 1.0
+    x, y, z = (float(v) for v in (low + high) / 2)
+    return Sphere(x, y, z, float(np.linalg.norm(high - low) / 2) or 1.0)
 
 
-def _light_maps(light: Light, centre: DoubleArray, radius_m: float) -> tuple[list[DoubleArray], float]:
+def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleArray], float]:
     position = light.pose[:3, 3]
-    forward = -light.pose[:3, 2] / np.linalg.norm(light.pose[:3, 2])
+    forward = -unit_axes(light.pose)[:, 2]
     if light.kind == "distant":
-        return [_parallel(forward, centre, radius_m)], 2 * radius_m / SHADOW_MAP_SIDE_PX
-    far_m = float(np.linalg.norm(position - centre)) + radius_m
+        return [_parallel(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX
+    far_m = float(np.linalg.norm(position - whole.centre)) + whole.radius_m
     near_m = max(0.02, light.radius_m * 1.01 if light.kind == "sphere" else 0.02)
     if light.kind == "sphere" and light.cone_angle_rad >= _WIDEST_RAD / 2:
         maps = [_perspective(position, sign * np.eye(3)[axis], np.pi / 2, near_m, far_m) for axis, sign in _CUBE_AXES]
@@ -81,11 +104,16 @@ def _look(position: DoubleArray, forward: DoubleArray) -> DoubleArray:
     return matrix
 
 
-def _parallel(forward: DoubleArray, centre: DoubleArray, radius_m: float) -> DoubleArray:
-    view = _look(centre - forward * radius_m, forward)
-    clip = np.diag([1 / radius_m, 1 / radius_m, 1 / (2 * radius_m), 1.0])
-    clip[2, 3] = 1.0  # reversed: 1 at the light's side, 0 beyond the scene
-    return clip @ view
+def _parallel(forward: DoubleArray, whole: Sphere, part: Sphere) -> DoubleArray:
+    """Across, the map covers the part, in steps of whole texels so that a moving camera does not make edges swim; along the
+    light it covers the whole scene, since what casts may stand far outside."""
+    view = _look(np.zeros(3), forward)
+    texel = 2 * part.radius_m / SHADOW_MAP_SIDE_PX
+    x, y = np.round((view[:3, :3] @ part.centre)[:2] / texel) * texel
+    depth = float((view[:3, :3] @ whole.centre)[2])
+    clip = np.diag([1 / part.radius_m, 1 / part.radius_m, 1 / (2 * whole.radius_m), 1.0])
+    clip[:3, 3] = [-x / part.radius_m, -y / part.radius_m, 0.5 - depth / (2 * whole.radius_m)]
+    return np.asarray(clip @ view)
 
 
 def _perspective(

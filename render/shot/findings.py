@@ -1,4 +1,4 @@
-"""What the cameras of a shot ask for that is not honoured."""
+"""What the cameras and lights of a shot ask for that is not honoured."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from pxr import Usd
 
+from render.layers.lights import MAX_LIGHTS, chosen_lights
+from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.scene import Light
 from render.stage import Finding
 from usd_schemas import LensCamera
 
@@ -50,6 +53,16 @@ def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Findi
         camera_paths: of its cameras.
     """
     return [finding for path in camera_paths for finding in _of_camera(LensCamera(stage.GetPrimAtPath(path)), path)]
+
+
+def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
+    """One finding for each light beyond the renderer's room for lights and for their shadows."""
+    drawn = chosen_lights(lights)
+    dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
+    many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
+    full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere needs six)"
+    found = [Finding("too_many_lights", path, f"light {path} {many}") for path in dropped]
+    return found + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
 
 
 def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:

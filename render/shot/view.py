@@ -12,10 +12,10 @@ from pxr import Sdf, Usd
 
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.focus import FocusCurve
-from render.scene import Camera, Scene
+from render.scene import Camera, Light, Scene
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
-from render.shot.findings import camera_findings
+from render.shot.findings import camera_findings, light_findings
 from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out, without_points
 from render.stage import (
     AnchorReader,
@@ -49,6 +49,7 @@ class ShotView:
         self._reader = reader
         self._anchors = AnchorReader(stage)
         edits.attach(stage)
+        self._lights: tuple[Light, ...] = ()
 
     @classmethod
     def open(
@@ -94,11 +95,14 @@ class ShotView:
 
     def findings(self) -> list[Finding]:
         """What was found so far that is not honoured, or could not be used."""
-        return [*self._reader.findings, *camera_findings(self.stage, self.cameras())]
+        found = [*self._reader.findings, *camera_findings(self.stage, self.cameras())]
+        return found + light_findings(self._lights)
 
     def scene_at(self, time: float) -> Scene:
         """What is drawn at a USD time code; what did not change since the last call is the same object."""
-        return self._reader.read(checked_time(time))
+        scene = self._reader.read(checked_time(time))
+        self._lights = scene.lights
+        return scene
 
     def camera_at(self, camera_path: str | None, time: float, width: int, height: int) -> Camera:
         """The camera for a picture, its focus solved.

@@ -30,6 +30,8 @@ SETTINGS = FrameSettings(800, 600, rays=48, tiled=False)
 def compare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> tuple[float, float]:
     traced = renderer.render(scene, camera, settings).color
     reference = renderer.render(scene, camera, replace(settings, engine="accumulation")).color
+    assert np.isfinite(traced).all()
+    assert np.isfinite(reference).all()
     np.testing.assert_allclose(traced.mean((0, 1)), reference.mean((0, 1)), rtol=5e-3)
     return psnr_db(traced, reference), ssim(traced, reference)
 

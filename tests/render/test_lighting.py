@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.optics.view import PinholeView
 from render.reference.scenes import rectangle, sphere
 from render.scene import Batch, Camera, Dome, DoubleArray, Image, Light, Material, Scene, TextureLookup
 
@@ -166,3 +167,45 @@ def test_row_0_of_an_image_is_at_the_top(renderer: FrameRenderer) -> None:
 def test_a_scene_with_no_light_is_lit_from_the_camera(renderer: FrameRenderer) -> None:
     dark = Scene((WALL,), (), None, ("/wall",))
     assert centre_radiance(renderer, dark)[0] == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize(("radius_m", "roughness"), [(0.1, 0.2), (0.2, 0.4), (0.2, 0.1), (0.5, 0.2)])
+def test_a_highlight_keeps_the_light_that_its_lobe_gathers(
+    renderer: FrameRenderer, radius_m: float, roughness: float
+) -> None:
+    """A white metal plate that mirrors a sphere light to the eye: radiance over the light's is the share of the GGX lobe that
+    the light fills. For a lobe about a mirror at normal incidence and a cap of half angle t: 1 - 1/(1 + tan²(t/2)/α²)."""
+    plate = replace(WALL, material=Material(base_color=(1, 1, 1), metallic=1.0, roughness=roughness))
+    bulb = Light("sphere", (1.0,) * 3, facing_the_wall(2.0), radius_m=radius_m)
+    half_angle, alpha = np.arcsin(radius_m / 2.0), roughness**2
+    gathered = 1 - 1 / (1 + np.tan(half_angle / 2) ** 2 / alpha**2)
+    assert centre_radiance(renderer, lit(bulb, batches=(plate,)))[0] == pytest.approx(gathered, rel=0.12)
+
+
+def test_a_flattened_instance_is_lit_and_finite(renderer: FrameRenderer) -> None:
+    """A scale of zero leaves no normal; the triangle's own takes its place."""
+    flat = replace(
+        WALL,
+        poses=(np.diag([1.0, 1, 0, 1]) + np.array([[0] * 4, [0] * 4, [0, 0, 0, -4.0], [0] * 4]))[None],
+        double_sided=True,
+    )
+    sun = Light("distant", (2.0,) * 3, np.eye(4))
+    np.testing.assert_allclose(centre_radiance(renderer, lit(sun, batches=(flat,))), 1 / np.pi, rtol=0.01)
+
+
+def test_the_sun_casts_a_small_shadow_in_a_large_world(renderer: FrameRenderer) -> None:
+    """A ball over a ground of two kilometres: its shadow is there, though one map over all of it could not show it."""
+    down = np.eye(4)
+    down[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    ground = Batch(rectangle((0, -1, 0), (1000, 0, 0), (0, 0, -1000)), MATT, np.eye(4)[None])
+    ball = Batch(sphere((0, 0, -5), 0.5, prim=1), MATT, np.eye(4)[None])
+    camera = replace(CAMERA, focus_distance_m=5.0, vertical_offset_mm=-12)
+    sun = Light("distant", (3.0,) * 3, np.linalg.inv(down))
+    pixels, _ = PinholeView.from_camera(camera, 90, 90).project(np.array([[0.0, -1.0, -5.0]]))
+    x, y = pixels[0].astype(int)
+    shadow, open_ground = (
+        renderer.render(lit(sun, batches=batches), camera, FrameSettings(90, 90, rays=4)).color[y, x, 0]
+        for batches in ((ground, ball), (ground,))
+    )
+    assert open_ground > 0.3
+    assert shadow < 0.05 * open_ground

@@ -184,11 +184,9 @@ def test_a_highlight_keeps_the_light_that_its_lobe_gathers(
 
 def test_a_flattened_instance_is_lit_and_finite(renderer: FrameRenderer) -> None:
     """A scale of zero leaves no normal; the triangle's own takes its place."""
-    flat = replace(
-        WALL,
-        poses=(np.diag([1.0, 1, 0, 1]) + np.array([[0] * 4, [0] * 4, [0, 0, 0, -4.0], [0] * 4]))[None],
-        double_sided=True,
-    )
+    pose = np.diag([1.0, 1, 0, 1])
+    pose[2, 3] = -4.0
+    flat = replace(WALL, poses=pose[None], double_sided=True)
     sun = Light("distant", (2.0,) * 3, np.eye(4))
     np.testing.assert_allclose(centre_radiance(renderer, lit(sun, batches=(flat,))), 1 / np.pi, rtol=0.01)
 
@@ -200,7 +198,7 @@ def test_the_sun_casts_a_small_shadow_in_a_large_world(renderer: FrameRenderer) 
     ground = Batch(rectangle((0, -1, 0), (1000, 0, 0), (0, 0, -1000)), MATT, np.eye(4)[None])
     ball = Batch(sphere((0, 0, -5), 0.5, prim=1), MATT, np.eye(4)[None])
     camera = replace(CAMERA, focus_distance_m=5.0, vertical_offset_mm=-12)
-    sun = Light("distant", (3.0,) * 3, np.linalg.inv(down))
+    sun = Light("distant", (3.0,) * 3, down)
     pixels, _ = PinholeView.from_camera(camera, 90, 90).project(np.array([[0.0, -1.0, -5.0]]))
     x, y = pixels[0].astype(int)
     shadow, open_ground = (

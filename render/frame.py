@@ -233,7 +233,7 @@ class FrameRenderer:
         self, view: PinholeView, scene: Scene, camera: Camera, settings: FrameSettings
     ) -> dict[str, NDArray[Any]]:
         """The asked AOVs of the nearest surfaces, at pixel centres."""
-        w, prim_id, face_id = read_surfaces(self._peeler, scene, view)
+        w, prim_id, face_id = read_surfaces(self._peeler, view)
         with np.errstate(divide="ignore"):
             depth = np.where(w > 0, 1.0 / w, np.inf).astype(np.float32)
         coc = coc_radius_px(view.fx, pupil_radius_m(camera), w, focus_w(camera)).astype(np.float32)

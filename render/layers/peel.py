@@ -25,6 +25,15 @@ from render.layers.targets import MAX_LAYERS, LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Image, Light, Scene
 
+HIDES_ALL = 1e30
+"""Umbra of a pinhole, 1/m: an opaque surface hides everything behind it."""
+
+
+def umbra_reach(pupil_px: float) -> float:
+    """How far in inverse depth (1/m) the extended umbra of a surface reaches, for a pupil whose radius times the focal length in
+    layer pixels is ``pupil_px``: ``1/(f_px·E)``, wherever the surface is."""
+    return 1.0 / pupil_px if pupil_px > 0 else HIDES_ALL
+
 
 @dataclass(frozen=True)
 class Layers:
@@ -98,7 +107,7 @@ class Peeler:
         Args:
             view: the picture that the layers are drawn for, guard band included.
             layers: at most this many, up to `MAX_LAYERS`.
-            umbra: reach of an opaque surface's umbra in inverse depth, 1/m; infinite for a pinhole.
+            umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`.
             unlit: take base colour for radiance.
             detail: how many times finer than the view's pixels the finished picture samples surfaces.
             picture_px: side of the finished picture's pixels, in the view's.

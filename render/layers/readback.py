@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import HIDES_ALL, Layers, Peeler
 from render.optics.view import PinholeView
 from render.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
-
-_HIDES_ALL = 1e30
 
 
 @dataclass(frozen=True)
@@ -39,24 +37,25 @@ class Pick:
     position_m: tuple[float, float, float]
 
 
-def read_surfaces(peeler: Peeler, scene: Scene, view: PinholeView) -> tuple[FloatArray, NDArray[np.uint32], IntArray]:
+def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArray[np.uint32], IntArray]:
     """The nearest surface at each pixel's centre.
 
     Returns:
         ``(height, width)`` each: inverse depth float32 (0 where nothing is), prim id + 1 uint32 (0), face id int32 (-1).
     """
-    layers = peeler.peel(view, layers=1, umbra=_HIDES_ALL, unlit=True)
+    layers = peeler.peel(view, layers=1, umbra=HIDES_ALL, unlit=True)
     w, objects, triangles = _read_layer(layers, 0)
     prim_id = np.zeros(w.shape, np.uint32)
     face_id = np.full(w.shape, -1, np.int32)
-    for draw in peeler.index.draws:
-        offset = objects.astype(np.int64) - 1 - draw.first_object
-        here = (offset >= 0) & (offset < len(draw.instances))
-        if not here.any():
-            continue
+    drawn_first = np.array([draw.first_object for draw in peeler.index.draws])
+    number = np.searchsorted(drawn_first, objects.astype(np.int64) - 1, side="right") - 1
+    number[objects == 0] = -1
+    for i in np.unique(number[number >= 0]):
+        draw, here = peeler.index.draws[i], number == i
         geometry, instances = draw.batch.geometry, draw.batch.instance_prim_ids
         own = geometry.prim_ids[triangles[here]]
-        prim_id[here] = (own if instances is None else instances[draw.instances[offset[here]]]) + 1
+        offset = objects[here].astype(np.int64) - 1 - draw.first_object
+        prim_id[here] = (own if instances is None else instances[draw.instances[offset]]) + 1
         face_id[here] = geometry.face_ids[triangles[here]]
     return w, prim_id, face_id
 
@@ -64,7 +63,7 @@ def read_surfaces(peeler: Peeler, scene: Scene, view: PinholeView) -> tuple[Floa
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
     """The nearest surface at picture position (x, y): a picture of one pixel around it, then the exact intersection."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
-    layers = peeler.peel(one, layers=1, umbra=_HIDES_ALL, unlit=True)
+    layers = peeler.peel(one, layers=1, umbra=HIDES_ALL, unlit=True)
     w, objects, triangles = _read_layer(layers, 0)
     if objects[0, 0] == 0:
         return None

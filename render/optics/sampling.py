@@ -2,7 +2,7 @@
 
 On the pupil the points follow the R2 sequence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences"):
 point i is ``frac(s + i·(1/g, 1/g²))`` with g the positive root of x³ = x + 1. On the pixel they follow the Halton sequence in
-bases 2 and 3 (Halton 1960), which does not beat with it. Each pixel of an 8x8 tile shifts both to another start, so that
+bases 2 and 3 (Halton 1960). Each pixel of an 8x8 tile shifts both to another start, so that
 neighbours do not repeat each other's error (Cranley & Patterson 1976).
 """
 

@@ -1,7 +1,8 @@
 """The accumulation buffer: one rendering of the scene for each lens sample. Slow and right (Haeberli & Akeley 1990).
 
-Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres; the sensor offset of
-each sample anti-aliases. All pixels share one pattern, as the method demands.
+Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres (of the
+first four surfaces, where they are transparent: what lies behind a fourth is left out); the sensor offset of each sample
+anti-aliases. All pixels share one pattern, as the method demands.
 """
 
 from __future__ import annotations
@@ -12,13 +13,10 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import HIDES_ALL, Layers, Peeler
 from render.layers.targets import MAX_LAYERS
 from render.optics.view import PinholeView
 from render.scene import FloatArray
-
-NOTHING_BEHIND = 1e30
-"""Umbra of a pinhole: an opaque surface hides all that is behind it."""
 
 
 class Accumulator:
@@ -59,7 +57,7 @@ class Accumulator:
         try:
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
                 through = view.through(x, y, focus_w, (dx, dy))
-                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=NOTHING_BEHIND, unlit=unlit, detail=detail)
+                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=HIDES_ALL, unlit=unlit, detail=detail)
                 self._add(layers, image, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))

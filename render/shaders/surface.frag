@@ -3,7 +3,7 @@
 // in:  surface.vert's outputs
 // out: radiance (scene-linear, not premultiplied) and opacity; inverse depth w = 1/z in 1/m, negative where the surface
 //      is partly transparent; (object + 1, triangle)
-// Shading: UsdPreviewSurface 2.6.
+// Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
 
 #include "material.glsl"
 #include "lighting.glsl"

@@ -10,7 +10,7 @@ import numpy as np
 
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import Layers, Peeler, umbra_reach
 from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
 from render.scene import FloatArray
 from render.trace.rays import FocalSurface, RayBundle
@@ -19,7 +19,6 @@ from render.trace.tracer import Tracer
 MAX_GUARD_SHARE = 0.08
 """The guard band's width on each side is at most this share of the picture's longer side: beyond it, rays see the edge's
 pixels repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
-_NO_PUPIL_UMBRA = 1e30
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class LensEngine:
         guard_px = guard_band_px(view, bundle, surface, supersample)
         wide = view.enlarged(supersample, guard_px)
         pupil_px = max(wide.fx, wide.fy) * bundle.pupil_radius_m
-        umbra = 1.0 / pupil_px if pupil_px > 0 else _NO_PUPIL_UMBRA
+        umbra = umbra_reach(pupil_px)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=float(supersample))
         color = self._tracer.trace(
             peeled,

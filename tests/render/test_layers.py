@@ -12,7 +12,7 @@ from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import BLOCK_PX, EMPTY_MIN, NBufferBuilder
-from render.layers.peel import Layers, Peeler
+from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
 from render.optics.view import PinholeView
 from render.reference.scenes import posts_before_wall, rectangle, sphere, spheres_over_checkerboard
 from render.scene import Batch, Camera, Dome, Material, Scene
@@ -70,18 +70,19 @@ def test_what_the_pupil_cannot_see_is_not_peeled(peeler: Peeler) -> None:
 
 
 def test_the_papers_offset_is_our_constant_in_inverse_depth() -> None:
-    """x = d·s/(E − s) with s = d/f_px, against w − 1/(f_px·E)."""
+    """x = d·s/(E − s) with s = d/f_px, against our w − 1/(f_px·E); a pixel as wide as the pupil hides all."""
     f_px, pupil_m = 1119.6, 0.009
     for depth in (0.5, 2.0, 7.0):
         s = depth / f_px
         x = depth * s / (pupil_m - s)
-        assert 1 / (depth + x) == pytest.approx(1 / depth - 1 / (f_px * pupil_m))
+        assert 1 / (depth + x) == pytest.approx(1 / depth - umbra_reach(f_px * pupil_m))
 
 
 def test_a_pinhole_has_one_layer(peeler: Peeler) -> None:
     scene, camera = posts_before_wall()
     peeler.load(scene)
-    assert peeler.peel(PinholeView.from_camera(camera, *SIZE), layers=4, umbra=1e30).count == 1
+    assert peeler.peel(PinholeView.from_camera(camera, *SIZE), layers=4, umbra=umbra_reach(0.0)).count == 1
+    assert umbra_reach(0.0) == HIDES_ALL
 
 
 def test_transparent_walls_are_all_peeled_and_composited(renderer: FrameRenderer) -> None:

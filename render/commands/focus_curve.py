@@ -54,6 +54,8 @@ def run(arguments: argparse.Namespace) -> None:
         raise SettingsError(f"--baked is for --format usda alone, got {arguments.format}")
     asked = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
     shot = Shot.open(arguments.stage, edits=arguments.edits)
+    if arguments.out is not None:
+        shot.check_not_own(arguments.out)
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise CameraError(f"{arguments.stage} has no camera, and so no focus to pull; give it one with a layer over it")

@@ -98,6 +98,8 @@ def run(arguments: argparse.Namespace) -> None:
     frames = asked or [shot.frame_range.start]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
     _check_folders(files)
+    for file in files:
+        shot.check_not_own(file)
     camera = shared.choose_camera(shot, arguments.camera)
     settings = _settings(arguments, picture_height(shot, camera, frames[0], arguments.imageWidth))
     written = _record(shot, camera, list(zip(frames, files, strict=True)), settings)

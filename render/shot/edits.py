@@ -15,6 +15,7 @@ from pxr import Sdf, Tf, Usd
 
 from render.errors import SettingsError, StageError
 from render.output import write_atomic
+from render.shot.own_files import check_not_own
 from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys
 from usd_schemas.values import usd_value
@@ -25,6 +26,7 @@ class Edits:
 
     Attributes:
         layer: the anonymous layer that holds the edits.
+        path: of the saved edits that it started from, or None.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -37,6 +39,7 @@ class Edits:
             StageError: the layer is missing or damaged.
         """
         self.layer = Sdf.Layer.CreateAnonymous("edits.usda")
+        self.path = path
         self._stage: Usd.Stage | None = None
         if path is not None:
             self.layer.TransferContent(_read_layer(path))
@@ -111,9 +114,7 @@ class Edits:
         """
         if path.suffix != ".usda":
             raise SettingsError(f"edits are saved as a .usda file, not as {path}", path=str(path))
-        own = {Path(layer.realPath).resolve() for layer in self._attached().GetUsedLayers() if layer.realPath}
-        if path.resolve() in own:
-            raise SettingsError(f"the shot itself is made of {path}: save its edits under another name", path=str(path))
+        check_not_own(self._attached(), path)
         write_atomic(path, self.export().encode())
 
     def _attached(self) -> Usd.Stage:

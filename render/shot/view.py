@@ -17,6 +17,7 @@ from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
 from render.shot.findings import camera_findings, light_findings
 from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out, without_points
+from render.shot.own_files import check_not_own
 from render.stage import (
     AnchorReader,
     CameraChoice,
@@ -178,6 +179,22 @@ class ShotView:
             SettingsError: there are no frames, too many, or they do not rise.
         """
         return focus_layer(self.stage, self.focus_curve(camera_path, frames), baked=baked)
+
+    def check_not_own(self, path: Path) -> None:
+        """Refuse to write a result over a file that the shot uses: a layer, a texture, or the saved edits over it.
+
+        Args:
+            path: of the file to be written.
+
+        Raises:
+            SettingsError: the shot is made of that file.
+        """
+        check_not_own(self.stage, path)
+        edits = self._edits.path
+        if edits is not None and path.is_file() and path.samefile(edits):
+            raise SettingsError(
+                f"the edits over the shot are {path}: write to another file", code="own_file", path=str(path)
+            )
 
     def export_edits(self) -> str:
         """The edit layer as usda text."""

@@ -58,13 +58,19 @@ def run(arguments: argparse.Namespace) -> None:
         shot.check_not_own(arguments.out)
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
-        raise CameraError(f"{arguments.stage} has no camera, and so no focus to pull; give it one with a layer over it")
+        raise _no_camera(arguments.stage, shot.cameras())
     frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
     text = _text(shot, camera, frames, arguments)
     if arguments.out is None:
         sys.stdout.write(text)
     else:
         write_atomic(arguments.out, text.encode())
+
+
+def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
+    if cameras:
+        return CameraError(f"{stage} has {len(cameras)} cameras; name one with --camera: {', '.join(cameras)}")
+    return CameraError(f"{stage} has no camera, and so no focus to pull; give it one with a layer over it")
 
 
 def _text(shot: Shot, camera: str, frames: Sequence[float], arguments: argparse.Namespace) -> str:

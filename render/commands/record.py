@@ -9,6 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pxr import Sdf
+
 from render.commands import arguments as shared
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
@@ -133,13 +135,38 @@ def _check_folders(files: Sequence[Path]) -> None:
 
 def _open(arguments: argparse.Namespace) -> Shot:
     purposes = shared.known_words(arguments.purposes, PURPOSES, "--purposes")
-    return Shot.open(
+    mask = _mask(arguments.mask)
+    shot = Shot.open(
         arguments.stage,
         purposes=tuple(dict.fromkeys(("default", *purposes))),
-        mask=shared.split_words(arguments.mask) if arguments.mask is not None else None,
+        mask=mask,
         complexity=arguments.complexity,
         edits=arguments.edits,
     )
+    missing = [path for path in mask or () if not shot.stage.GetPrimAtPath(path)]
+    if missing:
+        raise SettingsError(f"--mask names what {arguments.stage} does not hold: {', '.join(missing)}")
+    return shot
+
+
+def _mask(typed: str | None) -> tuple[str, ...] | None:
+    """The prim paths of --mask.
+
+    Raises:
+        SettingsError: there is none, or one is no absolute prim path.
+    """
+    if typed is None:
+        return None
+    paths = shared.split_words(typed)
+    wrong = [path for path in paths if not _is_prim_path(path)]
+    if wrong or not paths:
+        raise SettingsError(f"--mask takes absolute prim paths, got {', '.join(wrong) or 'none'}")
+    return paths
+
+
+def _is_prim_path(text: str) -> bool:
+    path = Sdf.Path(text) if Sdf.Path.IsValidPathString(text) else Sdf.Path()
+    return bool(path.IsAbsolutePath() and path.IsAbsoluteRootOrPrimPath())
 
 
 def _settings(arguments: argparse.Namespace, height: int) -> FrameSettings:

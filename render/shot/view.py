@@ -219,8 +219,10 @@ class ShotView:
     def _path(self, camera_path: str | None) -> str:
         path = self.default_camera().path if camera_path is None else camera_path
         if path is None:
+            known = self.cameras()
+            what = f"{len(known)} cameras: name one of {', '.join(known)}" if known else "no camera: add one in a layer"
             raise CameraError(
-                f"{self.path.name} has no camera of its own that could be meant: name one, or add one in a layer over it",
+                f"{self.path.name} has {what}",
                 code="no_camera",
                 path=str(self.path),
             )

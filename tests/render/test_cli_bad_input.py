@@ -260,3 +260,24 @@ def test_a_full_disk_behind_standard_output_is_said(good: Path) -> None:
             check=False,
         )
     assert_one_sentence(Ended(ended.returncode, "", ended.stderr), FAILED, "standard output")
+
+
+def test_a_shot_of_several_cameras_asks_for_one_to_be_named(pullfocus: Command, tmp_path: Path) -> None:
+    two = write_shot(tmp_path / "two.usda", SQUARE, *(CAMERA.replace("main_cam", name) for name in ("left", "right")))
+    ended = pullfocus("focus-curve", two)
+    assert_one_sentence(ended, FAILED, "has 2 cameras", "--camera", "/World/left, /World/right")
+
+
+@pytest.mark.parametrize(
+    ("mask", "words"),
+    [
+        ("World/Square", "absolute prim paths, got World/Square"),
+        ("/World/Square,/a b", "absolute prim paths, got /a b"),
+        ("/World/Square.points", "absolute prim paths, got /World/Square.points"),
+        ("", "absolute prim paths, got none"),
+        ("/World/Sqare", "does not hold: /World/Sqare"),
+    ],
+)
+def test_a_mask_that_names_no_prim_is_refused(mask: str, words: str, pullfocus: Command, good: Path) -> None:
+    ended = pullfocus("record", good, good.parent / "out.png", "--mask", mask, *small())
+    assert_one_sentence(ended, WRONG_ARGUMENTS, "--mask", words)

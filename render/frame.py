@@ -19,71 +19,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import GraphicsError, InputError, SettingsError
+from render.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface, read_surfaces
 from render.layers.shadows import Sphere
-from render.layers.targets import MAX_LAYERS
-from render.optics.sampling import MAX_RAYS, lens_samples
+from render.optics.sampling import lens_samples
 from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
-from render.optics.view import PinholeView, check_picture_size
+from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.lens import LensEngine
 from render.trace.rays import camera_iris, plane_of_focus, thin_lens_bundle
 
-ENGINES = ("lens", "accumulation", "pinhole")
-LATER_ENGINES = ("scatter", "flag", "importance")
-AOVS = ("color", "depth", "coc", "prim_id", "face_id")
-SHADINGS = ("lit", "unlit")
-MAX_SUPERSAMPLE = 4
-
-__all__ = ["AOVS", "ENGINES", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
-
-
-@dataclass(frozen=True)
-class FrameSettings:
-    """How a frame is rendered.
-
-    Attributes:
-        width: pixels.
-        height: pixels.
-        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``accumulation`` renders once per ray (the reference),
-            ``pinhole`` has everything sharp.
-        rays: lens rays per pixel.
-        layers: peeled layers at most.
-        supersample: layer pixels per picture pixel along each axis.
-        shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
-        seed: of the sampling pattern.
-        tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
-        aovs: of `AOVS`; ``color`` is always there.
-    """
-
-    width: int = 960
-    height: int = 540
-    engine: str = "lens"
-    rays: int = 100
-    layers: int = 4
-    supersample: int = 2
-    shading: str = "lit"
-    seed: int = 0
-    tiled: bool = True
-    aovs: tuple[str, ...] = ("color",)
-
-    def __post_init__(self) -> None:
-        check_picture_size(self.width, self.height)
-        if self.engine in LATER_ENGINES:
-            raise SettingsError(f"engine {self.engine} comes later; use one of {', '.join(ENGINES)}")
-        _check_choice("engine", self.engine, ENGINES)
-        _check_choice("shading", self.shading, SHADINGS)
-        _check_range("rays", self.rays, 1, MAX_RAYS)
-        _check_range("layers", self.layers, 1, MAX_LAYERS)
-        _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
-        _check_range("seed", self.seed, 0, 2**31 - 1)
-        for aov in self.aovs:
-            _check_choice("aov", aov, AOVS)
+__all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,13 +209,3 @@ def shadow_interest(camera: Camera) -> Sphere:
     focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
     x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
     return Sphere(x, y, z, max(12.0, 2.5 * focus_m))
-
-
-def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise SettingsError(f"{name} must be one of {', '.join(known)}, got {value!r}")
-
-
-def _check_range(name: str, value: int, low: int, high: int) -> None:
-    if not low <= value <= high:
-        raise SettingsError(f"{name} must be from {low} to {high}, got {value}")

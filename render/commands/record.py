@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import time as clock
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pxr import Sdf
 
@@ -15,13 +15,11 @@ from render.commands import arguments as shared
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
 from render.film import Grade
+from render.frame_settings import FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
 from render.output import format_of, write_frame
 from render.shot import Shot, make_picture
 from render.shot.size import picture_height
-
-if TYPE_CHECKING:
-    from render.frame import FrameSettings
 
 PURPOSES = ("default", "render", "proxy", "guide")
 COMPLEXITIES = ("low", "medium", "high", "veryhigh")
@@ -96,6 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
     """
     _check_output(arguments)
     asked = None if arguments.frames is None else parse_frames(arguments.frames)
+    settings = _settings(arguments)
     shot = _open(arguments)
     frames = asked or [shot.frame_range.start]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
@@ -103,7 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
     for file in files:
         shot.check_not_own(file)
     camera = shared.choose_camera(shot, arguments.camera)
-    settings = _settings(arguments, picture_height(shot, camera, frames[0], arguments.imageWidth))
+    settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
     written = _record(shot, camera, list(zip(frames, files, strict=True)), settings)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
@@ -169,12 +168,11 @@ def _is_prim_path(text: str) -> bool:
     return bool(path.IsAbsolutePath() and path.IsAbsoluteRootOrPrimPath())
 
 
-def _settings(arguments: argparse.Namespace, height: int) -> FrameSettings:
-    from render.frame import FrameSettings  # imports OpenGL, which takes seconds: not before the shot is found good
-
+def _settings(arguments: argparse.Namespace) -> FrameSettings:
+    """All but the height, which the camera's film gate decides."""
     return FrameSettings(
         width=arguments.imageWidth,
-        height=height,
+        height=1,
         engine=arguments.engine,
         rays=arguments.rays,
         layers=arguments.layers,
@@ -189,7 +187,7 @@ def _record(
     shot: Shot, camera: str | None, plan: Sequence[tuple[float, Path]], settings: FrameSettings
 ) -> list[dict[str, Any]]:
     """Render and write each frame of the plan; what was written, for --json."""
-    from render.frame import FrameRenderer
+    from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
 
     written = []
     grade = Grade()

@@ -11,8 +11,8 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
+from render.layers.limits import MAX_LAYERS
 from render.layers.peel import Layers
-from render.layers.targets import MAX_LAYERS
 
 BLOCK_PX = 4
 EMPTY_MIN = 3.0e38

@@ -18,10 +18,11 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.index import SceneIndex
 from render.layers.lights import chosen_lights, dome_irradiance, pack_lights, unit_axes
+from render.layers.limits import MAX_LAYERS
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerPass, LayerRenderer
 from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, Sphere, plan_shadows, sphere_around
-from render.layers.targets import MAX_LAYERS, LayerTargets, check_layer_size
+from render.layers.targets import LayerTargets, check_layer_size
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Image, Light, Scene
 

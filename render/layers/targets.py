@@ -9,8 +9,8 @@ import numpy as np
 
 from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
+from render.layers.limits import MAX_LAYERS
 
-MAX_LAYERS = 4
 MAX_LAYER_PIXELS = 80_000_000
 """Some 110 bytes each, all layers together: nine gigabytes."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)

@@ -13,8 +13,8 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
+from render.layers.limits import MAX_LAYERS
 from render.layers.peel import HIDES_ALL, Layers, Peeler
-from render.layers.targets import MAX_LAYERS
 from render.optics.view import PinholeView
 from render.scene import FloatArray
 

@@ -281,3 +281,19 @@ def test_a_shot_of_several_cameras_asks_for_one_to_be_named(pullfocus: Command, 
 def test_a_mask_that_names_no_prim_is_refused(mask: str, words: str, pullfocus: Command, good: Path) -> None:
     ended = pullfocus("record", good, good.parent / "out.png", "--mask", mask, *small())
     assert_one_sentence(ended, WRONG_ARGUMENTS, "--mask", words)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--engine", "flag"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
+    ids=" ".join,
+)
+def test_wrong_arguments_are_told_before_a_bad_stage(options: list[str], pullfocus: Command, tmp_path: Path) -> None:
+    ended = pullfocus("record", _not_usd(tmp_path), tmp_path / "out.png", *options)
+    assert ended.status == WRONG_ARGUMENTS
+    assert "holiday.usda" not in ended.err
+
+
+def test_settings_are_checked_without_loading_opengl() -> None:
+    script = "import sys, render.commands.record; sys.exit('OpenGL' in sys.modules or 'moderngl' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0

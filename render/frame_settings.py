@@ -1,0 +1,69 @@
+"""How a frame is rendered. Imports no OpenGL, so that wrong settings are told before anything slow is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from render.errors import SettingsError
+from render.layers.limits import MAX_LAYERS
+from render.optics.sampling import MAX_RAYS
+from render.optics.view import check_picture_size
+
+ENGINES = ("lens", "accumulation", "pinhole")
+LATER_ENGINES = ("scatter", "flag", "importance")
+AOVS = ("color", "depth", "coc", "prim_id", "face_id")
+SHADINGS = ("lit", "unlit")
+MAX_SUPERSAMPLE = 4
+
+
+@dataclass(frozen=True)
+class FrameSettings:
+    """How a frame is rendered.
+
+    Attributes:
+        width: pixels.
+        height: pixels.
+        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``accumulation`` renders once per ray (the reference),
+            ``pinhole`` has everything sharp.
+        rays: lens rays per pixel.
+        layers: peeled layers at most.
+        supersample: layer pixels per picture pixel along each axis.
+        shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
+        seed: of the sampling pattern.
+        tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
+        aovs: of `AOVS`; ``color`` is always there.
+    """
+
+    width: int = 960
+    height: int = 540
+    engine: str = "lens"
+    rays: int = 100
+    layers: int = 4
+    supersample: int = 2
+    shading: str = "lit"
+    seed: int = 0
+    tiled: bool = True
+    aovs: tuple[str, ...] = ("color",)
+
+    def __post_init__(self) -> None:
+        check_picture_size(self.width, self.height)
+        if self.engine in LATER_ENGINES:
+            raise SettingsError(f"engine {self.engine} comes later; use one of {', '.join(ENGINES)}")
+        _check_choice("engine", self.engine, ENGINES)
+        _check_choice("shading", self.shading, SHADINGS)
+        _check_range("rays", self.rays, 1, MAX_RAYS)
+        _check_range("layers", self.layers, 1, MAX_LAYERS)
+        _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
+        _check_range("seed", self.seed, 0, 2**31 - 1)
+        for aov in self.aovs:
+            _check_choice("aov", aov, AOVS)
+
+
+def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise SettingsError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+
+
+def _check_range(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise SettingsError(f"{name} must be from {low} to {high}, got {value}")

@@ -1,0 +1,3 @@
+"""Limits of the layers that those need to know who draw none."""
+
+MAX_LAYERS = 4

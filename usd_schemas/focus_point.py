@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Tf, Usd
 
 from usd_schemas import binding
 from usd_schemas.data import FocusPoint
@@ -29,9 +29,12 @@ class FocusPointView:
         self.name = name
 
     def read(self, time: Time = None) -> FocusPoint:
-        """What the point says at a time code (None: the default time)."""
-        targets = tuple(str(path) for path in self.target_relationship().GetTargets())
-        return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, target=targets)
+        """What the point says at a time code (None: the default time).
+
+        Raises:
+            SchemaError: its target is authored as an attribute.
+        """
+        return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, target=self._targets())
 
     def author(self, point: FocusPoint, time: Time = None) -> None:
         """Author what differs from what the point says; ``point.name`` does not matter.
@@ -46,7 +49,7 @@ class FocusPointView:
         """
         paths = _target_paths(point)
         binding.author(point, self.prim, time, self._prefix)
-        if tuple(str(path) for path in self.target_relationship().GetTargets()) != point.target:
+        if self._targets() != point.target:
             self.target_relationship().SetTargets(paths)
 
     def author_all(self, point: FocusPoint) -> None:
@@ -81,6 +84,13 @@ class FocusPointView:
     def target_relationship(self) -> Usd.Relationship:
         """The relationship that names the target."""
         return self.prim.GetRelationship(f"{self._prefix}target")
+
+    def _targets(self) -> tuple[str, ...]:
+        try:
+            return tuple(str(path) for path in self.target_relationship().GetTargets())
+        except Tf.ErrorException as error:
+            path = self.prim.GetPath().AppendProperty(f"{self._prefix}target")
+            raise SchemaError(f"{path} must be a relationship to a prim, got an attribute") from error
 
     @property
     def _prefix(self) -> str:

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdRender, UsdUtils
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.scene import Camera
 from render.stage.opening import reading
 from render.stage.poses import world_pose
+from render.stage.values import number, shown
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
 from usd_schemas.units import metres_from_units, mm_from_tenths
@@ -22,6 +23,8 @@ Conform = Literal[
 ]
 # The nearest depth that is drawn, where a camera says 0 or less: nothing can be projected at the pinhole itself.
 _NEAREST_M = 1e-4
+# Read by USD for the exposure scale, which passes over what is not a number.
+_EXPOSURE = ("exposure", "exposure:time", "exposure:iso", "exposure:fStop", "exposure:responsivity")
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,8 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
     """
     cameras = list_cameras(stage)
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
+    with reading(stage):
+        targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
     if targets and str(targets[0]) in cameras:
         return CameraChoice(str(targets[0]), f"the render settings {settings.GetPath()} name it")
     main = str(UsdUtils.GetPrimaryCameraName())
@@ -90,7 +94,7 @@ def read_camera(
 
     Raises:
         CameraError: there is no camera at the path, or its numbers are impossible.
-        StageError: its transform is not finite.
+        StageError: its transform is not finite, or the render settings' conform policy is none.
     """
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
     if not prim or not prim.IsA(UsdGeom.Camera):
@@ -166,7 +170,13 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
 
 def _stage_policy(stage: Usd.Stage) -> str:
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    return str(settings.GetAspectRatioConformPolicyAttr().Get()) if settings else "expandAperture"
+    policy = str(settings.GetAspectRatioConformPolicyAttr().Get()) if settings else "expandAperture"
+    if policy not in get_args(Conform):
+        path = str(settings.GetPath())
+        raise StageError(
+            f"aspectRatioConformPolicy of {path} must be one of {', '.join(get_args(Conform))}, got {policy}", path=path
+        )
+    return policy
 
 
 def _no_camera(stage: Usd.Stage, path: str, prim: Usd.Prim | None) -> CameraError:
@@ -184,9 +194,9 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     transforms = UsdGeom.XformCache(time)
 
     def mm(attribute: Usd.Attribute) -> float:
-        return mm_from_tenths(float(attribute.Get(time)), stage)
+        return mm_from_tenths(_number(attribute, time), stage)
 
-    near, far = usd.GetClippingRangeAttr().Get(time)
+    near, far = _clipping(usd, time)
     return Camera(
         world_from_camera=rigid_frame(world_pose(usd.GetPrim(), transforms, world_from_stage(stage))),
         focal_length_mm=mm(usd.GetFocalLengthAttr()),
@@ -194,26 +204,46 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
         vertical_aperture_mm=mm(usd.GetVerticalApertureAttr()),
         horizontal_offset_mm=mm(usd.GetHorizontalApertureOffsetAttr()),
         vertical_offset_mm=mm(usd.GetVerticalApertureOffsetAttr()),
-        near_m=max(metres_from_units(float(near), stage), _NEAREST_M),
-        far_m=metres_from_units(float(far), stage),
+        near_m=max(metres_from_units(near, stage), _NEAREST_M),
+        far_m=metres_from_units(far, stage),
         path=str(usd.GetPath()),
     )
+
+
+def _number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
+    try:
+        return number(attribute, time)
+    except TypeError as problem:
+        path = str(attribute.GetPrim().GetPath())
+        raise CameraError(f"{attribute.GetName()} of camera {path} {problem}", path=path) from problem
+
+
+def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
+    """The nearest and the farthest depth, in stage units."""
+    value = usd.GetClippingRangeAttr().Get(time)
+    if not isinstance(value, Gf.Vec2f | Gf.Vec2d | Gf.Vec2h | Gf.Vec2i):
+        path = str(usd.GetPath())
+        raise CameraError(f"clippingRange of camera {path} must be two numbers, got {shown(value)}", path=path)
+    return float(value[0]), float(value[1])
 
 
 def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     """The camera with its focus, iris, shutter and exposure."""
     lens = LensCamera(usd.GetPrim())
+    focus = _number(usd.GetFocusDistanceAttr(), time)
+    for name in _EXPOSURE:
+        _number(usd.GetPrim().GetAttribute(name), time)
     aperture, glass = lens.aperture.read(time.GetValue()), lens.lens.read(time.GetValue())
     return replace(
         camera,
-        f_stop=0.0 if glass.model == "pinhole" else float(usd.GetFStopAttr().Get(time)),
-        focus_distance_m=metres_from_units(float(usd.GetFocusDistanceAttr().Get(time)), stage),
+        f_stop=0.0 if glass.model == "pinhole" else _number(usd.GetFStopAttr(), time),
+        focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=float(usd.ComputeLinearExposureScale(time)),
         iris_blades=aperture.blades,
         iris_roundness=aperture.roundness,
         iris_rotation_rad=math.radians(aperture.rotation),
-        shutter_open=float(usd.GetShutterOpenAttr().Get(time)),
-        shutter_close=float(usd.GetShutterCloseAttr().Get(time)),
+        shutter_open=_number(usd.GetShutterOpenAttr(), time),
+        shutter_close=_number(usd.GetShutterCloseAttr(), time),
         breathing=glass.breathing,
     )
 

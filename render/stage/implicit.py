@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from render.stage.polygons import FloatArray, IntArray, Polygons, Values
+from render.stage.polygons import BadGeometry, FloatArray, IntArray, Polygons, Values
+from render.stage.values import number
 
 DoubleArray = NDArray[np.float64]
 
@@ -43,11 +44,22 @@ def shape_varies(prim: Usd.Prim) -> bool:
 
 
 def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
-    """The polygons of an implicit prim at a time, in its own space and units."""
+    """The polygons of an implicit prim at a time, in its own space and units.
+
+    Raises:
+        BadGeometry: a measure is not one number, or the axis is none.
+    """
     kind = str(prim.GetTypeName())
-    measures = [prim.GetAttribute(name).Get(time) for name in _SHAPE_ATTRIBUTES[kind]]
-    axis = str(measures.pop()) if _SHAPE_ATTRIBUTES[kind][-1] == "axis" else "Z"
-    return _turned(_MAKERS[kind](*(float(m) for m in measures)), axis)
+    names = _SHAPE_ATTRIBUTES[kind]
+    axis = str(prim.GetAttribute("axis").Get(time)) if "axis" in names else "Z"
+    return _turned(_MAKERS[kind](*(_measure(prim, name, time) for name in names if name != "axis")), axis)
+
+
+def _measure(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
+    try:
+        return number(prim.GetAttribute(name), time)
+    except TypeError as problem:
+        raise BadGeometry(f"its {name} {problem}") from problem
 
 
 def _turned(polygons: Polygons, axis: str) -> Polygons:
@@ -57,7 +69,9 @@ def _turned(polygons: Polygons, axis: str) -> Polygons:
     """
     if axis == "Z" or polygons.normals is None:
         return polygons
-    turn = {"X": ((2, 1, 0), (1, 1, -1)), "Y": ((0, 2, 1), (1, 1, -1))}[axis]
+    turn = {"X": ((2, 1, 0), (1, 1, -1)), "Y": ((0, 2, 1), (1, 1, -1))}.get(axis)
+    if turn is None:
+        raise BadGeometry(f"its axis must be X, Y or Z, got {axis}")
 
     def turned(vectors: FloatArray) -> FloatArray:
         return np.array(vectors[:, turn[0]] * np.array(turn[1]), np.float32)

@@ -18,12 +18,16 @@ from render.scene import Dome, Image, Light
 from render.stage.findings import FindingLog
 from render.stage.poses import is_hidden, world_pose
 from render.stage.textures import TextureCache, TextureError
+from render.stage.values import UNREADABLE, why_unreadable
 from render.stage.world import DoubleArray, rigid_frame, world_from_stage
 
 RGB = tuple[float, float, float]
 _DOMES = ("DomeLight", "DomeLight_1")
 # A zero-radius light with `normalize` has all its power at a point; it is drawn as a sphere this wide.
 _POINT_RADIUS_M = 1e-3
+# Beyond these a light's power overflows single precision; the sun's disc has a radiance of 2e9 nits and a radius of 7e8 m.
+_MAX_RADIANCE = 1e18
+_MAX_MEASURE_M = 1e10
 # +Z-up from +Y-up: the turn that DomeLight_1's pole axis asks for on a Z-up stage.
 _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -65,16 +69,18 @@ class LightReader:
         for prim, hiders in lights:
             if is_hidden(hiders, transforms.GetTime()):
                 continue
-            if not self.is_dome(prim):
-                light = self.light(prim, transforms)
-                found.extend([light] if light is not None else [])
-            elif dome is None:
-                dome = self.dome(prim, transforms)
-            else:
-                path = prim.GetPath()
-                self._log.add(
-                    "second_dome", path, f"dome light {path} is not honoured: {dome.path} is the one that shines"
-                )
+            path = prim.GetPath()
+            try:
+                if not self.is_dome(prim):
+                    light = self.light(prim, transforms)
+                    found.extend([light] if light is not None else [])
+                elif dome is None:
+                    dome = self.dome(prim, transforms)
+                else:
+                    message = f"dome light {path} is not honoured: {dome.path} is the one that shines"
+                    self._log.add("second_dome", path, message)
+            except UNREADABLE as problem:
+                self._log.add("bad_light", path, f"light {path} is off: {why_unreadable(problem)}")
         return tuple(found), dome
 
     def is_dome(self, prim: Usd.Prim) -> bool:
@@ -98,11 +104,8 @@ class LightReader:
             return None
         self._note_ignored(prim)
         light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
-        if (
-            light is not None
-            and not np.isfinite([*light.radiance, light.radius_m, light.width_m, light.height_m]).all()
-        ):
-            self._log.add("bad_light", path, f"light {path} is off: its numbers are not finite")
+        if light is not None and not _in_range(light.radiance, light.radius_m, light.width_m, light.height_m):
+            self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             return None
         return light
 
@@ -116,9 +119,9 @@ class LightReader:
         if str(prim.GetTypeName()) == "DomeLight_1" and self._pole_is_z(prim, time):
             pose = pose @ _Z_UP_FROM_Y_UP
         radiance = _radiance(prim, time)
-        if not np.isfinite(radiance).all():
+        if not _in_range(radiance):
             path = prim.GetPath()
-            self._log.add("bad_light", path, f"light {path} is off: its numbers are not finite")
+            self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             radiance = (0.0, 0.0, 0.0)
         return Dome(radiance, pose, self._dome_image(prim, time), path=str(prim.GetPath()))
 
@@ -247,6 +250,13 @@ def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float]:
         return float(np.pi), 0.0
     angle = float(np.radians(_number(prim, "inputs:shaping:cone:angle", time)))
     return min(angle, float(np.pi)), min(max(_number(prim, "inputs:shaping:cone:softness", time), 0.0), 1.0)
+
+
+def _in_range(radiance: RGB, *measures_m: float) -> bool:
+    """Whether a light's numbers can be reckoned with in single precision, and so are finite at all."""
+    return all(abs(channel) <= _MAX_RADIANCE for channel in radiance) and all(
+        abs(measure) <= _MAX_MEASURE_M for measure in measures_m
+    )
 
 
 def _scales(pose: DoubleArray) -> NDArray[np.float64]:

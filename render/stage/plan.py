@@ -17,6 +17,7 @@ from render.stage.primvars import find_primvar
 from render.stage.shape import Wanted
 from render.stage.skinning import Skeletons
 from render.stage.surface import surface_varies
+from render.stage.values import UNREADABLE, why_unreadable
 
 # A surface that occurs several times is drawn by instancing only if that spares more than this many triangles; below it, another
 # draw call costs more than the copies (pyrender needs about 0.5 ms for each primitive and pass).
@@ -59,6 +60,16 @@ def plan_groups(
 
 
 def _pieces(
+    surface: Occurrence, looks: LookReader, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog
+) -> list[Piece]:
+    try:
+        return _pieces_by_material(surface, looks, skeletons, time, log)
+    except UNREADABLE as problem:
+        log.add("bad_geometry", surface.path, f"{surface.path} is not drawn: {why_unreadable(problem)}")
+        return []
+
+
+def _pieces_by_material(
     surface: Occurrence, looks: LookReader, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog
 ) -> list[Piece]:
     prim = surface.prim

@@ -10,6 +10,7 @@ from render.stage.implicit import implicit_polygons, is_implicit, shape_varies
 from render.stage.polygons import BadGeometry, IntArray, Polygons, Values
 from render.stage.primvars import as_rows
 from render.stage.skinning import Skeletons
+from render.stage.values import UNREADABLE, shown, why_unreadable
 
 _MESH_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIndices", "normals", "primvars:normals")
 
@@ -32,10 +33,17 @@ def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: Fi
     """The polygons of a mesh or an implicit prim.
 
     Raises:
-        BadGeometry: the numbers contradict themselves; the message says how.
+        BadGeometry: the values are of other types than the schema's, or contradict themselves; the message says how.
     """
-    if is_implicit(prim):
-        return implicit_polygons(prim, time)
+    try:
+        return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
+    except BadGeometry:
+        raise
+    except UNREADABLE as problem:
+        raise BadGeometry(why_unreadable(problem)) from problem
+
+
+def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
     mesh = UsdGeom.Mesh(prim)
     polygons = Polygons(
         points=_points(mesh, time),
@@ -53,12 +61,20 @@ def _points(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> np.ndarray[tuple[int, ...
     value = mesh.GetPointsAttr().Get(time)
     if value is None or len(value) == 0:
         raise BadGeometry("it has no points at this time")
-    return np.array(value, np.float32)
+    points = np.array(value, np.float32)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise BadGeometry(f"its points must be a list of points, got {shown(value)}")
+    return points
 
 
 def _integers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
     value = attribute.Get(time)
-    return np.zeros(0, np.int32) if value is None else np.array(value, np.int32)
+    if value is None:
+        return np.zeros(0, np.int32)
+    numbers = np.array(value)
+    if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
+        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {shown(value)}")
+    return numbers.astype(np.int32)
 
 
 def _is_subdivided(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> bool:

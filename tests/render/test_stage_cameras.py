@@ -136,7 +136,7 @@ def test_an_unknown_policy_and_an_impossible_shape() -> None:
         ("horizontalAperture", 0.0, "horizontalAperture"),
         ("verticalAperture", -1.0, "verticalAperture"),
         ("fStop", -2.0, "fStop"),
-        ("focusDistance", float("inf"), "focusDistance"),
+        ("focusDistance", float("-inf"), "focusDistance"),
         ("horizontalApertureOffset", float("nan"), "horizontalApertureOffset"),
         ("clippingRange", Gf.Vec2f(10, 1), "clippingRange"),
         ("projection", "orthographic", "perspective"),

@@ -42,8 +42,9 @@ def authored_types(prim: Usd.Prim) -> Iterator[Fault]:
     for attribute in prim.GetAuthoredAttributes():
         for spec in attribute.GetPropertyStack(Usd.TimeCode.Default()):
             wanted = attribute.GetTypeName()
-            if spec.typeName != wanted:
-                got = f"{spec.typeName} in {spec.layer.identifier}"
+            is_attribute = isinstance(spec, Sdf.AttributeSpec)
+            if not is_attribute or spec.typeName != wanted:
+                got = f"{spec.typeName if is_attribute else 'a relationship'} in {spec.layer.identifier}"
                 yield Fault(attribute.GetPath(), f"{attribute.GetName()} must be of type {wanted}, got {got}")
 
 

@@ -1,0 +1,31 @@
+"""Values of another type than their schema's: USD hands them out as they are."""
+
+from __future__ import annotations
+
+from pxr import Usd
+
+# What arithmetic on such values, or on numbers beyond all measure, raises.
+UNREADABLE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError)
+
+
+def why_unreadable(problem: Exception) -> str:
+    """The end of a sentence about a prim whose values raised one of `UNREADABLE`."""
+    return f"its values cannot be read ({' '.join(str(problem).split())})"
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: its type too, since that is what is wrong, and not all of a long array."""
+    text = repr(value) if len(repr(value)) <= 60 else f"{repr(value)[:60]}…"
+    return f"{text} ({type(value).__name__})"
+
+
+def number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
+    """An attribute's value as one number.
+
+    Raises:
+        TypeError: it is not one number; the message ends a sentence that begins with the attribute's owner.
+    """
+    value = attribute.Get(time)
+    if not isinstance(value, int | float):
+        raise TypeError(f"must be a number, got {shown(value)}")
+    return float(value)

@@ -1,0 +1,139 @@
+"""Values that a file may hold and no renderer can use: they are named, and the rest of the stage is drawn."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdRender
+from stage_kit import T, add_mesh, new_stage, read
+
+from render.errors import CameraError, StageError
+from render.stage import StageReader, read_camera
+from usd_schemas import LensCamera, SchemaError
+
+
+def _override(prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: object) -> None:
+    """Author a property with a type that is not its schema's, as a file may."""
+    spec = Sdf.AttributeSpec(prim.GetStage().GetRootLayer().GetPrimAtPath(prim.GetPath()), name, kind)
+    spec.default = value
+
+
+def _drawn(stage: Usd.Stage) -> tuple[set[str], dict[str, str]]:
+    """The prims that are drawn, and the findings by path; numpy's warnings are errors."""
+    reader = StageReader(stage)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = reader.read(0.0)
+    shown = {scene.prim_paths[i] for batch in scene.batches for i in set(batch.geometry.prim_ids.tolist())}
+    return shown, {finding.path: finding.message for finding in reader.findings}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value"),
+    [
+        ("focalLength", T.String, "fifty"),
+        ("fStop", T.Float2, (1, 2)),
+        ("focusDistance", T.TokenArray, ["a"]),
+        ("clippingRange", T.Float, 1.0),
+        ("clippingRange", T.String, "x"),
+        ("shutter:open", T.String, "x"),
+        ("exposure:iso", T.String, "x"),
+    ],
+)
+def test_a_camera_property_of_another_type_is_named(name: str, kind: Sdf.ValueTypeName, value: object) -> None:
+    stage = new_stage()
+    camera = UsdGeom.Camera.Define(stage, "/cam")
+    _override(camera.GetPrim(), name, kind, value)
+    with pytest.raises(CameraError, match=f"{name} of camera /cam must be"):
+        read_camera(stage, "/cam", 0.0)
+
+
+def test_an_infinite_focus_distance_is_focus_at_infinity() -> None:
+    stage = new_stage()
+    UsdGeom.Camera.Define(stage, "/cam").CreateFocusDistanceAttr(math.inf)
+    assert read_camera(stage, "/cam", 0.0).focus_distance_m == 0.0
+
+
+def test_a_conform_policy_that_is_none_is_named_with_its_prim() -> None:
+    stage = new_stage()
+    UsdGeom.Camera.Define(stage, "/cam")
+    UsdRender.Settings.Define(stage, "/R").CreateAspectRatioConformPolicyAttr("bogus")
+    stage.SetMetadata("renderSettingsPrimPath", "/R")
+    with pytest.raises(StageError, match=r"of /R must be one of .*, got bogus"):
+        read_camera(stage, "/cam", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value"),
+    [
+        ("points", T.String, "x"),
+        ("points", T.Float, 1.0),
+        ("points", T.Matrix4d, None),
+        ("faceVertexCounts", T.String, "x"),
+        ("faceVertexCounts", T.Float, math.inf),
+        ("faceVertexCounts", T.Asset, Sdf.AssetPath("x.png")),
+        ("faceVertexIndices", T.Int, -1),
+        ("holeIndices", T.Float, -1.0),
+    ],
+)
+def test_a_mesh_with_values_of_another_type_is_a_finding(name: str, kind: Sdf.ValueTypeName, value: object) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    bad = add_mesh(stage, "/bad").GetPrim()
+    bad.RemoveProperty(name)
+    _override(bad, name, kind, kind.defaultValue if value is None else value)
+    shown, findings = _drawn(stage)
+    assert shown == {"/good"}
+    assert findings["/bad"].startswith("/bad is not drawn: ")
+
+
+@pytest.mark.parametrize(
+    ("shape", "name", "kind", "value"),
+    [
+        (UsdGeom.Cylinder, "axis", T.Token, "W"),
+        (UsdGeom.Sphere, "radius", T.String, "x"),
+        (UsdGeom.Sphere, "radius", T.TokenArray, ["a", "b"]),
+    ],
+)
+def test_an_implicit_shape_that_cannot_be_read_is_a_finding(
+    shape: type, name: str, kind: Sdf.ValueTypeName, value: object
+) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    _override(shape.Define(stage, "/bad").GetPrim(), name, kind, value)
+    shown, findings = _drawn(stage)
+    assert shown == {"/good"}
+    assert name in findings["/bad"]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value"),
+    [
+        ("inputs:exposure", T.Float, 2000.0),
+        ("inputs:radius", T.Double, 1e300),
+        ("inputs:intensity", T.String, "x"),
+        ("inputs:intensity", T.Float, 1e30),
+        ("inputs:color", T.Float, math.nan),
+        ("inputs:color", T.Asset, Sdf.AssetPath("x.png")),
+    ],
+)
+def test_a_light_that_cannot_be_read_is_off_and_the_others_shine(
+    name: str, kind: Sdf.ValueTypeName, value: object
+) -> None:
+    stage = new_stage()
+    UsdLux.SphereLight.Define(stage, "/good")
+    _override(UsdLux.SphereLight.Define(stage, "/bad").GetPrim(), name, kind, value)
+    assert [light.path for light in read(stage).lights] == ["/good"]
+    assert _drawn(stage)[1]["/bad"].startswith("light /bad is off: ")
+
+
+def test_a_focus_point_whose_target_is_an_attribute_is_named() -> None:
+    stage = new_stage()
+    prim = UsdGeom.Camera.Define(stage, "/cam").GetPrim()
+    prim.AddAppliedSchema("FocusAPI")
+    prim.AddAppliedSchema("FocusPointAPI:p")
+    _override(prim, "focusPoint:p:target", T.String, "x")
+    with pytest.raises(SchemaError, match=r"/cam\.focusPoint:p:target must be a relationship"):
+        LensCamera(prim).focus_point("p").read()

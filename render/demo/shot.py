@@ -50,8 +50,12 @@ def write_demo(directory: Path) -> Path:
     directory = Path(directory)
     try:
         (directory / "textures").mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise OutputError(
+            f"{directory} is to be a directory, but it or what holds it is a file", path=str(directory)
+        ) from error
     except OSError as error:
-        raise OutputError(f"{directory} cannot be made a directory: {error}", path=str(directory)) from error
+        raise OutputError(f"{directory} cannot be made a directory: {error.strerror}", path=str(directory)) from error
     write_textures(directory / "textures")
     write_dome(directory / "textures" / "night_dome.exr")
     write_glints(directory / "textures" / "glints.jpg")

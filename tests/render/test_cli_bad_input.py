@@ -297,3 +297,8 @@ def test_wrong_arguments_are_told_before_a_bad_stage(options: list[str], pullfoc
 def test_settings_are_checked_without_loading_opengl() -> None:
     script = "import sys, render.commands.record; sys.exit('OpenGL' in sys.modules or 'moderngl' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
+def test_a_demo_where_a_file_lies_says_so(pullfocus: Command, good: Path) -> None:
+    assert_one_sentence(pullfocus("demo", good), FAILED, f"{good} is to be a directory", "is a file")
+    assert good.read_text().startswith("#usda")

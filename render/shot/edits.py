@@ -27,6 +27,7 @@ class Edits:
     Attributes:
         layer: the anonymous layer that holds the edits.
         path: of the saved edits that it started from, or None.
+        revision: counts the edits, so that what was found before one is known to be old.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -40,6 +41,7 @@ class Edits:
         """
         self.layer = Sdf.Layer.CreateAnonymous("edits.usda")
         self.path = path
+        self.revision = 0
         self._stage: Usd.Stage | None = None
         if path is not None:
             self.layer.TransferContent(_read_layer(path))
@@ -69,6 +71,7 @@ class Edits:
         stage = self._attached()
         before = Sdf.Layer.CreateAnonymous("before.usda")
         before.TransferContent(self.layer)
+        self.revision += 1
         try:
             target = stage.GetEditTargetForLocalLayer(self.layer)
             with schema_errors_as_settings(), quiet_diagnostics(), Usd.EditContext(stage, target):
@@ -95,6 +98,7 @@ class Edits:
             read = False
         if not read:
             raise StageError("the given edits are no readable USD layer", code="bad_edits")
+        self.revision += 1
         self.layer.TransferContent(other)
 
     def export(self) -> str:

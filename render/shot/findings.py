@@ -9,6 +9,7 @@ from pxr import Usd
 from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.scene import Light
+from render.shot.focusing import Focused
 from render.stage import Finding
 from usd_schemas import LensCamera
 
@@ -63,6 +64,21 @@ def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
     full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere needs six)"
     found = [Finding("too_many_lights", path, f"light {path} {many}") for path in dropped]
     return found + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
+
+
+def lost_point_findings(focused: Focused) -> list[Finding]:
+    """One finding for each focus point that should count, but whose target is missing.
+
+    Args:
+        focused: a camera, its focus solved.
+    """
+    kept = focused.solution.source == "camera"
+    so = "the camera's own focus distance is kept" if kept else "the other points decide the focus"
+    return [
+        Finding("lost_focus_point", focused.camera.path, f"{focused.problems[point.name]}, so {so}")
+        for point, state in zip(focused.points, focused.solution.states, strict=True)
+        if state == "lost"
+    ]
 
 
 def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:

@@ -216,3 +216,16 @@ def test_control_c_leaves_only_whole_files(shot: Path) -> None:
     assert 2 <= len(frames) < 9999
     assert all(read(frame).shape[:2] == (HEIGHT, WIDTH) for frame in frames)
     assert sorted(shot.parent.iterdir()) == [*frames, shot]
+
+
+def test_a_lost_focus_point_is_warned_of_once(pullfocus: Command, tmp_path: Path) -> None:
+    lost = CAMERA.replace(
+        'Camera "main_cam"', 'Camera "main_cam" (prepend apiSchemas = ["FocusAPI", "FocusPointAPI:eye"])'
+    ).replace("{", '{\n        uniform token focus:mode = "points"\n        rel focusPoint:eye:target = </World/Gone>')
+    path = write_shot(tmp_path / "lost.usda", SQUARE, lost)
+    ended = pullfocus("record", path, tmp_path / "f.#.png", "--frames", "1:3", *small())
+    warnings = [line for line in ended.err.splitlines() if line.startswith("warning:")]
+    assert ended.status == 0
+    assert len(warnings) == 1
+    for words in ("focus point eye", "/World/Gone", "the camera's own focus distance is kept"):
+        assert words in warnings[0]

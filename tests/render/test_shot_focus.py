@@ -340,3 +340,13 @@ def test_a_point_whose_place_is_not_finite_is_lost(shot):
     assert (placed.state, placed.position_m) == ("lost", None)
     assert "finite" in placed.problem
     assert shot.readout(CAMERA, 1).source == "camera"
+
+
+def test_a_lost_point_is_a_finding_until_it_is_mended(shot):
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    shot.update_focus_point(CAMERA, "far", target=("/World/Gone",))
+    shot.readout(CAMERA, 1)
+    assert [finding.code for finding in shot.findings()].count("lost_focus_point") == 1
+    shot.remove_focus_point(CAMERA, "far")
+    shot.readout(CAMERA, 1)
+    assert "lost_focus_point" not in [finding.code for finding in shot.findings()]

@@ -11,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.scene import Camera
+from render.stage.camera_list import list_cameras
 from render.stage.opening import reading
 from render.stage.poses import world_pose
 from render.stage.values import number, shown
@@ -40,12 +41,6 @@ class CameraChoice:
     path: str | None
     reason: str
     framing: Camera | None = None
-
-
-def list_cameras(stage: Usd.Stage) -> list[str]:
-    """Paths of all cameras on the stage, those in native instances included, in the order of the stage."""
-    prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate))
-    return [str(prim.GetPath()) for prim in prims if prim.IsA(UsdGeom.Camera)]
 
 
 def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float | None = None) -> CameraChoice:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from render.stage.findings import FindingLog
+from render.stage.limits import PrimCount
 from render.stage.surface import is_drawable
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -93,6 +94,9 @@ def take_inventory(stage: Usd.Stage, purposes: Iterable[str], mask: Sequence[str
         purposes: which of default, render, proxy and guide are drawn.
         mask: only what lies at, below or above these paths exists, as in a population mask; None for everything.
         log: notes prims of kinds that are not honoured.
+
+    Raises:
+        StageError: instances within instances multiply to more prims than can be walked; code ``too_many_prims``.
     """
     walk = _Walk(frozenset(purposes), mask, log)
     walk.below(stage.GetPseudoRoot(), _State(UsdGeom.Imageable.PurposeInfo()))
@@ -104,6 +108,7 @@ class _Walk:
         self._purposes, self._log = purposes, log
         self._mask = Usd.StagePopulationMask([Sdf.Path(p) for p in mask]) if mask is not None else None
         self.found = Inventory()
+        self._instanced = PrimCount()
         self._waiting: list[tuple[Usd.Prim, _State]] = []
 
     def below(self, root: Usd.Prim, state: _State) -> None:
@@ -118,6 +123,8 @@ class _Walk:
     def _visit(self, prim: Usd.Prim, state: _State) -> None:
         if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdGeom.Subset):
             return
+        if state.chain or prim.IsInstanceProxy():
+            self._instanced.add(prim.GetPath())
         if self._mask is not None and not state.chain and not self._mask.Includes(prim.GetPath()):
             return
         below = self._inherit(prim, state)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,7 +32,8 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
 
     Raises:
         StageError: code ``stage_missing``, ``stage_unreadable`` (not USD, or damaged), ``missing_reference`` (or payload or
-            sublayer; it is named), ``unreadable_reference``, ``outside_reference`` or ``bad_unit``.
+            sublayer; it is named), ``unreadable_reference``, ``outside_reference``, ``bad_unit`` or
+            ``bad_time``.
     """
     file = Path(path)
     # Those who upload know their files by name alone.
@@ -48,6 +50,7 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
         stage = _open(file, name, session)
     _refuse_missing(stage)
     _check_unit(stage, name)
+    _check_times(stage, name)
     if edit_layer is not None:
         stage.SetEditTarget(Usd.EditTarget(edit_layer))
     return stage
@@ -131,6 +134,20 @@ def _check_unit(stage: Usd.Stage, name: str) -> None:
         metres_per_unit(stage)
     except SchemaError as error:
         raise StageError(_relative(str(error), _folder(stage)), code="bad_unit", path=name) from error
+
+
+def _check_times(stage: Usd.Stage, name: str) -> None:
+    """Raise StageError for rates and ranges that no shot can have."""
+    rates = {"timeCodesPerSecond": stage.GetTimeCodesPerSecond(), "framesPerSecond": stage.GetFramesPerSecond()}
+    for field, value in rates.items():
+        if not (math.isfinite(value) and value > 0):
+            message = f"{field} of {name} must be a positive number, got {value:g}"
+            raise StageError(message, code="bad_time", path=name)
+    ends = {"startTimeCode": stage.GetStartTimeCode(), "endTimeCode": stage.GetEndTimeCode()}
+    for field, value in ends.items():
+        if not math.isfinite(value):
+            message = f"{field} of {name} must be a finite number, got {value:g}"
+            raise StageError(message, code="bad_time", path=name)
 
 
 def _folder(stage: Usd.Stage) -> Path:

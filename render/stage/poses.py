@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from render.errors import StageError
+from render.stage.findings import FindingLog
 from render.stage.inventory import InstancerLink
+from render.stage.limits import check_places
+from render.stage.values import UNREADABLE, why_unreadable
 from render.stage.world import DoubleArray, column_matrix
 
 IntArray = NDArray[np.int32]
@@ -48,10 +51,12 @@ class InstanceReader:
 
     Args:
         time: when.
+        log: notes instancers and instances that cannot be used.
     """
 
-    def __init__(self, time: Usd.TimeCode) -> None:
-        self._time = time
+    def __init__(self, time: Usd.TimeCode, log: FindingLog) -> None:
+        self._time, self._log = time, log
+        self._transforms = UsdGeom.XformCache(time)
         self._read: dict[str, _Instances] = {}
 
     def of_prototype(self, link: InstancerLink) -> tuple[DoubleArray, IntArray, int]:
@@ -66,24 +71,58 @@ class InstanceReader:
         """
         path = str(link.instancer.GetPath())
         if path not in self._read:
-            self._read[path] = self._instances(UsdGeom.PointInstancer(link.instancer))
+            self._read[path] = self._usable(UsdGeom.PointInstancer(link.instancer))
         every = self._read[path]
         indices = np.flatnonzero(every.visible & (every.prototypes == link.prototype)).astype(np.int32)
-        matrices = every.matrices[indices]
+        local, _resets = self._transforms.GetLocalTransformation(link.root)
+        with np.errstate(invalid="ignore", over="ignore"):
+            matrices = every.matrices[indices] @ column_matrix(local)
         if not np.isfinite(matrices).all():
             raise _not_finite(link.instancer)
         return matrices, indices, len(every.prototypes)
 
+    def _usable(self, instancer: UsdGeom.PointInstancer) -> _Instances:
+        """The instances of an instancer; none, and a finding, where its values cannot be read."""
+        path = instancer.GetPath()
+        try:
+            return self._instances(instancer)
+        except UNREADABLE as problem:
+            self._log.add("bad_instances", path, f"instancer {path} is not drawn: {why_unreadable(problem)}")
+            return _Instances(np.zeros((0, 4, 4)), np.zeros(0, np.int32), np.zeros(0, bool))
+
     def _instances(self, instancer: UsdGeom.PointInstancer) -> _Instances:
         prototypes = np.array(instancer.GetProtoIndicesAttr().Get(self._time) or [], np.int32)
+        # USD gives no transforms at all if a single prototype does not exist, so that prototypes' own come in later.
         rows = instancer.ComputeInstanceTransformsAtTime(
-            self._time, self._time, UsdGeom.PointInstancer.IncludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+            self._time, self._time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
         )
         matrices = np.array(rows, np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+        self._note_faults(instancer, prototypes, len(matrices))
         count = min(len(prototypes), len(matrices))
         mask = instancer.ComputeMaskAtTime(self._time)
         visible = np.array(mask, bool)[:count] if mask else np.ones(count, bool)
         return _Instances(matrices[:count], prototypes[:count], visible)
+
+    def _note_faults(self, instancer: UsdGeom.PointInstancer, prototypes: IntArray, count: int) -> None:
+        path = instancer.GetPath()
+        if len(prototypes) and not count:
+            positions = len(instancer.GetPositionsAttr().Get(self._time) or [])
+            message = f"it has {len(prototypes)} protoIndices and {positions} positions"
+            self._log.add("bad_instances", path, f"instancer {path} is not drawn: {message}")
+            return
+        for name in ("orientations", "orientationsf", "scales"):
+            values = instancer.GetPrim().GetAttribute(name).Get(self._time)
+            if values and len(values) != len(prototypes):
+                message = f"the {name} of {path} are not used: there are {len(values)} for {len(prototypes)} instances"
+                self._log.add(f"bad_{name}", path, message)
+        targets = len(instancer.GetPrototypesRel().GetForwardedTargets())
+        bad = np.flatnonzero((prototypes < 0) | (prototypes >= targets))
+        if len(bad):
+            message = (
+                f"{len(bad)} of {len(prototypes)} instances of {path} are not drawn: protoIndices must be from 0 to "
+                f"{targets - 1}, got {prototypes[bad[0]]} at {bad[0]}"
+            )
+            self._log.add("bad_proto_index", path, message)
 
 
 def instance_poses(
@@ -108,13 +147,14 @@ def instance_poses(
         ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
 
     Raises:
-        StageError: a transform is not finite.
+        StageError: a transform is not finite, or the instances multiply beyond all use.
     """
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
     for link, below in zip(chain, [*(next_.instancer for next_ in chain[1:]), prim], strict=True):
         matrices, indices, count = instances.of_prototype(link)
         relative = relative_pose(below, link.root, transforms)
+        check_places(len(poses) * len(matrices), link.instancer.GetPath())
         poses = (poses[:, None] @ (matrices @ relative)[None]).reshape(-1, 4, 4)
         numbers = (numbers[:, None] * count + indices[None]).reshape(-1)
     return poses, numbers
@@ -124,7 +164,8 @@ def pose_of_instance(
     chain: Sequence[InstancerLink], number: int, prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
 ) -> DoubleArray | None:
     """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time."""
-    poses, numbers = instance_poses(chain, prim, transforms, world, InstanceReader(transforms.GetTime()))
+    instances = InstanceReader(transforms.GetTime(), FindingLog())
+    poses, numbers = instance_poses(chain, prim, transforms, world, instances)
     found = np.flatnonzero(numbers == number)
     return poses[found[0]] if len(found) else None
 

@@ -96,7 +96,7 @@ class StageReader:
             scale=metres_per_unit(self._stage),
             look=lambda path: plan.looks.look(path, time),
             shapes=ShapeReader(plan.skeletons, time, self._log),
-            instances=InstanceReader(time),
+            instances=InstanceReader(time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(moment))

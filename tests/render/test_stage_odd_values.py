@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
+from pathlib import Path
 
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdRender
-from stage_kit import T, add_mesh, new_stage, read
+from stage_kit import T, add_mesh, instancer, new_stage, only_batch, read
 
 from render.errors import CameraError, StageError
-from render.stage import StageReader, read_camera
+from render.stage import StageReader, limits, list_cameras, open_stage, read_camera
 from usd_schemas import LensCamera, SchemaError
 
 
@@ -137,3 +138,92 @@ def test_a_focus_point_whose_target_is_an_attribute_is_named() -> None:
     _override(prim, "focusPoint:p:target", T.String, "x")
     with pytest.raises(SchemaError, match=r"/cam\.focusPoint:p:target must be a relationship"):
         LensCamera(prim).focus_point("p").read()
+
+
+def _tower(stage: Usd.Stage, levels: int, width: int) -> None:
+    """Instances of instances: each level instances the one below it ``width`` times."""
+    for level in range(levels):
+        root = stage.CreateClassPrim(f"/_level{level}")
+        if not level:
+            UsdGeom.Cube.Define(stage, f"{root.GetPath()}/cube")
+            continue
+        for number in range(width):
+            child = UsdGeom.Xform.Define(stage, f"{root.GetPath()}/i{number}").GetPrim()
+            child.GetReferences().AddInternalReference(f"/_level{level - 1}")
+            child.SetInstanceable(True)
+    top = UsdGeom.Xform.Define(stage, "/top").GetPrim()
+    top.GetReferences().AddInternalReference(f"/_level{levels - 1}")
+
+
+def test_instances_that_multiply_beyond_all_time_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MAX_INSTANCED_PRIMS", 1000)
+    stage = new_stage()
+    _tower(stage, 9, 12)
+    UsdGeom.Camera.Define(stage, "/cam")
+    assert list_cameras(stage) == ["/cam"]
+    with pytest.raises(StageError, match="more than 1,000 prims in instances") as caught:
+        read(stage)
+    assert caught.value.code == "too_many_prims"
+
+
+def test_cameras_in_nested_instances_are_listed() -> None:
+    stage = new_stage()
+    _tower(stage, 3, 2)
+    UsdGeom.Camera.Define(stage, "/_level0/cam")
+    assert list_cameras(stage) == [f"/top/i{one}/i{two}/cam" for one in range(2) for two in range(2)]
+
+
+def test_nested_instancers_that_multiply_beyond_all_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MAX_PLACES", 8)
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/outer/inner/ball")
+    instancer(stage, "/outer/inner", ["/outer/inner/ball"], [0] * 3)
+    instancer(stage, "/outer", ["/outer/inner"], [0] * 3)
+    with pytest.raises(StageError, match="instancer /outer/inner has 9 instances"):
+        read(stage)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("timeCodesPerSecond", "0"), ("startTimeCode", "nan"), ("endTimeCode", "inf")]
+)
+def test_rates_and_ranges_that_no_shot_can_have_are_refused(tmp_path: Path, field: str, value: str) -> None:
+    file = tmp_path / "odd.usda"
+    file.write_text(f"#usda 1.0\n(\n    {field} = {value}\n)\n")
+    with pytest.raises(StageError, match=f"{field} of .* must be a"):
+        open_stage(file)
+
+
+def test_instances_of_no_prototype_are_named_and_the_others_drawn() -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/pi/ball").AddTranslateOp().Set((0, 5, 0))
+    instancer(stage, "/pi", ["/pi/ball"], [0, 7, -1])
+    reader = StageReader(stage)
+    batch = only_batch(reader.read(0.0))
+    assert batch.poses[:, :3, 3].tolist() == [[0, 5, 0]]
+    assert "2 of 3 instances of /pi are not drawn" in reader.findings[0].message
+
+
+def test_an_instancer_whose_arrays_differ_in_length_is_named() -> None:
+    stage = new_stage()
+    UsdGeom.Sphere.Define(stage, "/pi/ball")
+    bad = instancer(stage, "/pi", ["/pi/ball"], [0, 0])
+    bad.CreateScalesAttr([(1, 1, 1)])
+    shown, findings = _drawn(stage)
+    assert shown == {"/pi/ball"}
+    assert findings["/pi"] == "the scales of /pi are not used: there are 1 for 2 instances"
+    bad.GetPositionsAttr().Set([(0, 0, 0)])
+    shown, findings = _drawn(stage)
+    assert not shown
+    assert findings["/pi"] == "instancer /pi is not drawn: it has 2 protoIndices and 1 positions"
+
+
+def test_an_instancer_with_values_of_another_type_is_named() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    UsdGeom.Sphere.Define(stage, "/pi/ball")
+    bad = instancer(stage, "/pi", ["/pi/ball"], [0]).GetPrim()
+    bad.RemoveProperty("protoIndices")
+    _override(bad, "protoIndices", T.String, "x")
+    shown, findings = _drawn(stage)
+    assert shown == {"/good"}
+    assert "instancer /pi is not drawn" in findings["/pi"]

@@ -14,7 +14,9 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from render.scene import Batch, Geometry, IntArray, Material
+from render.stage.distances import is_placeable
 from render.stage.drawing import joined, mirrored, placed
+from render.stage.findings import FindingLog
 from render.stage.materials import Look
 from render.stage.pieces import Piece, ShapeReader
 from render.stage.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
@@ -34,6 +36,7 @@ class Moment:
         shapes: reads the triangles of pieces at that time.
         instances: reads point instancers at that time.
         prim_id: the number of a prim path in ``Scene.prim_paths``.
+        log: notes surfaces too far away to be placed well.
     """
 
     transforms: UsdGeom.XformCache
@@ -43,6 +46,7 @@ class Moment:
     shapes: ShapeReader
     instances: InstanceReader
     prim_id: Callable[[str], int]
+    log: FindingLog
 
     @property
     def time(self) -> Usd.TimeCode:
@@ -134,6 +138,8 @@ class RigidGroup(Group):
             matrix = world_pose(prim, moment.transforms, moment.world)
         else:
             matrix = np.diag([*[moment.scale] * 3, 1.0]) @ relative_pose(prim, mover, moment.transforms)
+        if not is_placeable(shape.positions, matrix, piece.occurrence.path, moment.log):
+            return None
         return placed(shape, moment.prim_id(piece.occurrence.path), matrix)
 
 

@@ -98,6 +98,7 @@ class StageReader:
             shapes=ShapeReader(plan.skeletons, time, self._log),
             instances=InstanceReader(time, self._log),
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
+            log=self._log,
         )
         batches = tuple(batch for group in plan.groups for batch in group.batches(moment))
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)

@@ -227,3 +227,30 @@ def test_an_instancer_with_values_of_another_type_is_named() -> None:
     shown, findings = _drawn(stage)
     assert shown == {"/good"}
     assert "instancer /pi is not drawn" in findings["/pi"]
+
+
+def test_points_out_of_range_are_a_finding_and_no_warning() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    add_mesh(stage, "/bad", [(0, 0, 0), (1e30, 0, 0), (1e30, 1e30, 0), (0, 1e30, 0)])
+    shown, findings = _drawn(stage)
+    assert shown == {"/good"}
+    assert "out of range" in findings["/bad"]
+
+
+def test_a_place_out_of_range_is_a_finding_and_no_warning() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/good")
+    add_mesh(stage, "/bad").AddTranslateOp().Set((1e200, 0, 0))
+    shown, findings = _drawn(stage)
+    assert shown == {"/good"}
+    assert "out of range" in findings["/bad"]
+
+
+def test_still_geometry_that_single_precision_cannot_place_is_drawn_and_named() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/near").AddTranslateOp().Set((9e5, 0, 0))
+    add_mesh(stage, "/far").AddTranslateOp().Set((4e6, 0, 0))
+    shown, findings = _drawn(stage)
+    assert shown == {"/near", "/far"}
+    assert findings == {"/far": "/far reaches 4e+06 m from the origin: its vertices are placed to 0.25 m"}

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from render.stage.polygons import BadGeometry, FloatArray, IntArray, Polygons, Values
+from render.stage.polygons import FARTHEST_POINT, BadGeometry, FloatArray, IntArray, Polygons, Values
 from render.stage.values import number
 
 DoubleArray = NDArray[np.float64]
@@ -47,7 +47,7 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
     """The polygons of an implicit prim at a time, in its own space and units.
 
     Raises:
-        BadGeometry: a measure is not one number, or the axis is none.
+        BadGeometry: a measure is not one number or out of range, or the axis is none.
     """
     kind = str(prim.GetTypeName())
     names = _SHAPE_ATTRIBUTES[kind]
@@ -57,9 +57,12 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
 
 def _measure(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
     try:
-        return number(prim.GetAttribute(name), time)
+        measure = number(prim.GetAttribute(name), time)
     except TypeError as problem:
         raise BadGeometry(f"its {name} {problem}") from problem
+    if not abs(measure) <= FARTHEST_POINT:
+        raise BadGeometry(f"its {name} of {measure:g} is out of range, {FARTHEST_POINT:g} units")
+    return measure
 
 
 def _turned(polygons: Polygons, axis: str) -> Polygons:

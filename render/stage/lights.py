@@ -27,7 +27,7 @@ _DOMES = ("DomeLight", "DomeLight_1")
 _POINT_RADIUS_M = 1e-3
 # Beyond these a light's power overflows single precision; the sun's disc has a radiance of 2e9 nits and a radius of 7e8 m.
 _MAX_RADIANCE = 1e18
-_MAX_MEASURE_M = 1e10
+_MAX_MEASURE = 1e10
 # +Z-up from +Y-up: the turn that DomeLight_1's pole axis asks for on a Z-up stage.
 _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
 
@@ -104,7 +104,9 @@ class LightReader:
             return None
         self._note_ignored(prim)
         light = reader(prim, world_pose(prim, transforms, self._world), transforms.GetTime())
-        if light is not None and not _in_range(light.radiance, light.radius_m, light.width_m, light.height_m):
+        if light is not None and not _in_range(
+            light.radiance, light.radius_m, light.width_m, light.height_m, light.angle_rad
+        ):
             self._log.add("bad_light", path, f"light {path} is off: its numbers are out of range")
             return None
         return light
@@ -234,13 +236,15 @@ def _is_partial(collection: Usd.CollectionAPI) -> bool:
 
 
 def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> RGB:
-    """colour · intensity · 2^exposure, with the colour temperature where it is enabled, in the working space."""
+    """colour · intensity · 2^exposure, with the colour temperature where it is enabled, in the working space; inf if too much."""
     color = np.array(prim.GetAttribute("inputs:color").Get(time), np.float64)
     if _flag(prim, "inputs:enableColorTemperature", time):
         kelvin = _number(prim, "inputs:colorTemperature", time)
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
     strength = _number(prim, "inputs:intensity", time) * 2.0 ** _number(prim, "inputs:exposure", time)
     rgb = color * strength
+    if not (np.abs(rgb) <= _MAX_RADIANCE).all():
+        return np.inf, np.inf, np.inf
     return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))
 
 
@@ -252,10 +256,10 @@ def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float]:
     return min(angle, float(np.pi)), min(max(_number(prim, "inputs:shaping:cone:softness", time), 0.0), 1.0)
 
 
-def _in_range(radiance: RGB, *measures_m: float) -> bool:
+def _in_range(radiance: RGB, *measures: float) -> bool:
     """Whether a light's numbers can be reckoned with in single precision, and so are finite at all."""
     return all(abs(channel) <= _MAX_RADIANCE for channel in radiance) and all(
-        abs(measure) <= _MAX_MEASURE_M for measure in measures_m
+        abs(measure) <= _MAX_MEASURE for measure in measures
     )
 
 

@@ -74,7 +74,7 @@ class Fan:
 
 
 # In the prim's own units; beyond it, squares of areas overflow single precision.
-_FARTHEST_POINT = 1e9
+FARTHEST_POINT = 1e9
 
 
 class BadGeometry(ValueError):  # noqa: N818 - it is a finding about a prim, not an error of ours
@@ -95,9 +95,9 @@ def check(polygons: Polygons) -> None:
     if not np.isfinite(points).all():
         bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise BadGeometry(f"point {bad} is not finite")
-    if (np.abs(points) > _FARTHEST_POINT).any():
-        bad = int(np.flatnonzero((np.abs(points) > _FARTHEST_POINT).any(axis=1))[0])
-        raise BadGeometry(f"point {bad} is out of range, {_FARTHEST_POINT:g} units")
+    if (np.abs(points) > FARTHEST_POINT).any():
+        bad = int(np.flatnonzero((np.abs(points) > FARTHEST_POINT).any(axis=1))[0])
+        raise BadGeometry(f"point {bad} is out of range, {FARTHEST_POINT:g} units")
 
 
 def fan(polygons: Polygons) -> Fan:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, Vt
 
 from render.errors import StageError
 from render.stage.findings import FindingLog
 from render.stage.inventory import InstancerLink
 from render.stage.limits import check_places
-from render.stage.values import UNREADABLE, why_unreadable
+from render.stage.values import UNREADABLE, shown, why_unreadable
 from render.stage.world import DoubleArray, column_matrix
 
 IntArray = NDArray[np.int32]
@@ -91,7 +91,10 @@ class InstanceReader:
             return _Instances(np.zeros((0, 4, 4)), np.zeros(0, np.int32), np.zeros(0, bool))
 
     def _instances(self, instancer: UsdGeom.PointInstancer) -> _Instances:
-        prototypes = np.array(instancer.GetProtoIndicesAttr().Get(self._time) or [], np.int32)
+        authored = instancer.GetProtoIndicesAttr().Get(self._time)
+        if not isinstance(authored, Vt.IntArray | None):
+            raise TypeError(f"protoIndices must be a list of whole numbers, got {shown(authored)}")
+        prototypes = np.array(authored or [], np.int32)
         # USD gives no transforms at all if a single prototype does not exist, so that prototypes' own come in later.
         rows = instancer.ComputeInstanceTransformsAtTime(
             self._time, self._time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask

@@ -51,7 +51,9 @@ def as_rows(value: object, width: int) -> FloatArray | None:
     if value is None or isinstance(value, str):
         return None
     try:
-        array = np.array(value, np.float32)
+        # What is beyond single precision becomes infinite, and is left out with what is infinite already.
+        with np.errstate(over="ignore"):
+            array = np.array(value, np.float32)
     except (TypeError, ValueError):
         return None
     if array.ndim == 0:

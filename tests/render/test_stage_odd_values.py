@@ -96,6 +96,8 @@ def test_a_mesh_with_values_of_another_type_is_a_finding(name: str, kind: Sdf.Va
         (UsdGeom.Cylinder, "axis", T.Token, "W"),
         (UsdGeom.Sphere, "radius", T.String, "x"),
         (UsdGeom.Sphere, "radius", T.TokenArray, ["a", "b"]),
+        (UsdGeom.Sphere, "radius", T.Double, 1e300),
+        (UsdGeom.Cylinder, "height", T.Float, math.inf),
     ],
 )
 def test_an_implicit_shape_that_cannot_be_read_is_a_finding(
@@ -116,6 +118,7 @@ def test_an_implicit_shape_that_cannot_be_read_is_a_finding(
         ("inputs:radius", T.Double, 1e300),
         ("inputs:intensity", T.String, "x"),
         ("inputs:intensity", T.Float, 1e30),
+        ("inputs:intensity", T.Double, 1e300),
         ("inputs:color", T.Float, math.nan),
         ("inputs:color", T.Asset, Sdf.AssetPath("x.png")),
     ],
@@ -217,13 +220,16 @@ def test_an_instancer_whose_arrays_differ_in_length_is_named() -> None:
     assert findings["/pi"] == "instancer /pi is not drawn: it has 2 protoIndices and 1 positions"
 
 
-def test_an_instancer_with_values_of_another_type_is_named() -> None:
+@pytest.mark.parametrize(
+    ("kind", "value"), [(T.String, "x"), (T.FloatArray, [math.nan]), (T.Matrix4d, T.Matrix4d.defaultValue)]
+)
+def test_an_instancer_with_values_of_another_type_is_named(kind: Sdf.ValueTypeName, value: object) -> None:
     stage = new_stage()
     add_mesh(stage, "/good")
     UsdGeom.Sphere.Define(stage, "/pi/ball")
     bad = instancer(stage, "/pi", ["/pi/ball"], [0]).GetPrim()
     bad.RemoveProperty("protoIndices")
-    _override(bad, "protoIndices", T.String, "x")
+    _override(bad, "protoIndices", kind, value)
     shown, findings = _drawn(stage)
     assert shown == {"/good"}
     assert "instancer /pi is not drawn" in findings["/pi"]

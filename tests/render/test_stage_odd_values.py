@@ -13,6 +13,7 @@ from stage_kit import T, add_mesh, instancer, new_stage, only_batch, read
 from render.errors import CameraError, StageError
 from render.stage import StageReader, limits, list_cameras, open_stage, read_camera
 from usd_schemas import LensCamera, SchemaError
+from usd_schemas.validation import validate
 
 
 def _override(prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: object) -> None:
@@ -141,6 +142,7 @@ def test_a_focus_point_whose_target_is_an_attribute_is_named() -> None:
     _override(prim, "focusPoint:p:target", T.String, "x")
     with pytest.raises(SchemaError, match=r"/cam\.focusPoint:p:target must be a relationship"):
         LensCamera(prim).focus_point("p").read()
+    assert [p.path for p in validate(stage) if "must be a relationship" in p.message] == ["/cam.focusPoint:p:target"]
 
 
 def _tower(stage: Usd.Stage, levels: int, width: int) -> None:

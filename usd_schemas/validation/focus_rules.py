@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from usd_schemas.data import FocusPoint
+from usd_schemas.errors import SchemaError
 from usd_schemas.focus_point import FocusPointView
 from usd_schemas.topology import topology_fingerprint
 from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
@@ -29,7 +30,12 @@ def focus_mode(prim: Usd.Prim) -> Iterator[Fault]:
 def targets(prim: Usd.Prim) -> Iterator[Fault]:
     """Each focus point's target is there and of a kind that can be anchored to."""
     for view in LensCamera(prim).focus_points():
-        relationship, paths = view.target_relationship(), view.read().target
+        relationship = view.target_relationship()
+        try:
+            paths = view.read().target
+        except SchemaError as problem:
+            yield Fault(prim.GetPath().AppendProperty(f"focusPoint:{view.name}:target"), str(problem))
+            continue
         if len(paths) not in (1, 2):
             yield Fault(
                 relationship.GetPath(),
@@ -54,7 +60,10 @@ def targets(prim: Usd.Prim) -> Iterator[Fault]:
 def anchors(prim: Usd.Prim) -> Iterator[Fault]:
     """Face, triangle and instance of each focus point exist on its target."""
     for view in LensCamera(prim).focus_points():
-        point = view.read(_first_time(view))
+        try:
+            point = view.read(_first_time(view))
+        except SchemaError:
+            continue
         yield from _instance_fault(view, point)
         mesh = _mesh(prim.GetStage(), point)
         if mesh is None or point.face < 0:
@@ -108,7 +117,10 @@ def _mesh(stage: Usd.Stage, point: FocusPoint) -> UsdGeom.Mesh | None:
 def topology(prim: Usd.Prim) -> Iterator[Fault]:
     """The target mesh still has the topology on which the focus point was placed."""
     for view in LensCamera(prim).focus_points():
-        point = view.read()
+        try:
+            point = view.read()
+        except SchemaError:
+            continue  # its target is no relationship, which the rule of targets says
         mesh = _mesh(prim.GetStage(), point)
         if mesh is None or not point.topology:
             continue

@@ -19,6 +19,7 @@ from usd_schemas.units import metres_per_unit
 # In the session layer's customLayerData: the folder that nothing may leave. The session layer is ours, so a file cannot say it.
 _CONFINED_TO = "pullfocus:confinedTo"
 _TF_REASON = re.compile(r" : '(.*?)'(?:\n|$)", re.DOTALL)
+_SESSION = re.compile(r",?@anon:0x[0-9a-f]+:session\.usda@(?:<[^>]*>)?")
 _ASSET = re.compile(r"@(.+?)@")
 
 
@@ -156,8 +157,12 @@ def _folder(stage: Usd.Stage) -> Path:
 
 
 def _relative(text: str, folder: Path) -> str:
-    """A message with its files named from a folder: shorter, and without the server's own paths for those who upload."""
-    return text.replace(f"{folder}/", "")
+    """A message with its files named from a folder: shorter, and without the server's own paths for those who upload.
+
+    USD names files by their whole path, however the folder was given; our own session layer means nothing to anyone.
+    """
+    text = _SESSION.sub("", text)
+    return text.replace(f"{folder.resolve()}/", "").replace(f"{folder.absolute()}/", "")
 
 
 def _is_materialx(text: str) -> bool:

@@ -255,3 +255,16 @@ def test_a_confined_reader_reads_no_texture_outside(tmp_path: Path) -> None:
 def test_real_assets_are_confined_to_their_folders(name: str) -> None:
     file = ASSETS / name
     assert open_stage(file, confined_to=file.parent)
+
+
+def test_a_message_names_a_file_from_its_folder_however_that_was_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "odd.usda").write_text("#usda 1.0\ndef Xform {")
+    monkeypatch.chdir(tmp_path)
+    for given in (Path("odd.usda"), tmp_path / "odd.usda"):
+        with pytest.raises(StageError) as refused:
+            open_stage(given)
+        assert "odd.usda" in refused.value.detail
+        assert refused.value.detail.count(str(tmp_path)) == (0 if given == Path("odd.usda") else 1)
+        assert "@anon" not in refused.value.detail

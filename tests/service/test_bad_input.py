@@ -105,7 +105,7 @@ def test_a_zip_bomb(client):
     assert (found["code"], found["path"]) == ("archive_too_large", "shot.usda")
 
 
-@pytest.mark.parametrize("name", ["../shot.usda", "a/../../shot.usda", "/tmp/shot.usda", "..\\shot.usda"])
+@pytest.mark.parametrize("name", ["../shot.usda", "a/../../shot.usda", "/elsewhere/shot.usda", "..\\shot.usda"])
 def test_a_zip_that_leaves_its_folder(client, name, service):
     found = problem(send(client, "shot.zip", archive(("ok.usda", ROOM), (name, ROOM))))
     assert found["code"] == "unsafe_archive"

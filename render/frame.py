@@ -32,7 +32,7 @@ from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.lens import LensEngine
-from render.trace.rays import camera_iris, plane_of_focus, thin_lens_bundle
+from render.trace.rays import plane_of_focus, thin_lens_bundle
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -172,7 +172,7 @@ class FrameRenderer:
     def _accumulate(
         self, view: PinholeView, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None
     ) -> FloatArray:
-        samples = lens_samples(settings.rays, camera_iris(camera), seed=settings.seed, tiled=False)
+        samples = lens_samples(settings.rays, camera.iris, seed=settings.seed, tiled=False)
         points = np.concatenate([samples.pupil[0] * pupil_radius_m(camera), samples.pixel[0]], axis=1)
         unlit = settings.shading == "unlit"
         detail = float(settings.supersample)

@@ -17,6 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from render.lens import THIN_LENS, IrisShape, Lens
+
 FloatArray = NDArray[np.float32]
 DoubleArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -222,9 +224,8 @@ class Camera:
         near_m: nearest depth drawn.
         far_m: farthest depth drawn; may be infinite.
         exposure_scale: what UsdGeomCamera's exposure attributes multiply radiance by.
-        iris_blades: 0 for a round iris, else 3 or more.
-        iris_roundness: 0 straight blades to 1 round.
-        iris_rotation_rad: turn of the iris about the axis, counter-clockwise as seen in the picture.
+        iris: the shape of the opening.
+        lens: the glass.
         shutter_open: in frames relative to the time, as in USD.
         shutter_close: likewise.
         breathing: whether the physical image distance sets the field of view.
@@ -242,9 +243,8 @@ class Camera:
     near_m: float = 0.01
     far_m: float = float("inf")
     exposure_scale: float = 1.0
-    iris_blades: int = 0
-    iris_roundness: float = 0.0
-    iris_rotation_rad: float = 0.0
+    iris: IrisShape = field(default_factory=IrisShape)
+    lens: Lens = THIN_LENS
     shutter_open: float = 0.0
     shutter_close: float = 0.0
     breathing: bool = False

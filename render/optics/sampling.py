@@ -13,33 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
+from render.lens import IrisShape
 from render.scene import DoubleArray, IntArray
 
 MAX_RAYS = 4096
 TILE = 8
 _R2 = 1.0 / 1.32471795724474602596 ** np.arange(1, 3)
 _R4 = 1.0 / 1.16730397826141868426 ** np.arange(1, 5)  # the same in four dimensions: where tiles and seeds start
-
-
-@dataclass(frozen=True)
-class Iris:
-    """The aperture's opening, of unit radius.
-
-    Attributes:
-        blades: 0 for a round iris, else how many straight edges, 3 or more.
-        roundness: 0 straight blades to 1 round.
-        rotation_rad: counter-clockwise as seen in the picture's bokeh.
-    """
-
-    blades: int = 0
-    roundness: float = 0.0
-    rotation_rad: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.blades != 0 and not 3 <= self.blades <= 64:
-            raise SettingsError(f"an iris has 0 blades (round) or from 3 to 64, got {self.blades}")
-        if not 0 <= self.roundness <= 1:
-            raise SettingsError(f"iris roundness must be from 0 to 1, got {self.roundness}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +40,7 @@ class LensSamples:
         return int(self.pupil.shape[1])
 
 
-def lens_samples(rays: int, iris: Iris, *, seed: int = 0, tiled: bool = True) -> LensSamples:
+def lens_samples(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> LensSamples:
     """The pattern of ``rays`` rays.
 
     Args:
@@ -89,7 +69,7 @@ def lens_samples(rays: int, iris: Iris, *, seed: int = 0, tiled: bool = True) ->
     return LensSamples(fill_iris(points[..., :2], iris), points[..., 2:] - 0.5)
 
 
-def fill_iris(square: DoubleArray, iris: Iris) -> DoubleArray:
+def fill_iris(square: DoubleArray, iris: IrisShape) -> DoubleArray:
     """Map points of the unit square evenly onto the iris.
 
     The concentric map of Shirley & Chiu 1997 fills the disc; a bladed iris then stretches each of its sectors radially from
@@ -118,7 +98,7 @@ def _concentric(square: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     return np.abs(radius), np.where(radius < 0, angle + np.pi, angle)
 
 
-def _bladed(radius: DoubleArray, angle: DoubleArray, iris: Iris) -> tuple[DoubleArray, DoubleArray]:
+def _bladed(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) -> tuple[DoubleArray, DoubleArray]:
     """Stretch the disc's sectors to the blades. The rim's radius at angle t from a blade's middle is a blend of the chord's
     and the circle's; equal shares of sector angle are moved to equal shares of the rim's area by its tabulated integral."""
     half = np.pi / iris.blades

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
+from render.lens import IrisShape
 from render.scene import Camera
 from render.stage.camera_list import list_cameras
 from render.stage.opening import reading
@@ -234,9 +235,7 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
         f_stop=0.0 if glass.model == "pinhole" else _number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=float(usd.ComputeLinearExposureScale(time)),
-        iris_blades=aperture.blades,
-        iris_roundness=aperture.roundness,
-        iris_rotation_rad=math.radians(aperture.rotation),
+        iris=IrisShape(aperture.blades, aperture.roundness, math.radians(aperture.rotation)),
         shutter_open=_number(usd.GetShutterOpenAttr(), time),
         shutter_close=_number(usd.GetShutterCloseAttr(), time),
         breathing=glass.breathing,

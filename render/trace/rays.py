@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.optics.sampling import Iris, LensSamples, lens_samples
+from render.optics.sampling import LensSamples, lens_samples
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.scene import Camera, FloatArray
 
@@ -51,12 +51,7 @@ def thin_lens_bundle(camera: Camera, rays: int, *, seed: int = 0, tiled: bool = 
     Raises:
         SettingsError: rays, seed or the iris's shape is out of range.
     """
-    return bundle_from_samples(lens_samples(rays, camera_iris(camera), seed=seed, tiled=tiled), pupil_radius_m(camera))
-
-
-def camera_iris(camera: Camera) -> Iris:
-    """The opening of the camera's aperture. Raises `SettingsError` where its shape is impossible."""
-    return Iris(camera.iris_blades, camera.iris_roundness, camera.iris_rotation_rad)
+    return bundle_from_samples(lens_samples(rays, camera.iris, seed=seed, tiled=tiled), pupil_radius_m(camera))
 
 
 def bundle_from_samples(samples: LensSamples, radius_m: float) -> RayBundle:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.lens import IrisShape
 from render.optics.thin_lens import coc_radius_px
 from render.reference.scenes import point_light
 from render.scene import Camera, FloatArray
@@ -106,6 +107,6 @@ def test_the_blur_has_the_shape_of_the_iris(renderer: FrameRenderer) -> None:
     settings = FrameSettings(WIDTH_PX, WIDTH_PX, rays=1024)
     area = [
         float((picture.color[..., 3] > 0.5 * picture.color[..., 3].max()).sum())
-        for picture in (renderer.render(scene, replace(camera, iris_blades=blades), settings) for blades in (0, 5))
+        for picture in (renderer.render(scene, replace(camera, iris=IrisShape(blades)), settings) for blades in (0, 5))
     ]
     assert area[1] / area[0] == pytest.approx(2.5 * np.sin(np.radians(72)) / np.pi, rel=0.04)

@@ -8,20 +8,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.optics.sampling import Iris, fill_iris, lens_samples
+from render.lens import IrisShape
+from render.optics.sampling import fill_iris, lens_samples
 
 # 200 by 201: on a square grid, one point in a hundred would lie on the diagonal, which is one angle of the iris.
 GRID = np.stack(np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (200, 201)], indexing="ij"), -1).reshape(-1, 2)
 
 
-def rim(angle: np.ndarray, iris: Iris) -> np.ndarray:
+def rim(angle: np.ndarray, iris: IrisShape) -> np.ndarray:
     half = np.pi / iris.blades
     within = np.mod(angle - iris.rotation_rad, 2 * half) - half
     return iris.roundness + (1 - iris.roundness) * np.cos(half) / np.cos(within)
 
 
 def test_a_round_iris_is_filled_evenly() -> None:
-    points = fill_iris(GRID, Iris())
+    points = fill_iris(GRID, IrisShape())
     radius = np.hypot(*points.T)
     assert radius.max() <= 1
     assert np.mean(radius**2) == pytest.approx(0.5, abs=1e-3)  # uniform disc: <r²> = 1/2
@@ -31,7 +32,7 @@ def test_a_round_iris_is_filled_evenly() -> None:
 
 @given(st.integers(3, 16), st.floats(0, 1), st.floats(-3, 3))
 def test_a_bladed_iris_is_filled_to_its_rim_and_evenly(blades: int, roundness: float, rotation: float) -> None:
-    iris = Iris(blades, roundness, rotation)
+    iris = IrisShape(blades, roundness, rotation)
     points = fill_iris(GRID, iris)
     radius, angle = np.hypot(*points.T), np.arctan2(points[:, 1], points[:, 0])
     share = radius / rim(angle, iris)
@@ -47,32 +48,32 @@ def test_a_bladed_iris_is_filled_to_its_rim_and_evenly(blades: int, roundness: f
 
 
 def test_the_pattern_beats_random_points_at_integrating_a_smooth_pupil() -> None:
-    points = lens_samples(256, Iris(), tiled=False).pupil[0]
+    points = lens_samples(256, IrisShape(), tiled=False).pupil[0]
     error = abs(np.mean(np.cos(2 * points[:, 0]) * np.exp(points[:, 1])) - _disc_mean())
     assert error < 0.25 * 0.66 / np.sqrt(256)  # 0.66: the integrand's standard deviation, so random points err by 0.041
 
 
 def _disc_mean() -> float:
-    points = fill_iris(GRID, Iris())
+    points = fill_iris(GRID, IrisShape())
     return float(np.mean(np.cos(2 * points[:, 0]) * np.exp(points[:, 1])))
 
 
 @given(st.integers(1, 4096), st.integers(0, 2**31 - 1))
 def test_the_same_seed_gives_the_same_pattern(rays: int, seed: int) -> None:
-    a, b = (lens_samples(rays, Iris(6), seed=seed, tiled=False) for _ in range(2))
+    a, b = (lens_samples(rays, IrisShape(6), seed=seed, tiled=False) for _ in range(2))
     assert np.array_equal(a.pupil, b.pupil)
     assert np.array_equal(a.pixel, b.pixel)
     assert np.abs(a.pixel).max() <= 0.5
 
 
 def test_tiles_differ_and_seeds_differ() -> None:
-    tiled = lens_samples(16, Iris()).pupil
+    tiled = lens_samples(16, IrisShape()).pupil
     assert len({row.tobytes() for row in tiled}) == 64
-    assert not np.array_equal(tiled, lens_samples(16, Iris(), seed=1).pupil)
+    assert not np.array_equal(tiled, lens_samples(16, IrisShape(), seed=1).pupil)
 
 
 def test_one_ray_passes_the_centre() -> None:
-    samples = lens_samples(1, Iris(5))
+    samples = lens_samples(1, IrisShape(5))
     assert not samples.pupil.any()
     assert not samples.pixel.any()
 
@@ -80,10 +81,10 @@ def test_one_ray_passes_the_centre() -> None:
 @pytest.mark.parametrize("rays", [0, -3, 4097])
 def test_an_absurd_number_of_rays_is_refused(rays: int) -> None:
     with pytest.raises(SettingsError, match="rays must be from 1 to 4096"):
-        lens_samples(rays, Iris())
+        lens_samples(rays, IrisShape())
 
 
 @pytest.mark.parametrize("iris", [{"blades": 2}, {"blades": -1}, {"blades": 6, "roundness": 1.5}])
 def test_an_impossible_iris_is_refused(iris: dict[str, float]) -> None:
     with pytest.raises(SettingsError, match=r"blades|roundness"):
-        Iris(**iris)  # type: ignore[arg-type]
+        IrisShape(**iris)  # type: ignore[arg-type]

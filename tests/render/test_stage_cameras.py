@@ -65,8 +65,8 @@ def test_iris_shutter_exposure_and_breathing() -> None:
     lens.aperture.author(ApertureData(blades=7, roundness=0.3, rotation=90.0))
     lens.lens.author(LensData(breathing=True))
     camera = read_camera(stage, "/cam", 0)
-    assert (camera.iris_blades, camera.iris_roundness) == (7, pytest.approx(0.3))
-    assert camera.iris_rotation_rad == pytest.approx(math.pi / 2)
+    assert (camera.iris.blades, camera.iris.roundness) == (7, pytest.approx(0.3))
+    assert camera.iris.rotation_rad == pytest.approx(math.pi / 2)
     assert (camera.shutter_open, camera.shutter_close) == (-0.25, 0.25)
     assert camera.exposure_scale == pytest.approx(4.0)
     assert camera.breathing

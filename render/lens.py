@@ -1,0 +1,203 @@
+"""What a lens is, as plain data: surfaces, glass, wavefront errors, iris. Beside `render.scene`, which says what a scene is.
+
+Conventions: lengths in millimetres. Along the axis light goes from the scene to the film, and surfaces are listed in that order. A
+radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r from the axis is
+
+    z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4),        c = 1/radius
+
+with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.errors import SettingsError
+
+DoubleArray = NDArray[np.float64]
+
+LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription"]
+LENS_MODELS: tuple[LensModel, ...] = ("pinhole", "thin", "seidel", "spherical", "heightField", "prescription")
+
+
+@dataclass(frozen=True)
+class Glass:
+    """An optical medium; its index at a wavelength is `render.optics.glass.refractive_index`.
+
+    Attributes:
+        index: refractive index at the d line (587.56 nm); 1 is air.
+        abbe: Abbe number V_d; 0 for a medium without dispersion.
+        sellmeier_b: B1, B2, B3 of Sellmeier's equation; where given they win over index and Abbe number.
+        sellmeier_c: C1, C2, C3 in square micrometres.
+        name: catalogue name, for people.
+    """
+
+    index: float = 1.0
+    abbe: float = 0.0
+    sellmeier_b: tuple[float, float, float] | None = None
+    sellmeier_c: tuple[float, float, float] | None = None
+    name: str = ""
+
+
+AIR = Glass()
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One surface of a lens, or its stop.
+
+    Attributes:
+        radius_mm: of curvature; 0 is a plane.
+        thickness_mm: along the axis to the next surface; of the last one, to the film with the lens focused at infinity (0 where
+            it is to be solved for).
+        glass: the medium behind the surface.
+        semi_diameter_mm: half the clear diameter; 0 where it is unknown. At the stop: wide open.
+        conic: conic constant K.
+        aspheric: coefficients of r⁴, r⁶, ...
+        is_stop: whether this is the aperture stop.
+    """
+
+    radius_mm: float
+    thickness_mm: float
+    glass: Glass = AIR
+    semi_diameter_mm: float = 0.0
+    conic: float = 0.0
+    aspheric: tuple[float, ...] = ()
+    is_stop: bool = False
+
+
+@dataclass(frozen=True)
+class Prescription:
+    """The surfaces of a lens from front to rear.
+
+    Attributes:
+        surfaces: at least one that refracts; after `render.optics.completion.completed`, one is the stop and no clear diameter and
+            no back focal distance is missing.
+        focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
+        f_stop: f-number wide open; 0 where it is unknown.
+        name: for messages.
+        notes: what was solved for or approximated, one sentence each.
+    """
+
+    surfaces: tuple[Surface, ...]
+    focus_group: tuple[int, int] | None = None
+    f_stop: float = 0.0
+    name: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SeidelErrors:
+    """Third-order wavefront errors of a thin lens (Welford 1986, ch. 8), in wavelengths of the d line.
+
+    ``W = w040·ρ⁴ + w131·η·ρ³·cos φ + w222·η²·ρ²·cos² φ + w220·η²·ρ² + w311·η³·ρ·cos φ`` with ρ the pupil's radius over that of
+    the reference f-number, η the image height over the reference height and φ the angle from the tangential plane.
+
+    Attributes:
+        w040: spherical aberration.
+        w131: coma.
+        w222: astigmatism.
+        w220: field curvature.
+        w311: distortion.
+        axial_color_mm: focus at 475 nm less focus at 650 nm, along the axis behind the lens.
+        lateral_color_mm: image height at 475 nm less that at 650 nm, at the reference height.
+        reference_f_stop: f-number at whose pupil's edge the coefficients hold.
+        reference_height_mm: image height for which they hold.
+    """
+
+    w040: float = 0.0
+    w131: float = 0.0
+    w222: float = 0.0
+    w220: float = 0.0
+    w311: float = 0.0
+    axial_color_mm: float = 0.0
+    lateral_color_mm: float = 0.0
+    reference_f_stop: float = 2.8
+    reference_height_mm: float = 21.6
+
+
+@dataclass(frozen=True, eq=False)
+class HeightField:
+    """Heights that are added to the two surfaces of a thick lens, over the square that circumscribes the clear aperture.
+
+    Attributes:
+        front: ``(h, w)`` float64, row 0 at the top as seen from the scene; mm toward the film are positive. None for none.
+        back: likewise, of the second surface.
+    """
+
+    front: DoubleArray | None = None
+    back: DoubleArray | None = None
+
+
+@dataclass(frozen=True)
+class AberrationScales:
+    """Factors on a lens's errors: 0 none, 1 as the lens has them, more exaggerates."""
+
+    spherical: float = 1.0
+    coma: float = 1.0
+    astigmatism: float = 1.0
+    field_curvature: float = 1.0
+    distortion: float = 1.0
+    chromatic: float = 1.0
+    vignetting: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class IrisShape:
+    """The opening of the iris, of unit radius, as seen in the picture's bokeh.
+
+    Attributes:
+        blades: 0 for a round iris, else how many edges, 3 or more.
+        roundness: 0 straight blades to 1 round.
+        rotation_rad: counter-clockwise.
+        mask: ``(h, w)`` float64 transmission over the square that circumscribes the pupil, row 0 at the top; None for a clear iris.
+        radial_weights: transmission at even steps of the radius from centre to edge, joined linearly; empty for even.
+    """
+
+    blades: int = 0
+    roundness: float = 0.0
+    rotation_rad: float = 0.0
+    mask: DoubleArray | None = None
+    radial_weights: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises `SettingsError` where no iris has such a shape."""
+        if self.blades != 0 and not 3 <= self.blades <= 64:
+            raise SettingsError(f"an iris has 0 blades (round) or from 3 to 64, got {self.blades}")
+        if not 0 <= self.roundness <= 1:
+            raise SettingsError(f"iris roundness must be from 0 to 1, got {self.roundness}")
+
+
+@dataclass(frozen=True, eq=False)
+class Lens:
+    """What stands before the film.
+
+    Attributes:
+        model: which of the fields below hold.
+        name: such as "Zeiss Planar 50/1.4".
+        prescription: of the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
+            length, so that the field of view stays what the camera says.
+        seidel: of the model seidel.
+        height_field: of the model heightField.
+        scales: factors on the errors of whatever model it is.
+        squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
+        transmittance: share of the light that passes, 0 to 1.
+        close_focus_m: nearest distance that it focuses at; 0 for no limit but its own geometry.
+    """
+
+    model: LensModel = "thin"
+    name: str = ""
+    prescription: Prescription | None = None
+    seidel: SeidelErrors | None = None
+    height_field: HeightField | None = None
+    scales: AberrationScales = field(default_factory=AberrationScales)
+    squeeze: float = 1.0
+    transmittance: float = 1.0
+    close_focus_m: float = 0.0
+
+
+THIN_LENS = Lens()

@@ -1,7 +1,8 @@
 """What a lens is, as plain data: surfaces, glass, wavefront errors, iris. Beside `render.scene`, which says what a scene is.
 
-Conventions: lengths in millimetres. Along the axis light goes from the scene to the film, and surfaces are listed in that order. A
-radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r from the axis is
+Conventions: lengths in millimetres. Along the axis light goes from the scene to the film, and surfaces are listed in that
+order. A radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r
+from the axis is
 
     z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4),        c = 1/radius
 
@@ -75,8 +76,8 @@ class Prescription:
     """The surfaces of a lens from front to rear.
 
     Attributes:
-        surfaces: at least one that refracts; after `render.optics.completion.completed`, one is the stop and no clear diameter and
-            no back focal distance is missing.
+        surfaces: at least one that refracts; after `render.optics.completion.completed`, one is the stop and neither a clear
+            diameter nor the back focal distance is missing.
         focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
         f_stop: f-number wide open; 0 where it is unknown.
         name: for messages.
@@ -154,7 +155,7 @@ class IrisShape:
         blades: 0 for a round iris, else how many edges, 3 or more.
         roundness: 0 straight blades to 1 round.
         rotation_rad: counter-clockwise.
-        mask: ``(h, w)`` float64 transmission over the square that circumscribes the pupil, row 0 at the top; None for a clear iris.
+        mask: ``(h, w)`` float64 transmission over the square that circumscribes the pupil, row 0 at the top; None for clear.
         radial_weights: transmission at even steps of the radius from centre to edge, joined linearly; empty for even.
     """
 

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from render.errors import SettingsError
 from render.lens import IrisShape
-from render.optics.sampling import fill_iris, lens_samples
+from render.optics.iris import fill_iris, transmission
+from render.optics.sampling import lens_samples, pattern_mask
 
-# 200 by 201: on a square grid, one point in a hundred would lie on the diagonal, which is one angle of the iris.
-GRID = np.stack(np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (200, 201)], indexing="ij"), -1).reshape(-1, 2)
+# squared radii by turns: many turns, since sixteen blades leave each bin of an angle few of them
+GRID = np.stack(np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (99, 3001)], indexing="ij"), -1).reshape(-1, 2)
 
 
 def rim(angle: np.ndarray, iris: IrisShape) -> np.ndarray:
@@ -45,6 +46,47 @@ def test_a_bladed_iris_is_filled_to_its_rim_and_evenly(blades: int, roundness: f
     fine = np.linspace(0, 2 * np.pi / blades, 4001)
     weight = np.histogram(fine, bins=edges, weights=rim(fine + rotation, iris) ** 2)[0]
     np.testing.assert_allclose(counts / counts.sum(), weight / weight.sum(), rtol=0.06)
+
+
+def test_a_mask_is_filled_as_densely_as_it_passes_light() -> None:
+    mask = np.zeros((64, 64))
+    mask[:32, 40:] = 1.0  # upper right
+    mask[32:, 40:] = 0.5  # lower right
+    points = fill_iris(GRID, IrisShape(mask=mask))
+    assert (points[:, 0] >= 2 * 40 / 64 - 1 - 1e-9).all()
+    assert np.hypot(*points.T).max() <= 1.01  # pixels that the rim crosses are filled whole
+    assert np.mean(points[:, 1] > 0) == pytest.approx(2 / 3, abs=0.01)
+
+
+def test_radial_weights_move_light_to_the_rim_or_from_it() -> None:
+    ring = np.hypot(*fill_iris(GRID, IrisShape(radial_weights=(0.0, 0.0, 1.0))).T)
+    soft = np.hypot(*fill_iris(GRID, IrisShape(radial_weights=(1.0, 0.0))).T)
+    assert ring.min() >= 0.5 - 1e-6
+    assert np.mean(soft) == pytest.approx(0.5, abs=5e-3)  # density (1 - r)·r: mean radius 1/2
+    image = transmission(IrisShape(radial_weights=(1.0, 0.0)), 64)
+    assert image.sum() / 64**2 == pytest.approx(np.pi / 3 / 4, rel=0.01)  # volume of a cone over the square's area
+
+
+def test_the_irises_image_has_its_area() -> None:
+    blades = 6
+    area = transmission(IrisShape(blades, rotation_rad=0.3), 128).mean() * 4
+    assert area == pytest.approx(blades / 2 * np.sin(2 * np.pi / blades), rel=2e-3)
+
+
+@pytest.mark.parametrize("iris", [IrisShape(mask=np.zeros((8, 8))), IrisShape(radial_weights=(0.0, 0.0))])
+def test_an_iris_that_lets_nothing_through_is_refused(iris: IrisShape) -> None:
+    with pytest.raises(SettingsError, match=r"mask|weights"):
+        lens_samples(4, iris)
+
+
+def test_neighbours_have_patterns_far_apart() -> None:
+    """Blue noise: of all places that a pattern is at, hardly two are neighbours; by chance 1 in 8 would be."""
+    mask = pattern_mask()
+    assert (np.bincount(mask.ravel(), minlength=64) == 64).all()
+    near = [np.roll(mask, shift, axis=(0, 1)) for shift in ((0, 1), (1, 0), (1, 1), (1, -1))]
+    distance = [np.minimum(abs(mask - other), 64 - abs(mask - other)) for other in near]
+    assert np.mean(distance) > 16.5  # two places drawn by chance are 16 patterns apart on average
+    assert np.mean(np.array(distance) == 0) < 0.004
 
 
 def test_the_pattern_beats_random_points_at_integrating_a_smooth_pupil() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from render.demo import bulbs, foliage, houses, mara, pip, props, street, tram
-from render.demo.kit import ball, box, hoop, lathe, ring, rounded_box, smooth_curve, tube
-from render.demo.mesh import Mesh, rotation
+from render.shapes.kit import ball, box, hoop, lathe, ring, rounded_box, smooth_curve, tube
+from render.shapes.mesh import Mesh, rotation
 
 CIRCLE = np.stack([np.cos(a := np.linspace(0, 2 * np.pi, 64, endpoint=False)), 0 * a, np.sin(a)], axis=1)
 

@@ -1,4 +1,4 @@
-"""Periodic noise and blur on image grids, the raw stuff of the demo's textures."""
+"""Periodic noise and blur on image grids, the raw stuff of textures."""
 
 from __future__ import annotations
 

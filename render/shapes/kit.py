@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from render.demo.mesh import Array, Indices, Mesh, merge, unit
+from render.shapes.mesh import Array, Indices, Mesh, merge, unit
 
 CREASE_DEGREES = 40.0  # a profile that turns by more than this breaks its normals
 

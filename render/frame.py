@@ -32,7 +32,7 @@ from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.lens import LensEngine
-from render.trace.rays import plane_of_focus, thin_lens_bundle
+from render.trace.rays import plane_of_focus, ray_pattern, thin_lens_bundle
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -105,7 +105,7 @@ class FrameRenderer:
         traced = self._lens.picture(
             self._peeler,
             view,
-            thin_lens_bundle(lens, settings.rays, seed=settings.seed, tiled=settings.tiled),
+            thin_lens_bundle(lens, ray_pattern(settings.rays, lens.iris, seed=settings.seed, tiled=settings.tiled)),
             plane_of_focus(lens),
             layers=settings.layers,
             supersample=settings.supersample,

@@ -96,7 +96,10 @@ class SeidelErrors:
     """Third-order wavefront errors of a thin lens (Welford 1986, ch. 8), in wavelengths of the d line.
 
     ``W = w040·ρ⁴ + w131·η·ρ³·cos φ + w222·η²·ρ²·cos² φ + w220·η²·ρ² + w311·η³·ρ·cos φ`` with ρ the pupil's radius over that of
-    the reference f-number, η the image height over the reference height and φ the angle from the tangential plane.
+    the reference f-number, η the image height over the reference height and φ the angle from the image point's direction on
+    the film. Positive spherical aberration focuses the edge of the pupil short, positive distortion is barrel-shaped. On the
+    film a ray lands off by ``-v·∂W/∂X`` (v the image distance, X on the pupil), so in the picture, which is upright, the
+    object-space slope of the ray that a pixel sees is off by ``-∂W/∂X`` with φ counted from the pixel's opposite direction.
 
     Attributes:
         w040: spherical aberration.

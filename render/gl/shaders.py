@@ -42,6 +42,13 @@ def load_source(name: str, defines: Defines | None = None) -> str:
     return text[: version.end()] + lines + text[version.end() :]
 
 
+def set_uniforms(program: moderngl.ComputeShader, **values: object) -> None:
+    """Set uniforms by name; those that this variant of a shader does not read are passed over."""
+    for name, value in values.items():
+        if name in program:
+            program[name] = value
+
+
 class ProgramCache:
     """Compiled moderngl programs by file names and defines, for one context."""
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from render.scene import DoubleArray, IntArray
+
+BoolArray = NDArray[np.bool_]
 
 SIDE = 64
 _SPREAD_PX = 1.5
@@ -36,10 +39,10 @@ def blue_noise_ranks() -> IntArray:
     return ranks
 
 
-def _spread_first_points(kernel: DoubleArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _spread_first_points(kernel: DoubleArray) -> BoolArray:
     """Move the tightest point into the largest void until that changes nothing."""
     index = np.arange(SIDE * SIDE)
-    chosen = (np.mod(index * 0.6180339887498949, 1.0) < _FIRST_SHARE).reshape(SIDE, SIDE)
+    chosen: BoolArray = (np.mod(index * 0.6180339887498949, 1.0) < _FIRST_SHARE).reshape(SIDE, SIDE)
     energy = _energy(chosen, kernel)
     while True:
         tight = _extreme(np.where(chosen, energy, -np.inf))
@@ -58,7 +61,7 @@ def _wrapped_gaussian() -> DoubleArray:
     return np.asarray(line[:, None] * line)
 
 
-def _energy(chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], kernel: DoubleArray) -> DoubleArray:
+def _energy(chosen: BoolArray, kernel: DoubleArray) -> DoubleArray:
     return np.asarray(np.fft.irfft2(np.fft.rfft2(chosen) * np.fft.rfft2(kernel), s=kernel.shape))
 
 

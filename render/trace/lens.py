@@ -69,20 +69,14 @@ class LensEngine:
         """
         guard_px = guard_band_px(view, bundle, surface, supersample)
         wide = view.enlarged(supersample, guard_px)
-        pupil_px = max(wide.fx, wide.fy) * bundle.pupil_radius_m
+        pupil_px = max(wide.fx, wide.fy) * bundle.reach_m
         umbra = umbra_reach(pupil_px)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=float(supersample))
-        color = self._tracer.trace(
-            peeled,
-            self._nbuffers.build(peeled),
-            bundle,
-            surface,
-            size=(view.width, view.height),
-            supersample=supersample,
-            guard_px=guard_px,
-            on_progress=on_progress,
-        )
-        return TracedPicture(color, peeled, guard_px)
+        nbuffers = self._nbuffers.build(peeled)
+        for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view):
+            if on_progress is not None:
+                on_progress(done.share)
+        return TracedPicture(self._tracer.picture(), peeled, guard_px)
 
     def release(self) -> None:
         """Give the memory back."""
@@ -94,9 +88,7 @@ def guard_band_px(view: PinholeView, bundle: RayBundle, surface: FocalSurface, s
     """Layer pixels beyond each edge of the picture that its rays may reach: the largest circle of confusion, capped."""
     x, y = np.array([0, view.width, 0, view.width]), np.array([0, 0, view.height, view.height])
     focus = surface.w0 + surface.slope_x * x + surface.slope_y * y
-    largest = (
-        max(view.fx, view.fy) * bundle.pupil_radius_m * max(np.abs(focus).max(), np.abs(1 / view.near_m - focus).max())
-    )
+    largest = max(view.fx, view.fy) * bundle.reach_m * max(np.abs(focus).max(), np.abs(1 / view.near_m - focus).max())
     room = (MAX_PICTURE_SIDE_PX - supersample * max(view.width, view.height)) // 2
     cap = min(MAX_GUARD_SHARE * max(view.width, view.height), largest) * supersample
     return int(min(np.ceil(cap) + 2 * supersample, max(room, 0)))

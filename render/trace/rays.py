@@ -1,33 +1,19 @@
-"""Ray tables: the only thing that the tracer knows of a lens."""
+"""What the tracer knows of a lens: where a pixel's rays pass the pupil, and how the lens bends them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from render.optics.sampling import LensSamples, lens_samples
+from render.lens import IrisShape
+from render.optics.iris import transmission
+from render.optics.sampling import PATTERNS, LensSamples, base_points, lens_samples, pattern_shifts
 from render.optics.thin_lens import focus_w, pupil_radius_m
-from render.scene import Camera, FloatArray
+from render.scene import Camera, DoubleArray, FloatArray
+from render.trace.lens_table import GridTable, PolynomialTable
 
-
-@dataclass(frozen=True, eq=False)
-class RayBundle:
-    """The rays of a lens, as the tracer's table.
-
-    Attributes:
-        table: ``(tiles, n, 8)`` float32: pupil point in units of the pupil's radius (x right, y down), offset on the sensor
-            in pixels (x right, y down), weight, and three unused numbers that keep the table's alignment.
-        pupil_radius_m: radius of the pupil in metres.
-    """
-
-    table: FloatArray
-    pupil_radius_m: float
-
-    @property
-    def count(self) -> int:
-        """Rays per pixel."""
-        return int(self.table.shape[1])
+IRIS_IMAGE_SIDE = 256
 
 
 @dataclass(frozen=True)
@@ -45,25 +31,91 @@ class FocalSurface:
     slope_y: float = 0.0
 
 
-def thin_lens_bundle(camera: Camera, rays: int, *, seed: int = 0, tiled: bool = True) -> RayBundle:
-    """Rays of the camera's thin lens; a pinhole has its rays through one point.
+@dataclass(frozen=True, eq=False)
+class RayPattern:
+    """Where rays start, as the tracer's buffers have it.
+
+    Attributes:
+        base: ``(n, 8)`` float32: squared radius, cosine and sine of the turn, nothing; sensor x and y in the unit square, nothing
+            twice.
+        shifts: ``(patterns, 4)`` float32, of squared radius, turn (in turns), sensor x and y.
+        iris_points: ``(patterns, n, 2)`` float32 on the stop, y down, where the iris is not simply round; else None.
+        iris_image: ``(side, side)`` float32 transmission over its mean on the disc, row 0 at the top; None likewise.
+    """
+
+    base: FloatArray
+    shifts: FloatArray
+    iris_points: FloatArray | None = None
+    iris_image: FloatArray | None = None
+
+    @property
+    def count(self) -> int:
+        """Rays per pixel."""
+        return len(self.base)
+
+
+@dataclass(frozen=True, eq=False)
+class RayBundle:
+    """The rays of a lens.
+
+    Attributes:
+        pattern: where they start.
+        pupil_m: half axes of the entrance pupil, right and up.
+        table: how the lens bends them; None for a lens without errors.
+        rgb: ``(k, 3)`` share of each channel that each of the table's wavelengths carries; columns sum to 1.
+        transmittance: share of light that passes.
+    """
+
+    pattern: RayPattern
+    pupil_m: tuple[float, float]
+    table: PolynomialTable | GridTable | None = None
+    rgb: DoubleArray = field(default_factory=lambda: np.ones((1, 3)))
+    transmittance: float = 1.0
+
+    @property
+    def count(self) -> int:
+        """Rays per pixel (and wavelength)."""
+        return self.pattern.count
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest that any ray passes from the pupil's centre, metres."""
+        return self.table.pupil_reach_m if self.table is not None else max(self.pupil_m)
+
+
+def ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> RayPattern:
+    """The pattern of ``rays`` rays through an iris; see `render.optics.sampling`.
 
     Raises:
-        SettingsError: rays, seed or the iris's shape is out of range.
+        SettingsError: rays or seed is out of range, or the iris lets nothing through.
     """
-    return bundle_from_samples(lens_samples(rays, camera.iris, seed=seed, tiled=tiled), pupil_radius_m(camera))
+    samples = lens_samples(rays, iris, seed=seed, tiled=tiled)
+    points = base_points(rays, seed)
+    base = np.zeros((rays, 8), np.float32)
+    base[:, 0] = points[:, 0]
+    base[:, 1], base[:, 2] = np.cos(2 * np.pi * points[:, 1]), np.sin(2 * np.pi * points[:, 1])
+    base[:, 4:6] = points[:, 2:]
+    shifts = pattern_shifts(PATTERNS if tiled else 1).astype(np.float32)
+    if samples.pupil is samples.disc:
+        return RayPattern(base, shifts)
+    return RayPattern(base, shifts, _downward(samples), _relative_transmission(iris))
 
 
-def bundle_from_samples(samples: LensSamples, radius_m: float) -> RayBundle:
-    """Table of equally weighted rays through the given samples."""
-    table = np.zeros((*samples.pupil.shape[:2], 8), np.float32)
-    table[..., 0] = samples.pupil[..., 0]
-    table[..., 1] = -samples.pupil[..., 1]
-    table[..., 2:4] = samples.pixel
-    table[..., 4] = 1.0 / samples.count
-    return RayBundle(table, radius_m)
+def thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
+    """Rays of the camera's thin lens; a pinhole has its rays through one point."""
+    radius = pupil_radius_m(camera)
+    return RayBundle(pattern, (radius / camera.lens.squeeze, radius), transmittance=camera.lens.transmittance)
 
 
 def plane_of_focus(camera: Camera) -> FocalSurface:
     """The plane at the camera's focus distance."""
     return FocalSurface(focus_w(camera))
+
+
+def _downward(samples: LensSamples) -> FloatArray:
+    return np.ascontiguousarray(samples.pupil * [1.0, -1.0], np.float32)
+
+
+def _relative_transmission(iris: IrisShape) -> FloatArray:
+    image: DoubleArray = transmission(iris, IRIS_IMAGE_SIDE)
+    return np.asarray(image / (image.mean() * 4 / np.pi), np.float32)

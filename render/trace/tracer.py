@@ -1,86 +1,125 @@
-"""The lens tracer: layers, a ray table and a focal surface in; radiance out. Lee, Eisemann & Seidel 2010, section 3.1."""
+"""The lens tracer: layers, rays and a focal surface in; radiance out. Lee, Eisemann & Seidel 2010, section 3.1."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
-from render.gl.shaders import ProgramCache
+from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
+from render.optics.view import PinholeView
 from render.scene import FloatArray
+from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import FocalSurface, RayBundle
 
 SLOPE_SLACK = 0.005
 """Share of w by which a surface may slope away within a pixel and still be hit."""
 HALF_PIXEL_SHARE = 0.5
 """How far, in pixels, a pixel's surface reaches beyond the pixel: to its neighbours' centres, as the umbra assumed."""
-_RAYS_PER_PASS = 32
-_UNITS = {"packed_w": 0, "radiance": 1, "ranges": 2, "background": 3}
+RAYS_PER_PASS = 32
+_FIRST_UNIT = 0
 
 Progress = Callable[[float], None]
 
 
+@dataclass(frozen=True)
+class TracePass:
+    """How far a picture is.
+
+    Attributes:
+        rays: how many rays each pixel has had.
+        share: of all that it will have.
+    """
+
+    rays: int
+    share: float
+
+
 class Tracer:
-    """Traces pictures, keeping its accumulation image and ray buffer for the next picture of the same size."""
+    """Traces pictures, keeping its accumulation image and ray buffers for the next picture of the same size."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx = ctx
-        self._program = programs.compute("trace.comp", {"HALF_PIXEL_SHARE": HALF_PIXEL_SHARE})
+        self._programs = programs
+        self._buffers = RayBuffers(ctx)
         self._sum: moderngl.Texture | None = None
-        self._rays: moderngl.Buffer | None = None
 
-    def trace(
+    def passes(
         self,
         layers: Layers,
         nbuffers: NBuffers,
         bundle: RayBundle,
         surface: FocalSurface,
+        view: PinholeView,
         *,
-        size: tuple[int, int],
-        supersample: int,
-        guard_px: int,
-        on_progress: Progress | None = None,
-    ) -> FloatArray:
-        """Mean radiance of each pixel's rays.
+        bound_by_rays: bool = False,
+    ) -> Iterator[TracePass]:
+        """Trace a picture pass by pass; each adds rays, and `picture` has the mean of those so far.
 
         Args:
-            layers: peeled at ``supersample`` times the picture's resolution with ``guard_px`` more on each side.
+            layers: peeled from the picture's own eye, at any resolution and with any margin.
             nbuffers: of those layers.
             bundle: the lens.
             surface: where it is focused.
-            size: picture width and height in pixels.
-            supersample: layer pixels per picture pixel, along each axis.
-            guard_px: in layer pixels.
-            on_progress: called with the share that is done, after each pass over the picture.
+            view: the picture.
+            bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form.
+        """
+        self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
+        program = self._program(layers, bundle, bound_by_rays=bound_by_rays)
+        self._bind(program, layers, nbuffers)
+        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + 5)
+        self._set_uniforms(program, layers, nbuffers, surface, view)
+        for first in range(0, bundle.count, RAYS_PER_PASS):
+            count = min(RAYS_PER_PASS, bundle.count - first)
+            program["first_ray"], program["ray_count"] = first, count
+            for number, rgb in enumerate(bundle.rgb):
+                light = np.append(rgb, rgb.mean()) * (
+                    bundle.transmittance,
+                    bundle.transmittance,
+                    bundle.transmittance,
+                    1,
+                )
+                program["light"] = tuple(light / bundle.count)
+                self._buffers.choose_wavelength(program, bundle, number)
+                program.run(-(-view.width // 8), -(-view.height // 8))
+                self._ctx.memory_barrier()
+            self._ctx.finish()
+            yield TracePass(first + count, (first + count) / bundle.count)
+
+    def picture(self, share: float = 1.0) -> FloatArray:
+        """Mean over the rays so far.
+
+        Args:
+            share: of the picture's rays that are traced.
 
         Returns:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
         """
-        image = self._sized_sum(size)
-        image.write(np.zeros((size[1], size[0], 4), np.float32).tobytes())
-        self._bind(layers, nbuffers, bundle)
-        self._set_uniforms(layers, nbuffers, bundle, surface, supersample, guard_px)
-        for first in range(0, bundle.count, _RAYS_PER_PASS):
-            count = min(_RAYS_PER_PASS, bundle.count - first)
-            self._program["first_ray"] = first
-            self._program["ray_count"] = count
-            self._program.run(-(-size[0] // 8), -(-size[1] // 8))
-            self._ctx.memory_barrier()
-            self._ctx.finish()
-            if on_progress is not None:
-                on_progress((first + count) / bundle.count)
-        return np.frombuffer(image.read(), np.float32).reshape(size[1], size[0], 4).copy()
+        image = self._sum
+        if image is None:
+            raise ValueError("no picture has been traced")
+        picture = np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4)
+        return np.asarray(picture / np.float32(share), np.float32)
 
     def release(self) -> None:
         """Give the memory back."""
-        for held in (self._sum, self._rays):
-            if held is not None:
-                held.release()
+        if self._sum is not None:
+            self._sum.release()
+        self._buffers.release()
 
-    def _bind(self, layers: Layers, nbuffers: NBuffers, bundle: RayBundle) -> None:
+    def _program(self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool) -> moderngl.ComputeShader:
+        defines: dict[str, int | float | str] = {"HALF_PIXEL_SHARE": HALF_PIXEL_SHARE}
+        if layers.count > 4:
+            defines["EIGHT_LAYERS"] = 1
+        if bound_by_rays:
+            defines["BOUND_BY_RAYS"] = 1
+        return self._programs.compute("trace.comp", defines | self._buffers.defines(bundle))
+
+    def _bind(self, program: moderngl.ComputeShader, layers: Layers, nbuffers: NBuffers) -> None:
         targets = layers.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w,
@@ -88,34 +127,31 @@ class Tracer:
             "ranges": nbuffers.ranges,
             "background": targets.background,
         }
-        for name, texture in textures.items():
-            texture.use(_UNITS[name])
-            self._program[name] = _UNITS[name]
-        if self._rays is not None:
-            self._rays.release()
-            self._rays = None
-        self._rays = self._ctx.buffer(np.ascontiguousarray(bundle.table).tobytes())
-        self._rays.bind_to_storage_buffer(4)
+        if layers.count > 4:
+            textures["packed_w_far"] = targets.packed_w[1]
+        for unit, (name, texture) in enumerate(textures.items(), start=_FIRST_UNIT):
+            texture.use(unit)
+            program[name] = unit
 
     def _set_uniforms(
         self,
+        program: moderngl.ComputeShader,
         layers: Layers,
         nbuffers: NBuffers,
-        bundle: RayBundle,
         surface: FocalSurface,
-        supersample: int,
-        guard_px: int,
+        view: PinholeView,
     ) -> None:
-        program = self._program
-        program["tile_origin"] = (0, 0)
-        program["supersample"] = supersample
-        program["guard_px"] = float(guard_px)
-        program["pupil_px"] = (layers.view.fx * bundle.pupil_radius_m, layers.view.fy * bundle.pupil_radius_m)
-        program["focus"] = (surface.w0, surface.slope_x, surface.slope_y)
-        program["pattern_rays"] = bundle.count
-        program["tile_side"] = int(np.sqrt(bundle.table.shape[0]))
-        program["last_level"] = nbuffers.levels - 1
-        program["slope_slack"] = SLOPE_SLACK
+        scale = layers.view.fx / view.fx
+        set_uniforms(
+            program,
+            scale=scale,
+            offset=(layers.view.cx - scale * view.cx, layers.view.cy - scale * view.cy),
+            axis=(layers.view.cx, layers.view.cy),
+            focal_px=(layers.view.fx, layers.view.fy),
+            focus=(surface.w0, surface.slope_x, surface.slope_y),
+            last_level=nbuffers.levels - 1,
+            slope_slack=SLOPE_SLACK,
+        )
 
     def _sized_sum(self, size: tuple[int, int]) -> moderngl.Texture:
         if self._sum is None or self._sum.size != size:

@@ -1,0 +1,49 @@
+// The lens table's row of a pixel: polynomials over the pupil, in the plane of the pixel and the axis.
+// in:  rows of ROW_VEC4 vec4 each in `lens_rows`, one for each field height, evenly from the axis to `last_slope`
+// x is the tangential pupil coordinate (toward the pixel), y the sagittal one, both on the unit disc that bounds the open pupil
+// (render/trace/lens_fit.py says what the row holds and in what order)
+
+layout(std430, binding = 5) readonly buffer LensRows { vec4 lens_rows[]; };
+
+uniform int first_row;          // of this wavelength
+uniform int row_count;
+uniform float last_slope;       // field of the last row, slope in object space
+
+float row[4 * ROW_VEC4];
+
+void load_row(float slope)
+{
+    float at = min(slope / last_slope, 1.0) * float(row_count - 1);
+    int index = min(int(at), row_count - 2);
+    int first = (first_row + index) * ROW_VEC4;
+    for (int i = 0; i < ROW_VEC4; ++i) {
+        vec4 v = mix(lens_rows[first + i], lens_rows[first + ROW_VEC4 + i], at - float(index));
+        row[4 * i] = v.x;
+        row[4 * i + 1] = v.y;
+        row[4 * i + 2] = v.z;
+        row[4 * i + 3] = v.w;
+    }
+}
+
+float horner(int first, int degree, float x)
+{
+    float value = row[first + degree];
+    for (int i = degree - 1; i >= 0; --i) value = value * x + row[first + i];
+    return value;
+}
+
+// Polynomials that are even in y, by their total degree; those odd in y are y times an even one of a degree less.
+float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]; }
+float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
+float even5(int i, float x, float y2)
+{
+    return horner(i, 5, x) + y2 * (horner(i + 6, 3, x) + y2 * horner(i + 10, 1, x));
+}
+float even6(int i, float x, float y2)
+{
+    return horner(i, 6, x) + y2 * (horner(i + 7, 4, x) + y2 * (horner(i + 12, 2, x) + y2 * row[i + 15]));
+}
+float even7(int i, float x, float y2)
+{
+    return horner(i, 7, x) + y2 * (horner(i + 8, 5, x) + y2 * (horner(i + 14, 3, x) + y2 * horner(i + 18, 1, x)));
+}

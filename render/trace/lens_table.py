@@ -1,0 +1,62 @@
+"""How a lens bends its rays, as tables that the tracer reads.
+
+Both tables hold, for a field point, a wavelength and a pupil point, the ray in object space: its slope's error against the ideal
+lens in the plane of focus (m of x to a m of depth) and where it passes the plane of the entrance pupil (metres).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from render.scene import FloatArray
+
+SLOPE_T, SLOPE_S = 0, 20
+PUPIL_T, PUPIL_S = 36, 48
+FRONT_RIM, REAR_RIM = 57, 66
+WEIGHT = 75
+REGION = 79  # centre, half axes along and across; whether a rim clips
+BOUND = 83  # slope error: centre and radius; pupil point: centre and radius
+ROW_LENGTH = 88
+"""Numbers of a row: polynomials over the pupil by their first coefficient, then what is constant over it."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolynomialTable:
+    """A rotationally symmetric lens: polynomials over the pupil, for field heights from the axis outward.
+
+    In each row x is the tangential pupil coordinate, toward the pixel, and y the sagittal one, on the unit disc; where a rim
+    clips the stop, the disc stands for the ellipse around what is open. Polynomials hold the coefficients of x⁰, x¹, ... then
+    those with y², and so on; sagittal ones are divided by y.
+
+    Attributes:
+        rows: ``(wavelengths, heights, ROW_LENGTH)`` float32.
+        last_slope: field of the last height, slope in object space; heights are even in it.
+        pupil_reach_m: farthest that a ray passes from the pupil's centre.
+        slope_reach: largest slope of an open ray less that of its ideal, within the picture.
+    """
+
+    rows: FloatArray
+    last_slope: float
+    pupil_reach_m: float
+    slope_reach: float
+
+
+@dataclass(frozen=True, eq=False)
+class GridTable:
+    """Any lens: rays on a grid over the pupil, for a grid of field points.
+
+    Attributes:
+        rays: ``(wavelengths, fields, side, side, 4)`` float32: slope error and pupil point, x right and y down.
+        light: ``(wavelengths, fields, side, side, 2)`` float32: weight; clearance, below 0 where the ray passes.
+        fields: how many across and down.
+        last_slope: field of the outermost across and down.
+        pupil_reach_m: farthest that a ray passes from the pupil's centre.
+        slope_reach: largest slope of an open ray less that of its ideal, within the picture.
+    """
+
+    rays: FloatArray
+    light: FloatArray
+    fields: tuple[int, int]
+    last_slope: tuple[float, float]
+    pupil_reach_m: float
+    slope_reach: float

@@ -1,0 +1,107 @@
+"""A ray bundle's buffers and textures on the device, as ``lens_rays.glsl`` reads them."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from render.gl.shaders import set_uniforms
+from render.optics.sampling import pattern_mask
+from render.scene import FloatArray
+from render.trace import lens_table
+from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable
+from render.trace.rays import RayBundle
+
+_BASE, _ROWS, _SHIFTS, _MASK, _IRIS = 4, 5, 6, 7, 8  # as the shader binds them
+_ROW_DEFINES = {
+    name: getattr(lens_table, name)
+    for name in ("SLOPE_T", "SLOPE_S", "PUPIL_T", "PUPIL_S", "FRONT_RIM", "REAR_RIM", "WEIGHT", "REGION", "BOUND")
+} | {"ROW_VEC4": ROW_LENGTH // 4}
+_LINEAR = (moderngl.LINEAR, moderngl.LINEAR)
+
+Defines = dict[str, int | float | str]
+
+
+class RayBuffers:
+    """Uploads bundles; what one needs no more is given back when the next is bound."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._held: list[moderngl.Buffer | moderngl.Texture | moderngl.TextureArray] = []
+        self._grids: list[tuple[moderngl.TextureArray, moderngl.TextureArray]] = []
+        self._unit = 0
+
+    def defines(self, bundle: RayBundle) -> Defines:
+        """What the shader must know of the bundle to be compiled for it."""
+        defines: Defines = {"SHAPED_IRIS": 1} if bundle.pattern.iris_points is not None else {}
+        if isinstance(bundle.table, PolynomialTable):
+            defines |= {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES}
+        elif bundle.table is not None:
+            side = bundle.table.rays.shape[3]
+            defines |= {"GRID_LENS": 1, "BOUND_BY_RAYS": 1, "GRID_INSET": f"{(side - 1) / side:.9f}"}
+        return defines
+
+    def bind(self, program: moderngl.ComputeShader, bundle: RayBundle, *, first_unit: int) -> None:
+        """Upload the bundle and set the program's uniforms that follow from it; textures take units from ``first_unit`` on."""
+        self.release()
+        pattern, self._unit = bundle.pattern, first_unit
+        self._buffer(pattern.base, _BASE)
+        self._buffer(pattern.shifts, _SHIFTS)
+        self._buffer(pattern_mask(), _MASK)
+        set_uniforms(program, jitters=int(len(pattern.shifts) > 1))
+        set_uniforms(program, spread=0.0 if pattern.count == 1 else 1.0)
+        if pattern.iris_points is not None and pattern.iris_image is not None:
+            set_uniforms(program, pattern_rays=pattern.count)
+            self._buffer(pattern.iris_points, _IRIS)
+            if isinstance(bundle.table, PolynomialTable):
+                self._image(program, "iris_image", pattern.iris_image)
+        if isinstance(bundle.table, PolynomialTable):
+            self._buffer(bundle.table.rows, _ROWS)
+            set_uniforms(program, row_count=bundle.table.rows.shape[1])
+            set_uniforms(program, last_slope=bundle.table.last_slope)
+        elif isinstance(bundle.table, GridTable):
+            set_uniforms(program, grid_fields=bundle.table.fields)
+            set_uniforms(program, grid_slope=bundle.table.last_slope)
+            self._grids = [
+                (self._array(rays), self._array(light))
+                for rays, light in zip(bundle.table.rays, bundle.table.light, strict=True)
+            ]
+        else:
+            set_uniforms(program, pupil_m=bundle.pupil_m)
+
+    def choose_wavelength(self, program: moderngl.ComputeShader, bundle: RayBundle, number: int) -> None:
+        """Let the program see the table's part for one of the bundle's wavelengths."""
+        if isinstance(bundle.table, PolynomialTable):
+            set_uniforms(program, first_row=number * bundle.table.rows.shape[1])
+        elif isinstance(bundle.table, GridTable):
+            for name, texture, unit in zip(
+                ("grid_rays", "grid_light"), self._grids[number], (self._unit, self._unit + 1), strict=True
+            ):
+                texture.use(unit)
+                set_uniforms(program, **{name: unit})
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for held in self._held:
+            held.release()
+        self._held, self._grids = [], []
+
+    def _buffer(self, values: np.ndarray[tuple[int, ...], np.dtype[np.float32 | np.int32]], binding: int) -> None:
+        buffer = self._ctx.buffer(np.ascontiguousarray(values).tobytes())
+        self._held.append(buffer)
+        buffer.bind_to_storage_buffer(binding)
+
+    def _image(self, program: moderngl.ComputeShader, name: str, values: FloatArray) -> None:
+        texture = self._ctx.texture(values.shape[::-1], 1, np.ascontiguousarray(values).tobytes(), dtype="f4")
+        texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
+        self._held.append(texture)
+        texture.use(self._unit)
+        set_uniforms(program, **{name: self._unit})
+        self._unit += 1
+
+    def _array(self, values: FloatArray) -> moderngl.TextureArray:
+        slices, height, width, channels = values.shape
+        texture = self._ctx.texture_array((width, height, slices), channels, values.tobytes(), dtype="f4")
+        texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
+        self._held.append(texture)
+        return texture

@@ -1,3 +1,3 @@
 """Limits of the layers that those need to know who draw none."""
 
-MAX_LAYERS = 4
+MAX_LAYERS = 8

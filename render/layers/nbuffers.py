@@ -11,8 +11,8 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.layers.limits import MAX_LAYERS
 from render.layers.peel import Layers
+from render.layers.targets import LAYERS_PER_PACK
 
 BLOCK_PX = 4
 EMPTY_MIN = 3.0e38
@@ -41,11 +41,11 @@ class NBufferBuilder:
         self._ranges: moderngl.TextureArray | None = None
 
     def build(self, layers: Layers) -> NBuffers:
-        """Pack the layers' inverse depths into ``layers.targets.packed_w`` and build their ranges."""
+        """Build the ranges over all layers."""
         width, height = (-(-side // BLOCK_PX) for side in (layers.view.width, layers.view.height))
         levels = int(np.ceil(np.log2(max(width, height)))) + 1
         ranges = self._sized(width, height, levels)
-        self._pack(layers, ranges)
+        self._fill_blocks(layers, ranges)
         program = self._programs.compute("nbuffer.comp")
         ranges.bind_to_image(0, read=True, write=True)
         for level in range(1, levels):
@@ -60,14 +60,14 @@ class NBufferBuilder:
         if self._ranges is not None:
             self._ranges.release()
 
-    def _pack(self, layers: Layers, ranges: moderngl.TextureArray) -> None:
-        program = self._programs.compute("pack.comp", {"EMPTY_MIN": EMPTY_MIN})
-        for unit, texture in enumerate(layers.targets.w):
-            texture.use(unit)
-        program["layer_w"] = list(range(MAX_LAYERS))
-        program["count"] = layers.count
-        layers.targets.packed_w.bind_to_image(0, read=False, write=True)
-        ranges.bind_to_image(1, read=False, write=True)
+    def _fill_blocks(self, layers: Layers, ranges: moderngl.TextureArray) -> None:
+        program = self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN})
+        packs = layers.targets.packed_w
+        for unit, name in enumerate(("near_w", "far_w")):
+            packs[min(unit, len(packs) - 1)].use(unit)
+            program[name] = unit
+        program["two_packs"] = layers.count > LAYERS_PER_PACK
+        ranges.bind_to_image(0, read=False, write=True)
         program.run(-(-ranges.width // 8), -(-ranges.height // 8))
 
     def _sized(self, width: int, height: int, levels: int) -> moderngl.TextureArray:

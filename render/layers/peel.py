@@ -22,7 +22,7 @@ from render.layers.limits import MAX_LAYERS
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerPass, LayerRenderer
 from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, Sphere, plan_shadows, sphere_around
-from render.layers.targets import LayerTargets, check_layer_size
+from render.layers.targets import LayerTargets, SurfaceTargets, check_layer_size
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Image, Light, Scene
 
@@ -42,7 +42,8 @@ class Layers:
 
     Attributes:
         view: what the layers' pixels see.
-        targets: the textures.
+        targets: the textures. Channels of inverse depth from ``count`` on are 0 in a texture whose first layer is below
+            ``count``; textures and slices from there on hold what an earlier peeling left.
         count: layers that hold something.
     """
 
@@ -61,6 +62,7 @@ class Peeler:
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
         self._renderer = LayerRenderer(self.index)
         self._targets: LayerTargets | None = None
+        self._surfaces: SurfaceTargets | None = None
         self._scene: Scene | None = None
         self._lights: tuple[Light, ...] = ()
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
@@ -113,23 +115,40 @@ class Peeler:
             detail: how many times finer than the view's pixels the finished picture samples surfaces.
             picture_px: side of the finished picture's pixels, in the view's.
         """
-        targets = self._sized_targets(view)
+        layers = min(layers, MAX_LAYERS)
+        targets = self._sized_targets(view, layers)
         self._set_lighting(view)
         self._draw_background(view, targets)
         count = 0
-        for layer in range(min(layers, MAX_LAYERS)):
-            targets.clear(layer)
-            previous = targets.w[layer - 1] if layer else None
-            if self._draw_counted(LayerPass(view, umbra, previous, unlit, detail, picture_px)) == 0:
+        for layer in range(layers):
+            previous = targets.stored(layer - 1) if layer else None
+            layer_pass = LayerPass(view, targets.slots[layer], umbra, previous, unlit, detail, picture_px)
+            if self._draw_counted(layer_pass) == 0:
                 break
             count = layer + 1
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         return Layers(view, targets, count)
 
+    def surfaces(self, view: PinholeView) -> SurfaceTargets:
+        """Where and what the nearest surfaces are, at each pixel's centre. Valid until the next call."""
+        targets = self._surfaces
+        if targets is None or (targets.width, targets.height) != (view.width, view.height):
+            check_layer_size(self._ctx, view.width, view.height)
+            if targets is not None:
+                targets.release()
+                self._surfaces = None
+            targets = self._surfaces = SurfaceTargets.make(self._ctx, view.width, view.height)
+        self._set_lighting(view)
+        targets.clear_ids()
+        self._renderer.draw_layer(LayerPass(view, targets.slot, unlit=True))
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+        return targets
+
     def release(self) -> None:
         """Give all memory on the device back."""
-        if self._targets is not None:
-            self._targets.release()
+        for targets in (self._targets, self._surfaces):
+            if targets is not None:
+                targets.release()
         if self._shadow_maps is not None:
             GL.glDeleteTextures([self._shadow_maps[0]])
             GL.glDeleteFramebuffers(1, [self._shadow_maps[1]])
@@ -159,14 +178,16 @@ class Peeler:
             raise GraphicsError("no scene is loaded: call load() before peel()")
         return self._scene, self._dome
 
-    def _sized_targets(self, view: PinholeView) -> LayerTargets:
-        if self._targets is None or (self._targets.width, self._targets.height) != (view.width, view.height):
+    def _sized_targets(self, view: PinholeView, layers: int) -> LayerTargets:
+        """Targets of the view's size for so many layers, or for more where more were asked before."""
+        targets = self._targets
+        if targets is None or not targets.hold(view.width, view.height, layers):
             check_layer_size(self._ctx, view.width, view.height)
-            if self._targets is not None:
-                self._targets.release()
+            if targets is not None:
+                targets.release()
                 self._targets = None
-            self._targets = LayerTargets.make(self._ctx, view.width, view.height)
-        return self._targets
+            targets = self._targets = LayerTargets.make(self._ctx, view.width, view.height, layers)
+        return targets
 
     def _load_dome(self, scene: Scene) -> None:
         if self._dome is not None:

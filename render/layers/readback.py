@@ -1,4 +1,4 @@
-"""What the layers' ids say: which prim and face a pixel shows, and the exact point of a surface that was clicked on."""
+"""What the surfaces' ids say: which prim and face a pixel shows, and the exact point of a surface that was clicked on."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from render.layers.peel import HIDES_ALL, Layers, Peeler
+from render.layers.peel import Peeler
+from render.layers.targets import SurfaceTargets
 from render.optics.view import PinholeView
 from render.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
 
@@ -43,8 +44,7 @@ def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArra
     Returns:
         ``(height, width)`` each: inverse depth float32 (0 where nothing is), prim id + 1 uint32 (0), face id int32 (-1).
     """
-    layers = peeler.peel(view, layers=1, umbra=HIDES_ALL, unlit=True)
-    w, objects, triangles = _read_layer(layers, 0)
+    w, objects, triangles = _read(peeler.surfaces(view))
     prim_id = np.zeros(w.shape, np.uint32)
     face_id = np.full(w.shape, -1, np.int32)
     drawn_first = np.array([draw.first_object for draw in peeler.index.draws])
@@ -63,8 +63,7 @@ def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArra
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
     """The nearest surface at picture position (x, y): a picture of one pixel around it, then the exact intersection."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
-    layers = peeler.peel(one, layers=1, umbra=HIDES_ALL, unlit=True)
-    w, objects, triangles = _read_layer(layers, 0)
+    w, objects, triangles = _read(peeler.surfaces(one))
     if objects[0, 0] == 0:
         return None
     batch, pose = peeler.index.locate(int(objects[0, 0]) - 1)
@@ -117,8 +116,8 @@ def _barycentric(corners: DoubleArray, origin: DoubleArray, direction: DoubleArr
     return np.asarray(weights / weights.sum())
 
 
-def _read_layer(layers: Layers, layer: int) -> tuple[FloatArray, NDArray[np.uint32], NDArray[np.uint32]]:
-    shape = (layers.view.height, layers.view.width)
-    w = np.abs(np.frombuffer(layers.targets.w[layer].read(), np.float32).reshape(shape))
-    ids = np.frombuffer(layers.targets.ids[layer].read(), np.uint32).reshape(*shape, 2)
+def _read(surfaces: SurfaceTargets) -> tuple[FloatArray, NDArray[np.uint32], NDArray[np.uint32]]:
+    shape = (surfaces.height, surfaces.width)
+    w = np.abs(np.frombuffer(surfaces.w.read(), np.float32).reshape(shape))
+    ids = np.frombuffer(surfaces.ids.read(), np.uint32).reshape(*shape, 2)
     return w, ids[..., 0], ids[..., 1]

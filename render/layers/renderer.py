@@ -15,6 +15,7 @@ from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.shadows import MAX_SHADOW_MAPS
+from render.layers.targets import Slot
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, FloatArray
 
@@ -57,8 +58,9 @@ class LayerPass:
 
     Attributes:
         view: where from.
+        slot: where to.
         umbra: how far behind an opaque surface its umbra reaches, in 1/m of inverse depth.
-        previous: inverse depth of the layer before, or None for the first.
+        previous: the texture that holds the inverse depth of the layer before, and in which channel; None for the first.
         unlit: base colour for radiance.
         detail: how many times finer than this pass's pixels the finished picture samples surfaces: 1 for layers; more where
             many shifted views make one picture.
@@ -66,8 +68,9 @@ class LayerPass:
     """
 
     view: PinholeView
+    slot: Slot
     umbra: float = 0.0
-    previous: moderngl.Texture | None = None
+    previous: tuple[moderngl.Texture, int] | None = None
     unlit: bool = False
     detail: float = 1.0
     picture_px: float = 1.0
@@ -99,7 +102,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
 
     def draw_layer(self, layer: LayerPass) -> None:
-        """Draw the nearest surfaces behind the previous layer into the bound framebuffer, which is not cleared.
+        """Draw the nearest surfaces behind the previous layer.
 
         Depth first, then colour where the depth is equal: shading costs more than anything before it, and this way each
         pixel is shaded once, however many surfaces lie behind.
@@ -109,16 +112,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         projection = view.projection_matrix()
         clip = projection.astype(np.float32)
         seen = self._seen(projection @ view.camera_from_world)
+        channel = 0
         if layer.previous is not None:
-            layer.previous.use(_PREVIOUS_UNIT)
-        GL.glColorMask(False, False, False, False)
+            previous_w, channel = layer.previous
+            previous_w.use(_PREVIOUS_UNIT)
+        layer.slot.begin_depth()
         for draw in seen:
             program = self._depth_program(draw, peel=layer.previous is not None, clear_below=0.0)
             GL.glUseProgram(program._program_id)
             GL.glUniform1f(program.location("umbra"), layer.umbra)
+            GL.glUniform1i(program.location("previous_channel"), channel)
             GL.glUniform1f(program.location("detail"), layer.detail)
             self._draw(draw, program, view.camera_from_world, clip)
-        GL.glColorMask(True, True, True, True)
+        layer.slot.begin_colour()
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw in seen:
@@ -129,6 +135,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("detail"), layer.detail)
             GL.glUniform1f(program.location("picture_px"), layer.picture_px)
             self._draw(draw, program, view.camera_from_world, clip)
+        GL.glColorMask(True, True, True, True)
         self._end()
 
     def draw_shadow(self, side_px: int, clip_from_world: DoubleArray) -> None:

@@ -1,4 +1,9 @@
-"""Framebuffers for the layers: made once for a size, and made again when the size changes."""
+"""What layers and surfaces are drawn into: made once for a size, and made again when the size changes.
+
+The inverse depths of four layers share one texture, a channel each, for the tracer tests four layers at once (Lee, Eisemann
+& Seidel 2010, section 3.1, "Multi-Layer Packing"). Each layer is drawn straight into its channel, under a colour mask; since
+a layer reads the channel of the one before it, its depths are found in a framebuffer that has no colour at all.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +14,43 @@ import numpy as np
 
 from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
-from render.layers.limits import MAX_LAYERS
 
+LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
-"""Some 110 bytes each, all layers together: nine gigabytes."""
+"""Some 110 bytes each, eight layers together: nine gigabytes."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
+
+Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
+"""A texture, a slice of one, or nothing."""
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Where one layer is drawn.
+
+    Attributes:
+        depth_framebuffer: OpenGL name; depth alone.
+        framebuffer: OpenGL name; the same depth, radiance at 0 and inverse depth at 1.
+        channel: of the inverse depth's texture that is the layer's.
+    """
+
+    depth_framebuffer: int
+    framebuffer: int
+    channel: int
+
+    def begin_depth(self) -> None:
+        """Bind what depths are found in, and empty it."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.depth_framebuffer)
+        GL.glDepthMask(True)
+        GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
+
+    def begin_colour(self) -> None:
+        """Bind what surfaces are drawn into. The first layer of a texture of inverse depths empties it for all four."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.framebuffer)
+        GL.glColorMask(True, True, True, True)
+        if self.channel == 0:
+            GL.glClearBufferfv(GL.GL_COLOR, 1, np.zeros(4, np.float32))
+        GL.glColorMaski(1, *(channel == self.channel for channel in range(LAYERS_PER_PACK)))
 
 
 @dataclass(frozen=True)
@@ -23,67 +60,122 @@ class LayerTargets:
     Attributes:
         width: pixels.
         height: pixels.
-        radiance: ``MAX_LAYERS`` slices of RGBA16F.
-        w: one R32F texture a layer: inverse depth, 0 where empty, negative where partly transparent.
-        ids: one RG32UI texture a layer: object number + 1 (0 where empty) and triangle.
-        packed_w: RGBA32F, the four layers' inverse depths.
+        radiance: a slice of RGBA16F for each layer; not written, and so of no meaning, where the layer's w is 0.
+        packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, where so many are held, 4 to 7: 0 where empty, negative
+            where partly transparent.
         background: RGBA16F, what a ray sees that meets no surface.
-        framebuffers: OpenGL names, one a layer.
+        slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.
     """
 
     width: int
     height: int
     radiance: moderngl.TextureArray
-    w: tuple[moderngl.Texture, ...]
-    ids: tuple[moderngl.Texture, ...]
-    packed_w: moderngl.Texture
+    packed_w: tuple[moderngl.Texture, ...]
     background: moderngl.Texture
-    framebuffers: tuple[int, ...]
+    slots: tuple[Slot, ...]
     depth: int
 
     @classmethod
-    def make(cls, ctx: moderngl.Context, width: int, height: int) -> LayerTargets:
-        """Allocate everything for layers of ``width`` by ``height``.
+    def make(cls, ctx: moderngl.Context, width: int, height: int, layers: int) -> LayerTargets:
+        """Allocate everything for so many layers of ``width`` by ``height``.
 
         Raises:
             GraphicsError: the device refuses the size.
         """
         size = (width, height)
         try:
-            radiance = ctx.texture_array((*size, MAX_LAYERS), 4, dtype="f2")
-            w = tuple(ctx.texture(size, 1, dtype="f4") for _ in range(MAX_LAYERS))
-            ids = tuple(ctx.texture(size, 2, dtype="u4") for _ in range(MAX_LAYERS))
-            packed_w = ctx.texture(size, 4, dtype="f4")
+            radiance = ctx.texture_array((*size, layers), 4, dtype="f2")
+            packed_w = tuple(ctx.texture(size, 4, dtype="f4") for _ in range(-(-layers // LAYERS_PER_PACK)))
             background = ctx.texture(size, 4, dtype="f2")
         except moderngl.Error as error:
-            raise GraphicsError(f"the device cannot hold {MAX_LAYERS} layers of {width}x{height}: {error}") from error
+            raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
         radiance.filter = _NEAREST
-        for texture in (*w, *ids, packed_w, background):
+        for texture in (*packed_w, background):
             texture.filter = _NEAREST
-        depth = GL.glGenRenderbuffers(1)
-        GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, depth)
-        GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
-        framebuffers = tuple(_framebuffer(radiance, w[i], ids[i], i, depth) for i in range(MAX_LAYERS))
-        return cls(width, height, radiance, w, ids, packed_w, background, framebuffers, depth)
+        depth = _depth_buffer(width, height)
+        depth_framebuffer = _framebuffer(depth)
+        slots = []
+        for layer in range(layers):
+            pack, channel = divmod(layer, LAYERS_PER_PACK)
+            framebuffer = _framebuffer(depth, (radiance, layer), packed_w[pack])
+            slots.append(Slot(depth_framebuffer, framebuffer, channel))
+        return cls(width, height, radiance, packed_w, background, tuple(slots), depth)
 
-    def clear(self, layer: int) -> None:
-        """Bind a layer's framebuffer and empty it."""
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.framebuffers[layer])
-        zero = np.zeros(4, np.float32)
-        GL.glColorMask(True, True, True, True)
-        GL.glDepthMask(True)
-        GL.glClearBufferfv(GL.GL_COLOR, 0, zero)
-        GL.glClearBufferfv(GL.GL_COLOR, 1, zero)
-        GL.glClearBufferuiv(GL.GL_COLOR, 2, np.zeros(4, np.uint32))
-        GL.glClearBufferfv(GL.GL_DEPTH, 0, zero)
+    def hold(self, width: int, height: int, layers: int) -> bool:
+        """Whether so many layers of this size can be drawn here."""
+        return (self.width, self.height) == (width, height) and len(self.slots) >= layers
+
+    def stored(self, layer: int) -> tuple[moderngl.Texture, int]:
+        """The texture that holds a layer's inverse depth, and in which channel."""
+        return self.packed_w[layer // LAYERS_PER_PACK], layer % LAYERS_PER_PACK
+
+    @property
+    def bytes(self) -> int:
+        """Memory of the device that all of this takes."""
+        textures = [self.background, *self.packed_w]
+        return 4 * self.width * self.height + texture_bytes(self.radiance) + sum(map(texture_bytes, textures))
 
     def release(self) -> None:
         """Give the memory back."""
         self.radiance.release()
-        for texture in (*self.w, *self.ids, self.packed_w, self.background):
+        for texture in (self.background, *self.packed_w):
             texture.release()
-        GL.glDeleteFramebuffers(len(self.framebuffers), list(self.framebuffers))
+        _delete_framebuffers(
+            *{slot.depth_framebuffer for slot in self.slots}, *(slot.framebuffer for slot in self.slots)
+        )
+        GL.glDeleteRenderbuffers(1, [self.depth])
+
+
+@dataclass(frozen=True)
+class SurfaceTargets:
+    """Textures for the nearest surfaces alone: where they are and what they are.
+
+    Attributes:
+        width: pixels.
+        height: pixels.
+        w: R32F, inverse depth; 0 where empty, negative where partly transparent.
+        ids: RG32UI, object number + 1 (0 where empty) and triangle.
+        slot: where they are drawn.
+        depth: OpenGL name of the depth renderbuffer.
+    """
+
+    width: int
+    height: int
+    w: moderngl.Texture
+    ids: moderngl.Texture
+    slot: Slot
+    depth: int
+
+    @classmethod
+    def make(cls, ctx: moderngl.Context, width: int, height: int) -> SurfaceTargets:
+        """Allocate everything.
+
+        Raises:
+            GraphicsError: the device refuses the size.
+        """
+        try:
+            w = ctx.texture((width, height), 1, dtype="f4")
+            ids = ctx.texture((width, height), 2, dtype="u4")
+        except moderngl.Error as error:
+            raise GraphicsError(f"the device cannot hold the ids of {width}x{height} pixels: {error}") from error
+        for texture in (w, ids):
+            texture.filter = _NEAREST
+        depth = _depth_buffer(width, height)
+        slot = Slot(_framebuffer(depth), _framebuffer(depth, None, w, ids), 0)
+        return cls(width, height, w, ids, slot, depth)
+
+    def clear_ids(self) -> None:
+        """Empty the ids; the rest is emptied when it is drawn."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.slot.framebuffer)
+        GL.glColorMask(True, True, True, True)
+        GL.glClearBufferuiv(GL.GL_COLOR, 2, np.zeros(4, np.uint32))
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.w.release()
+        self.ids.release()
+        _delete_framebuffers(self.slot.depth_framebuffer, self.slot.framebuffer)
         GL.glDeleteRenderbuffers(1, [self.depth])
 
 
@@ -97,17 +189,38 @@ def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
         )
 
 
-def _framebuffer(
-    radiance: moderngl.TextureArray, w: moderngl.Texture, ids: moderngl.Texture, layer: int, depth: int
-) -> int:
+def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
+    """Memory of a texture without mipmaps, from its size and format."""
+    texels = int(np.prod(texture.size))
+    return texels * texture.components * int(texture.dtype[1])
+
+
+def _depth_buffer(width: int, height: int) -> int:
+    name: int = GL.glGenRenderbuffers(1)
+    GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, name)
+    GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
+    return name
+
+
+def _framebuffer(depth: int, *colours: Attachment) -> int:
+    """A framebuffer of a depth buffer and what is drawn at each fragment output; an output that is None is not kept."""
     name: int = GL.glGenFramebuffers(1)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, name)
-    GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT0, radiance.glo, 0, layer)
-    GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT1, GL.GL_TEXTURE_2D, w.glo, 0)
-    GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT2, GL.GL_TEXTURE_2D, ids.glo, 0)
     GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, depth)
-    GL.glDrawBuffers(3, [GL.GL_COLOR_ATTACHMENT0, GL.GL_COLOR_ATTACHMENT1, GL.GL_COLOR_ATTACHMENT2])
+    buffers = []
+    for output, colour in enumerate(colours):
+        place = GL.GL_COLOR_ATTACHMENT0 + output
+        buffers.append(GL.GL_NONE if colour is None else place)
+        if isinstance(colour, moderngl.Texture):
+            GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, place, GL.GL_TEXTURE_2D, colour.glo, 0)
+        elif colour is not None:
+            GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, place, colour[0].glo, 0, colour[1])
+    GL.glDrawBuffers(max(1, len(buffers)), buffers or [GL.GL_NONE])
     status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
     if status != GL.GL_FRAMEBUFFER_COMPLETE:
         raise GraphicsError(f"the device refuses the layers' framebuffer (status {status:#x})")
     return name
+
+
+def _delete_framebuffers(*names: int) -> None:
+    GL.glDeleteFramebuffers(len(names), list(names))

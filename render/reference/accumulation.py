@@ -13,8 +13,8 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.layers.limits import MAX_LAYERS
 from render.layers.peel import HIDES_ALL, Layers, Peeler
+from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 from render.scene import FloatArray
 
@@ -57,7 +57,7 @@ class Accumulator:
         try:
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
                 through = view.through(x, y, focus_w, (dx, dy))
-                layers = peeler.peel(through, layers=MAX_LAYERS, umbra=HIDES_ALL, unlit=unlit, detail=detail)
+                layers = peeler.peel(through, layers=LAYERS_PER_PACK, umbra=HIDES_ALL, unlit=unlit, detail=detail)
                 self._add(layers, image, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))
@@ -67,13 +67,14 @@ class Accumulator:
 
     def _add(self, layers: Layers, image: moderngl.Texture, weight: float) -> None:
         program, targets = self._program, layers.targets
-        for unit, texture in enumerate(targets.w):
+        textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
+            "packed_w": targets.packed_w[0],
+            "radiance": targets.radiance,
+            "background": targets.background,
+        }
+        for unit, (name, texture) in enumerate(textures.items()):
             texture.use(unit)
-        program["layer_w"] = list(range(MAX_LAYERS))
-        targets.radiance.use(MAX_LAYERS)
-        program["radiance"] = MAX_LAYERS
-        targets.background.use(MAX_LAYERS + 1)
-        program["background"] = MAX_LAYERS + 1
+            program[name] = unit
         program["count"] = layers.count
         program["weight"] = weight
         image.bind_to_image(0, read=True, write=True)

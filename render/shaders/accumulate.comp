@@ -7,7 +7,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
 
-uniform sampler2D layer_w[4];
+uniform sampler2D packed_w;
 uniform sampler2DArray radiance;
 uniform sampler2D background;
 uniform int count;
@@ -17,8 +17,7 @@ void main()
 {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
-    vec4 w = vec4(texelFetch(layer_w[0], pixel, 0).r, texelFetch(layer_w[1], pixel, 0).r,
-                  texelFetch(layer_w[2], pixel, 0).r, texelFetch(layer_w[3], pixel, 0).r);
+    vec4 w = texelFetch(packed_w, pixel, 0);
     vec4 seen = vec4(0.0);
     for (int i = 0; i < count && w[i] != 0.0 && seen.a < 1.0; ++i) {
         vec4 surface = texelFetch(radiance, ivec3(pixel, i), 0);

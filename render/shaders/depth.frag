@@ -14,6 +14,7 @@ in vec4 frag_color;
 
 #ifdef PEEL
 layout(binding = 8) uniform sampler2D previous_w;
+uniform int previous_channel;
 uniform float umbra;  // how far in w an opaque surface hides what is behind it, 1/m
 #endif
 
@@ -23,7 +24,7 @@ void main()
     bool hidden = false;
 #endif
 #ifdef PEEL
-    float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0).r;
+    float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0)[previous_channel];
     hidden = gl_FragCoord.w >= abs(last_w) - (last_w > 0.0 ? umbra : 0.0);  // a transparent surface hides nothing
 #endif
 #ifdef MAY_BE_CLEAR

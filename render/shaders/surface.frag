@@ -15,7 +15,7 @@ in vec4 frag_color;
 flat in uint frag_instance;
 
 layout(location = 0) out vec4 out_radiance;
-layout(location = 1) out float out_w;
+layout(location = 1) out vec4 out_w;     // in every channel; the layer's own is kept
 layout(location = 2) out uvec2 out_id;
 
 uniform vec3 eye;                // where this view looks from, camera space, m
@@ -34,6 +34,6 @@ void main()
 #endif
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // light that cannot be is none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
-    out_w = s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w;
+    out_w = vec4(s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w);
     out_id = uvec2(first_object + frag_instance + 1u, uint(gl_PrimitiveID));
 }

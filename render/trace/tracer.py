@@ -122,7 +122,7 @@ class Tracer:
     def _bind(self, program: moderngl.ComputeShader, layers: Layers, nbuffers: NBuffers) -> None:
         targets = layers.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-            "packed_w": targets.packed_w,
+            "packed_w": targets.packed_w[0],
             "radiance": targets.radiance,
             "ranges": nbuffers.ranges,
             "background": targets.background,

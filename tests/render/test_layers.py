@@ -44,8 +44,8 @@ def view(f_px: float = 200.0) -> PinholeView:
 
 
 def depths_of(layers: Layers, count: int) -> np.ndarray:
-    w = [np.frombuffer(layers.targets.w[i].read(), np.float32).reshape(SIZE[::-1]) for i in range(count)]
-    return np.abs(np.stack(w))
+    packs = [np.frombuffer(pack.read(), np.float32).reshape(*SIZE[::-1], 4) for pack in layers.targets.packed_w]
+    return np.abs(np.concatenate(packs, axis=2)[..., :count].transpose(2, 0, 1))
 
 
 def test_layers_come_near_to_far_and_none_is_in_the_umbra_of_the_one_before(peeler: Peeler) -> None:

@@ -1,7 +1,7 @@
-"""The six lenses that tests measure by: rows from patents, with the focal lengths and back focal distances recomputed from them.
+"""The six lenses that tests measure by: rows from patents, with focal lengths and back focal distances recomputed from them.
 
-Numbers run front to rear, in millimetres. Where a patent gives no clear diameters (the two Zeiss lenses), the semi-diameters are 0
-(Distagon) or estimates (Planar).
+Numbers run front to rear, in millimetres. Where a patent gives no clear diameters (the two Zeiss lenses), the semi-diameters
+are 0 (Distagon) or estimates (Planar).
 """
 
 from __future__ import annotations

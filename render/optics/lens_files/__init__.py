@@ -1,0 +1,80 @@
+"""Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`.
+
+What is read is as the file has it: `render.optics.completion.completed` solves for what is missing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from render.errors import InputError
+from render.lens import Prescription
+from render.optics.lens_files.code_v import read_code_v
+from render.optics.lens_files.lens_text import MAX_BYTES, LensText, decode
+from render.optics.lens_files.optical_bench import read_optical_bench
+from render.optics.lens_files.pbrt import read_pbrt
+from render.optics.lens_files.zemax import read_zemax
+
+Reader = Callable[[LensText], Prescription]
+
+LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt")
+_BY_SUFFIX: dict[str, Reader] = {".dat": read_pbrt, ".zmx": read_zemax, ".seq": read_code_v}
+_BY_CONTENT: tuple[tuple[str, Reader], ...] = (
+    (r"^[ \t]*\[lens data\]", read_optical_bench),
+    (r"^[ \t]*SURF[ \t]+\d+[ \t]*$", read_zemax),
+    (r"^[ \t]*(RDM|LEN|SO)\b", read_code_v),
+    (r"^[ \t]*([-+.\deE]+[ \t]+){3}[-+.\deE]+[ \t]*(#.*)?$", read_pbrt),
+)
+
+
+def read_lens_file(path: str | Path) -> Prescription:
+    """The lens of a file, whose format is told by its suffix, and where that says nothing by its content.
+
+    Args:
+        path: of a .dat, .zmx, .seq or Optical Bench .txt file.
+
+    Raises:
+        InputError: there is no such file, it is no lens file, is cut off, or has what is not supported; the message names file,
+            line and surface.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"lens file {path} cannot be read: {why}", code="bad_lens_file", path=str(path)) from error
+    return parse_lens_file(data, path.name)
+
+
+def parse_lens_file(data: bytes, name: str) -> Prescription:
+    """The lens of a file that is in memory.
+
+    Args:
+        data: all of the file.
+        name: of the file; its suffix tells the format.
+
+    Raises:
+        InputError: as `read_lens_file`.
+    """
+    text = decode(data, name)
+    return _reader(text)(text)
+
+
+def _reader(text: LensText) -> Reader:
+    suffix = Path(text.name).suffix.lower()
+    if suffix in _BY_SUFFIX:
+        return _BY_SUFFIX[suffix]
+    content = "\n".join(text.lines)
+    for pattern, reader in _BY_CONTENT:
+        if re.search(pattern, content, re.MULTILINE | re.IGNORECASE):
+            return reader
+    expected = "pbrt's .dat, Zemax's .zmx, CODE V's .seq or Optical Bench's .txt"
+    raise InputError(
+        f"{text.name} is no lens file that is known: expected {expected}", code="bad_lens_file", path=text.name
+    )
+
+
+__all__ = ["LENS_FILE_SUFFIXES", "parse_lens_file", "read_lens_file"]

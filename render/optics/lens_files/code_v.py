@@ -1,0 +1,238 @@
+"""Reads CODE V's sequence files, `.seq`.
+
+    RDM; LEN                            radii are given; RDM N: curvatures
+    TITLE 'Double Gauss F/2'
+    EPD 25                              entrance pupil's diameter; or FNO, the f-number
+    DIM M                               millimetres; C centimetres, I inches
+    SO 0.0 0.1e14                       the object: radius and distance
+    S 61.47 6.0 NBK7_SCHOTT             a surface: radius, thickness, glass (or a code such as 517642)
+      STO; CIR 12.0                     it is the stop; half its clear diameter
+      ASP; K -1.0; A 1e-5; B 2e-8       conic constant, coefficients of r⁴, r⁶, ... (A to J, without I)
+    SI 0.0 -0.4                         the image, and its shift
+    GO
+
+A command ends at `;` or at the end of its line, unless that ends in `&`; `!` begins a comment. What is not listed has no say
+in how light goes through a lens, or is refused: mirrors, tilts, toroids, gratings. Of a zoom the first position is read.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from render.lens import AIR, Glass, Prescription
+from render.optics.lens_files.code_v_glass import PrivateGlasses
+from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
+from render.optics.lens_files.glass_names import find_glass
+from render.optics.lens_files.lens_text import LensText
+from render.optics.lens_files.speed import f_stop_of
+
+_UNITS_MM = {"M": 1.0, "MM": 1.0, "C": 10.0, "CM": 10.0, "I": 25.4, "IN": 25.4}
+_POWERS = {letter: 4 + 2 * place for place, letter in enumerate("ABCDEFGHJ")}
+_TILTS = ("XDE", "YDE", "ZDE", "ADE", "BDE", "CDE")
+_UNSUPPORTED = ("XTO", "YTO", "CYL", "AAS", "SPS", "DIF", "GRT", "HOE", "GRX", "GRY", "SCO")
+_WORD = re.compile(r"'[^']*'?|\"[^\"]*\"?|;|[^\s;'\"]+")
+_SURFACE = re.compile(r"S(\d{1,4}|O|I)?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class _Command:
+    line: int
+    name: str
+    words: tuple[str, ...]
+
+
+def read_code_v(text: LensText) -> Prescription:
+    """The lens of a `.seq` file.
+
+    Args:
+        text: the file.
+
+    Raises:
+        InputError: it is no such file, is cut off, or has what is not supported.
+    """
+    reader = _Reader(text)
+    for command in _commands(text):
+        reader.take(command)
+    return reader.finish()
+
+
+def _commands(text: LensText) -> Iterator[_Command]:
+    words: list[str] = []
+    begin = 0
+    for line, raw in enumerate(text.lines, 1):
+        found = _WORD.findall(_without_comment(raw))
+        goes_on = bool(found) and found[-1] == "&"
+        for word in found[:-1] if goes_on else found:
+            if word == ";":
+                yield from _command(words, begin)
+                words = []
+            else:
+                begin = begin if words else line
+                words.append(word)
+        if not goes_on:
+            yield from _command(words, begin)
+            words = []
+    yield from _command(words, begin)
+
+
+def _without_comment(line: str) -> str:
+    return line if "'" in line or '"' in line else line.partition("!")[0]
+
+
+def _command(words: Sequence[str], line: int) -> Iterator[_Command]:
+    if words:
+        yield _Command(line, words[0].upper(), tuple(words[1:]))
+
+
+class _Reader:
+    """Takes one command after the other."""
+
+    def __init__(self, text: LensText) -> None:
+        self._text = text
+        self._draft = Draft(text)
+        self._has_radii: bool | None = None
+        self._surfaces: list[DraftSurface] = []
+        self._has_image = False
+        self._pupil_diameter = 0.0
+        self._private = PrivateGlasses(text)
+
+    def take(self, command: _Command) -> None:
+        """Take one command; what is not known is passed over."""
+        if self._private.takes(command.line, command.name, command.words):
+            return
+        if _SURFACE.fullmatch(command.name):
+            self._begin(command)
+        elif command.name in (*_TILTS, *_UNSUPPORTED):
+            self._refuse(command)
+        elif self._surfaces:
+            self._of_surface(command)
+        else:
+            self._of_system(command)
+
+    def finish(self) -> Prescription:
+        """The lens between the object and the image."""
+        if not self._has_image:
+            raise self._text.error("it ends before the image surface (SI)")
+        if len(self._surfaces) < 3:
+            raise self._text.error("there is no surface (S) between the object (SO) and the image (SI)")
+        draft = self._draft
+        distance = self._surfaces[0].thickness * draft.unit_mm
+        draft.surfaces = self._surfaces[1:-1]
+        if distance < FAR_AWAY_MM:
+            draft.surfaces[-1].thickness = 0.0
+            draft.notes.append("The file's object is near; the distance to the film is solved for with it at infinity.")
+        else:
+            draft.surfaces[-1].thickness += self._surfaces[-1].thickness
+        if self._has_radii is None:
+            draft.notes.append("The file does not say RDM, so its surfaces are taken to have curvatures, as in CODE V.")
+        return f_stop_of(finish(draft), self._pupil_diameter * draft.unit_mm, self._text)
+
+    def _of_system(self, command: _Command) -> None:
+        name, words, line = command.name[:3], command.words, command.line
+        if name == "RDM":
+            self._has_radii = not (words and words[0].upper().startswith("N"))
+        elif name == "TIT" and words:
+            self._draft.name = words[0].strip("'\" ")
+        elif name == "DIM":
+            unit = _first(words).upper()
+            if unit not in _UNITS_MM:
+                raise self._text.error(f"DIM must be M, C or I, got {unit or 'nothing'}", line)
+            self._draft.unit_mm = _UNITS_MM[unit]
+        elif name == "EPD":
+            what = "entrance pupil's diameter (EPD)"
+            self._pupil_diameter = self._text.number(_first(words), what, line, at_least=0)
+        elif name == "FNO":
+            self._draft.f_stop = self._text.number(_first(words), "f-number (FNO)", line, at_least=0)
+
+    def _begin(self, command: _Command) -> None:
+        line, words = command.line, command.words
+        is_object, is_image = command.name in ("SO", "S0"), command.name == "SI"
+        if is_object != (not self._surfaces):
+            raise self._text.error("the surfaces must begin with the object's (SO), and have but one", line)
+        if self._has_image:
+            raise self._text.error("a surface stands behind the image (SI)", line)
+        label = "O" if is_object else "I" if is_image else str(len(self._surfaces))
+        surface = DraftSurface(label, line)
+        self._surfaces.append(surface)
+        self._has_image = is_image
+        shape = self._text.number(_first(words), "radius" if self._has_radii else "curvature", line, label)
+        surface.radius = shape if self._has_radii else _inverse(shape)
+        surface.thickness = self._text.number(words[1] if len(words) > 1 else "", "thickness", line, label)
+        if len(words) > 2 and not (is_object or is_image):
+            surface.glass = self._glass(words[2], line, label)
+
+    def _of_surface(self, command: _Command) -> None:
+        """A command about one surface: the last one that began, or the one that it names."""
+        words = command.words
+        named = words and _SURFACE.fullmatch(words[0].upper())
+        surface = self._named(words[0].upper(), command.line) if named else self._surfaces[-1]
+        if named:
+            words = words[1:]
+        name, line, label = command.name[:3], command.line, surface.label
+        if name in _POWERS and words:
+            surface.terms[_POWERS[name]] = self._text.number(words[0], f"coefficient {name}", line, label)
+        elif name == "K" and words:
+            surface.conic = self._text.number(words[0], "conic constant K", line, label)
+        elif name == "STO":
+            surface.is_stop = True
+        elif name == "GLA":
+            surface.glass = self._glass(_first(words), line, label)
+        elif name == "CIR":
+            self._clear(surface, words, line)
+        elif name in ("RDY", "CUY", "THI"):
+            self._replace(surface, name, _first(words), line)
+        elif name == "ZOO":
+            self._draft.notes.append("Of the file's zoom positions the first is used.")
+
+    def _clear(self, surface: DraftSurface, words: Sequence[str], line: int) -> None:
+        """CIR: half the clear diameter; obscurations, holes and edges are not the clear diameter."""
+        if words and words[0].upper() == "OBS":
+            raise self._text.error("obscurations (CIR OBS) are not supported", line, surface.label)
+        if words and words[0].upper() in ("EDG", "HOL"):
+            return
+        what = "half of the clear diameter (CIR)"
+        surface.semi_diameter = self._text.number(_first(words), what, line, surface.label, at_least=0)
+
+    def _replace(self, surface: DraftSurface, name: str, word: str, line: int) -> None:
+        what = {"RDY": "radius (RDY)", "CUY": "curvature (CUY)", "THI": "thickness (THI)"}[name]
+        value = self._text.number(word, what, line, surface.label)
+        if name == "THI":
+            surface.thickness = value
+        else:
+            surface.radius = value if name == "RDY" else _inverse(value)
+
+    def _refuse(self, command: _Command) -> None:
+        """Tilts of 0 are none."""
+        label = self._surfaces[-1].label if self._surfaces else ""
+        words = [word for word in command.words if not _SURFACE.fullmatch(word.upper())]
+        if command.name in _TILTS and not any(self._text.number(word, "tilt", command.line, label) for word in words):
+            return
+        raise self._text.error(f"{command.name} is not supported", command.line, label)
+
+    def _named(self, name: str, line: int) -> DraftSurface:
+        number = {"SO": 0, "SI": len(self._surfaces) - 1, "S": len(self._surfaces) - 1}.get(name)
+        number = int(name[1:]) if number is None else number
+        if number >= len(self._surfaces):
+            raise self._text.error(f"there is no surface {number}", line)
+        return self._surfaces[number]
+
+    def _glass(self, name: str, line: int, label: str) -> Glass:
+        if name.upper() in ("", "AIR"):
+            return AIR
+        if name.upper().startswith("REFL"):
+            raise self._text.error("mirrors are not supported", line, label)
+        plain = name.strip("'\"")
+        glass = self._private.find(plain) or find_glass(plain)
+        if glass is None:
+            raise self._text.error(f"glass {plain} is not known, and is not in the file's own catalogue", line, label)
+        return checked_glass(self._text, glass, line, label)
+
+
+def _inverse(curvature: float) -> float:
+    return 1 / curvature if abs(curvature) > 1e-12 else 0.0
+
+
+def _first(words: Sequence[str]) -> str:
+    return words[0] if words else ""

@@ -1,0 +1,70 @@
+"""The private glass catalogue of a CODE V file: indices at a few wavelengths.
+
+PRV
+PWL 656.27 587.56 486.13            wavelengths in nanometres
+'glass1' 1.6127 1.6160 1.6240       a name and the index at each
+END
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from render.lens import Glass
+from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.optics.lens_files.drafts import checked_glass
+from render.optics.lens_files.lens_text import LensText
+
+
+class PrivateGlasses:
+    """Takes the commands between PRV and END."""
+
+    def __init__(self, text: LensText) -> None:
+        self._text = text
+        self._is_open = False
+        self._wavelengths_nm: list[float] = []
+        self._glasses: dict[str, Glass] = {}
+
+    def takes(self, line: int, command: str, words: Sequence[str]) -> bool:
+        """Take a command if it belongs to the catalogue.
+
+        Raises:
+            InputError: the catalogue is not as it must be.
+        """
+        if command == "PRV":
+            self._is_open = True
+        elif not self._is_open:
+            return False
+        elif command == "END":
+            self._is_open = False
+        elif command == "PWL":
+            self._wavelengths_nm = [self._text.number(word, "wavelength (PWL)", line, at_least=100) for word in words]
+        else:
+            self._add(line, command.strip("'\""), words)
+        return True
+
+    def find(self, name: str) -> Glass | None:
+        """The glass of that name in the file's own catalogue."""
+        return self._glasses.get(name.upper())
+
+    def _add(self, line: int, name: str, words: Sequence[str]) -> None:
+        wavelengths = np.array(self._wavelengths_nm)
+        if len(words) != len(wavelengths) or len(np.unique(wavelengths)) != len(wavelengths) or not words:
+            expected = f"expected one index for each of the {len(wavelengths)} wavelengths (PWL), got {len(words)}"
+            raise self._text.error(f"glass {name}: {expected}", line)
+        indices = np.array([self._text.number(word, f"index of glass {name}", line, at_least=1) for word in words])
+        self._glasses[name.upper()] = checked_glass(self._text, _fitted(name, wavelengths, indices), line, "")
+
+
+def _fitted(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
+    """The glass through some indices: n = A + B/λ² (+ C/λ⁴ where there are three or more), by least squares."""
+    powers = np.arange(min(len(indices), 3))
+    table = (wavelengths_nm[:, None] / D_LINE_NM) ** (-2 * powers)
+    coefficients = np.linalg.lstsq(table, indices, rcond=None)[0]
+    at_d, at_f, at_c = (
+        np.sum(coefficients * (nm / D_LINE_NM) ** (-2 * powers)) for nm in (D_LINE_NM, F_LINE_NM, C_LINE_NM)
+    )
+    spread = float(at_f - at_c)
+    return Glass(float(at_d), float(at_d - 1) / spread if spread > 1e-9 else 0.0, name=name)

@@ -1,0 +1,164 @@
+"""Surfaces as they are read, and the prescription that is made of them: what all file formats have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from render.errors import InputError
+from render.lens import AIR, Glass, Prescription, Surface
+from render.optics.lens_files.lens_text import LensText
+
+MAX_SURFACES = 200
+FAR_AWAY_MM = 1e7  # an object beyond it is at infinity: CODE V writes 1e13
+_MAX_LENGTH_MM = 1e5
+_PLANE_RADIUS_MM, _LEAST_RADIUS_MM = 1e9, 1e-3
+_INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
+
+
+@dataclass
+class DraftSurface:
+    """A surface in the file's own unit, until all that the file says of it is read.
+
+    Attributes:
+        label: as the file counts it.
+        line: where it begins, counted from 1.
+        radius: of curvature; 0 is a plane.
+        thickness: to the next surface.
+        glass: the medium behind it.
+        semi_diameter: half the clear diameter; 0 where it is unknown.
+        conic: conic constant.
+        terms: coefficients of r², r⁴, r⁶, ... by the power of r.
+        is_stop: whether it is the aperture stop.
+    """
+
+    label: str
+    line: int
+    radius: float = 0.0
+    thickness: float = 0.0
+    glass: Glass = AIR
+    semi_diameter: float = 0.0
+    conic: float = 0.0
+    terms: dict[int, float] = field(default_factory=dict)
+    is_stop: bool = False
+
+
+@dataclass
+class Draft:
+    """A lens as it is read.
+
+    Attributes:
+        text: the file.
+        name: of the lens.
+        surfaces: front to rear, without object and image.
+        unit_mm: the file's unit of length.
+        f_stop: wide open; 0 where it is unknown.
+        focus_group: the first and the last surface that move to focus.
+        notes: what was approximated or chosen, one sentence each.
+    """
+
+    text: LensText
+    name: str = ""
+    surfaces: list[DraftSurface] = field(default_factory=list)
+    unit_mm: float = 1.0
+    f_stop: float = 0.0
+    focus_group: tuple[DraftSurface, DraftSurface] | None = None
+    notes: list[str] = field(default_factory=list)
+
+
+def checked_glass(text: LensText, glass: Glass, line: int, surface: str) -> Glass:
+    """A medium whose numbers are possible; AIR for one of index 1.
+
+    Raises:
+        InputError: no medium has such an index or Abbe number.
+    """
+    low, high = _INDEX_RANGE
+    if not low <= glass.index <= high:
+        raise text.error(f"the refractive index must be from {low:g} to {high:g}, got {glass.index:g}", line, surface)
+    if glass.abbe != 0 and glass.abbe < _LEAST_ABBE:
+        expected = f"the Abbe number must be 0 (no dispersion) or at least {_LEAST_ABBE:g}"
+        raise text.error(f"{expected}, got {glass.abbe:g}", line, surface)
+    return AIR if glass.index == 1 else glass
+
+
+def finish(draft: Draft) -> Prescription:
+    """Make the prescription, in millimetres.
+
+    Planes of air before the first glass and behind the last are dropped; they are where a designer counts from.
+
+    Raises:
+        InputError: no lens is made of such surfaces; the message names the surface.
+    """
+    text = draft.text
+    if len(draft.surfaces) > MAX_SURFACES:
+        raise text.error(f"a lens has at most {MAX_SURFACES} surfaces, got {len(draft.surfaces)}")
+    stops = [surface for surface in draft.surfaces if surface.is_stop]
+    if len(stops) > 1:
+        raise text.error(f"surface {stops[0].label} is the stop already", stops[1].line, stops[1].label)
+    surfaces = _without_marks(draft.surfaces)
+    if all(surface.glass == AIR for surface in surfaces):
+        raise text.error("no surface has glass behind it: expected at least one")
+    if surfaces[-1].glass != AIR:
+        raise _error(surfaces[-1], draft, "it is the last one, and has glass behind it where the film must be")
+    if all(surface.glass.abbe == 0 and surface.glass.sellmeier_b is None for surface in surfaces):
+        draft.notes.append("The file has no Abbe numbers, so the lens has no chromatic aberration.")
+    group = draft.focus_group
+    return Prescription(
+        tuple(_in_mm(surface, draft) for surface in surfaces),
+        focus_group=None if group is None else (_place(surfaces, group[0]), _place(surfaces, group[1])),
+        f_stop=draft.f_stop,
+        name=draft.name or text.name.rsplit(".", 1)[0],
+        notes=tuple(draft.notes),
+    )
+
+
+def _without_marks(surfaces: Sequence[DraftSurface]) -> list[DraftSurface]:
+    """The surfaces without planes of air at either end; the back focal distance grows by those behind."""
+    kept = list(surfaces)
+    while kept and _is_mark(kept[0], AIR):
+        kept.pop(0)
+    while len(kept) > 1 and _is_mark(kept[-1], kept[-2].glass):
+        dropped = kept.pop()
+        kept[-1].thickness += dropped.thickness
+    return kept
+
+
+def _place(surfaces: Sequence[DraftSurface], wanted: DraftSurface) -> int:
+    """Index of that very surface; two may be equal."""
+    return next(index for index, surface in enumerate(surfaces) if surface is wanted)
+
+
+def _is_mark(surface: DraftSurface, before: Glass) -> bool:
+    return surface.radius == 0 and not any(surface.terms.values()) and surface.glass == before and not surface.is_stop
+
+
+def _in_mm(surface: DraftSurface, draft: Draft) -> Surface:
+    thickness, semi_diameter = surface.thickness * draft.unit_mm, surface.semi_diameter * draft.unit_mm
+    for name, length in (("thickness", thickness), ("semi-diameter", semi_diameter)):
+        if abs(length) > _MAX_LENGTH_MM:
+            raise _error(surface, draft, f"the {name} must be at most {_MAX_LENGTH_MM:g} mm, got {length:g} mm")
+    radius, conic, coefficients = _shape(surface, draft)
+    return Surface(radius, thickness, surface.glass, semi_diameter, conic, coefficients, surface.is_stop)
+
+
+def _shape(surface: DraftSurface, draft: Draft) -> tuple[float, float, tuple[float, ...]]:
+    """Radius, conic constant and coefficients of r⁴, r⁶, ... in millimetres."""
+    # sag/unit = a·(r/unit)^p, so a grows by unit^(1 − p)
+    terms = {power: value * draft.unit_mm ** (1 - power) for power, value in surface.terms.items() if value != 0}
+    odd = [power for power in terms if power % 2]
+    if odd:
+        raise _error(surface, draft, f"terms of odd powers (r^{odd[0]}) are not supported")
+    radius, conic, squared = surface.radius * draft.unit_mm, surface.conic, terms.pop(2, 0.0)
+    if squared != 0:
+        if radius != 0:
+            raise _error(surface, draft, "a term of r^2 is supported on a surface without curvature alone")
+        radius, conic = 0.5 / squared, -1.0  # a·r² is the paraboloid of that radius
+    if abs(radius) > _PLANE_RADIUS_MM:
+        radius = 0.0
+    if 0 < abs(radius) < _LEAST_RADIUS_MM:
+        raise _error(surface, draft, f"the radius must be 0 or at least {_LEAST_RADIUS_MM:g} mm, got {radius:g} mm")
+    return radius, conic, tuple(terms.get(power, 0.0) for power in range(4, max(terms, default=2) + 1, 2))
+
+
+def _error(surface: DraftSurface, draft: Draft, what: str) -> InputError:
+    return draft.text.error(what, surface.line, surface.label)

@@ -1,0 +1,102 @@
+"""The text of a lens file, and how what is wrong in it is said: by file, line and surface."""
+
+from __future__ import annotations
+
+import codecs
+import math
+import re
+from dataclasses import dataclass
+
+from render.errors import InputError
+
+MAX_BYTES = 2**20  # a zoom of fifty surfaces with all its coatings takes some tens of kilobytes
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_LONGEST_NUMBER = 40  # characters
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f\x7f]")  # ^Z (1a) ends old files, form feeds part their pages
+
+
+@dataclass(frozen=True)
+class LensText:
+    """A lens file as text.
+
+    Attributes:
+        name: of the file, for messages.
+        lines: without their ends.
+    """
+
+    name: str
+    lines: tuple[str, ...]
+
+    def error(self, what: str, line: int | None = None, surface: str = "") -> InputError:
+        """An error that says where.
+
+        Args:
+            what: the rest of the sentence.
+            line: counted from 1.
+            surface: as the file counts it.
+        """
+        places = [self.name]
+        places += [f"line {line}"] if line is not None else []
+        places += [f"surface {surface}"] if surface else []
+        return InputError(f"{', '.join(places)}: {what}", code="bad_lens_file", path=self.name)
+
+    def number(self, text: str, what: str, line: int, surface: str = "", *, at_least: float = -math.inf) -> float:
+        """A finite number.
+
+        Args:
+            text: as it stands in the file.
+            what: which number it is, for the message.
+            line: counted from 1.
+            surface: as the file counts it.
+            at_least: the least that makes sense.
+
+        Raises:
+            InputError: it is none, or too small.
+        """
+        is_number = len(text) <= _LONGEST_NUMBER and _NUMBER.fullmatch(text)
+        value = float(text) if is_number else math.nan
+        if not math.isfinite(value):
+            raise self.error(f"the {what} must be a number, got {_shown(text)}", line, surface)
+        if value < at_least:
+            raise self.error(f"the {what} must be {at_least:g} or more, got {text}", line, surface)
+        return value
+
+
+def decode(data: bytes, name: str) -> LensText:
+    """The text of a lens file: UTF-16 (as Zemax writes it), UTF-8 or any 8-bit encoding.
+
+    Args:
+        data: all of the file.
+        name: of the file, for messages.
+
+    Raises:
+        InputError: it is too long for a lens file, or no text.
+    """
+    if len(data) > MAX_BYTES:
+        raise InputError(
+            f"{name} is too long for a lens file: {len(data)} bytes, expected at most {MAX_BYTES}",
+            code="bad_lens_file",
+            path=name,
+        )
+    text = _decoded(data)
+    if text is None or _CONTROL.search(text):
+        raise InputError(f"{name} is no lens file: expected text, got binary data", code="bad_lens_file", path=name)
+    return LensText(name, tuple(re.split(r"\r\n|\r|\n", text)))
+
+
+def _decoded(data: bytes) -> str | None:
+    is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    # UTF-16 that lost its mark: Latin text, so that every second byte is 0.
+    lost_mark = len(data) >= 4 and data[0] != 0 and data[1] == 0 and data[3] == 0
+    encodings = ["utf-16"] if is_utf16 else ["utf-16-le"] if lost_mark else ["utf-8-sig", "latin-1"]
+    for encoding in encodings:
+        try:
+            return data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return None
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 40 else text[:40] + "…")

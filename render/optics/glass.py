@@ -14,6 +14,7 @@ from render.lens import DoubleArray, Glass
 # Fraunhofer's lines of helium and hydrogen, for which catalogues give index and Abbe number (ISO 7944).
 D_LINE_NM, F_LINE_NM, C_LINE_NM = 587.5618, 486.1327, 656.2725
 
+# The coefficients of SF10 are those of today's lead-free melt (N-SF10), and so are the two numbers beside them.
 CATALOGUE: dict[str, Glass] = {
     glass.name: glass
     for glass in (
@@ -25,8 +26,8 @@ CATALOGUE: dict[str, Glass] = {
             name="BK7",
         ),
         Glass(
-            1.72825,
-            28.41,
+            1.72828,
+            28.53,
             sellmeier_b=(1.62153902, 0.256287842, 1.64447552),
             sellmeier_c=(0.0122241457, 0.0595736775, 147.468793),
             name="SF10",

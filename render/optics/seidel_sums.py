@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.lens import DoubleArray, Prescription, Surface
-from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
+from render.optics.glass import C_LINE_NM, F_LINE_NM
 from render.optics.paraxial import (
     ParaxialRay,
     ParaxialSystem,

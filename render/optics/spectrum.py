@@ -1,8 +1,8 @@
 """Which wavelengths are traced, and what each gives to red, green and blue.
 
 A picture has three numbers a pixel, not a spectrum. So each wavelength shows, through the lens as it is there, a share of each of
-the scene's channels: what leaves the lens is ``channel = Σ rgb[i, channel]·channel seen at wavelength i``. Each channel's shares add to
-1: a lens without colour errors gives the scene's colours, and white stays white.
+the scene's channels: what leaves the lens is ``channel = Σ rgb[i, channel]·channel seen at wavelength i``. Each channel's shares
+add to 1: a lens without colour errors gives the scene's colours, and white stays white.
 """
 
 from __future__ import annotations

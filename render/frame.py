@@ -32,7 +32,7 @@ from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.lens import LensEngine
-from render.trace.rays import plane_of_focus, ray_pattern, thin_lens_bundle
+from render.trace.rays import ray_pattern
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -104,9 +104,10 @@ class FrameRenderer:
         lens = replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
         traced = self._lens.picture(
             self._peeler,
+            lens,
             view,
-            thin_lens_bundle(lens, ray_pattern(settings.rays, lens.iris, seed=settings.seed, tiled=settings.tiled)),
-            plane_of_focus(lens),
+            ray_pattern(settings.rays, lens.iris, seed=settings.seed, tiled=settings.tiled),
+            wavelengths=settings.wavelengths,
             layers=settings.layers,
             supersample=settings.supersample,
             unlit=settings.shading == "unlit",

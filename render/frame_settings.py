@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from render.errors import SettingsError
 from render.layers.limits import MAX_LAYERS
 from render.optics.sampling import MAX_RAYS
+from render.optics.spectrum import MAX_WAVELENGTHS
 from render.optics.view import check_picture_size
 
 ENGINES = ("lens", "accumulation", "pinhole")
@@ -31,6 +32,7 @@ class FrameSettings:
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: of the sampling pattern.
         tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
+        wavelengths: traced through a lens with colour errors: 3 is one for each channel, more a smoother spectrum.
         aovs: of `AOVS`; ``color`` is always there.
     """
 
@@ -43,6 +45,7 @@ class FrameSettings:
     shading: str = "lit"
     seed: int = 0
     tiled: bool = True
+    wavelengths: int = 3
     aovs: tuple[str, ...] = ("color",)
 
     def __post_init__(self) -> None:
@@ -54,6 +57,7 @@ class FrameSettings:
         _check_range("rays", self.rays, 1, MAX_RAYS)
         _check_range("layers", self.layers, 1, MAX_LAYERS)
         _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
+        _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
             _check_choice("aov", aov, AOVS)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import CameraError, SettingsError
+from render.optics.mounting import breathing_ratio, has_surfaces
 from render.scene import Camera, DoubleArray
 
 MAX_PICTURE_SIDE_PX = 16384
@@ -56,13 +57,14 @@ class PinholeView:
         Raises:
             SettingsError: the picture has no pixels or too many.
             CameraError: focal length, aperture or clipping range is not a positive finite number.
+            InputError: the camera's lens breathes, and is none.
         """
         check_picture_size(width, height)
         check_camera(camera)
         fx = camera.focal_length_mm / camera.horizontal_aperture_mm * width
         fy = camera.focal_length_mm / camera.vertical_aperture_mm * height
         if camera.breathing and camera.focus_distance_m > 0 and np.isfinite(camera.focus_distance_m):
-            stretch = _image_distance_ratio(camera)
+            stretch = breathing_ratio(camera) if has_surfaces(camera) else _image_distance_ratio(camera)
             fx, fy = fx * stretch, fy * stretch
         return cls(
             width=width,

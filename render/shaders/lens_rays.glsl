@@ -28,6 +28,7 @@ uniform float spread;           // 1, or 0 for a single ray through the centres
 uniform int jitters;            // whether pixels have patterns of their own
 uniform vec2 focal_px;          // of the layers
 uniform vec2 pupil_m;           // half axes of a lens without a table
+uniform vec2 narrowing;         // of a table's rays: 1 over the anamorphic squeeze, and 1
 uniform float scale;            // layer pixels to a picture pixel
 
 struct PixelRays {
@@ -120,6 +121,10 @@ LensRay lens_ray(PixelRays rays, int i)
     LensRay ray = through_lens(rays, stop, fract(base.pupil.x + 0.37 * base.pixel.x + rays.shift.z));
 #else
     LensRay ray = LensRay(vec2(0.0), pupil_m * stop, 1.0);
+#endif
+#if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
+    ray.a *= narrowing;
+    ray.b *= narrowing;
 #endif
     ray.b *= focal_px;
     ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;

@@ -12,8 +12,9 @@ from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler, umbra_reach
 from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
-from render.scene import FloatArray
-from render.trace.rays import FocalSurface, RayBundle
+from render.scene import Camera, FloatArray
+from render.trace.bundles import BundleMaker, shared_rays
+from render.trace.rays import FocalSurface, RayBundle, RayPattern, plane_of_focus
 from render.trace.tracer import Tracer
 
 MAX_GUARD_SHARE = 0.08
@@ -42,35 +43,41 @@ class LensEngine:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._nbuffers = NBufferBuilder(ctx, programs)
         self._tracer = Tracer(ctx, programs)
+        self._bundles = BundleMaker(ctx, programs)
 
     def picture(
         self,
         peeler: Peeler,
+        camera: Camera,
         view: PinholeView,
-        bundle: RayBundle,
-        surface: FocalSurface,
+        pattern: RayPattern,
         *,
+        wavelengths: int = 3,
         layers: int,
         supersample: int,
         unlit: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> TracedPicture:
-        """Peel the loaded scene for this view and trace the bundle through it.
+        """Peel the loaded scene for this view and trace the camera's lens through it.
 
         Args:
             peeler: with the scene loaded.
+            camera: with its lens.
             view: the picture, from the pupil's centre.
-            bundle: the lens's rays.
-            surface: where they are focused.
+            pattern: where the rays start.
+            wavelengths: how many to trace, for a lens with colour errors.
             layers: at most this many layers.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take base colour for radiance.
             on_progress: called with the share of the tracing that is done.
         """
+        bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
+        surface = plane_of_focus(camera)
         guard_px = guard_band_px(view, bundle, surface, supersample)
         wide = view.enlarged(supersample, guard_px)
         pupil_px = max(wide.fx, wide.fy) * bundle.reach_m
         umbra = umbra_reach(pupil_px)
+        bundle = shared_rays(bundle, max(wide.fx, wide.fy), max(surface.w0, 1 / view.near_m - surface.w0))
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=float(supersample))
         nbuffers = self._nbuffers.build(peeled)
         for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view):

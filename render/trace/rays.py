@@ -64,6 +64,7 @@ class RayBundle:
         table: how the lens bends them; None for a lens without errors.
         rgb: ``(k, 3)`` share of each channel that each of the table's wavelengths carries; columns sum to 1.
         transmittance: share of light that passes.
+        squeeze: what a table's rays are narrowed by from side to side (anamorphic).
     """
 
     pattern: RayPattern
@@ -71,11 +72,17 @@ class RayBundle:
     table: PolynomialTable | GridTable | None = None
     rgb: DoubleArray = field(default_factory=lambda: np.ones((1, 3)))
     transmittance: float = 1.0
+    squeeze: float = 1.0
 
     @property
     def count(self) -> int:
         """Rays per pixel (and wavelength)."""
         return self.pattern.count
+
+    @property
+    def slope_reach(self) -> float:
+        """Largest error of a ray's slope in the plane of focus."""
+        return self.table.slope_reach if self.table is not None else 0.0
 
     @property
     def reach_m(self) -> float:

@@ -1,0 +1,58 @@
+"""A camera's glass as it stands before the film: completed, scaled to the camera's focal length, and focused.
+
+A prescription is as long as its camera's focal length says, as if it were built for it: the field of view stays what focal length
+and film gate say, and an f-number does not change with scale.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from render.lens import Prescription
+from render.optics.completion import completed, scaled
+from render.optics.focusing import FocusedLens, focused
+from render.optics.paraxial import first_order
+from render.scene import Camera
+
+PRESCRIBED = ("spherical", "heightField", "prescription")
+"""Models that have surfaces."""
+
+
+def has_surfaces(camera: Camera) -> bool:
+    """Whether rays pass real surfaces: a lens that has them, and is not stopped down to a pinhole."""
+    return camera.lens.model in PRESCRIBED and camera.lens.prescription is not None and camera.f_stop > 0
+
+
+def mounted(camera: Camera) -> FocusedLens:
+    """The camera's prescription, focused at its focus distance and f-number.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    prescription = camera.lens.prescription
+    if prescription is None:
+        raise ValueError(f"the lens of camera {camera.path} has no surfaces")
+    diagonal = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
+    glass = _scaled_to(prescription, camera.focal_length_mm, diagonal / 2)
+    return _focused(glass, camera.focus_distance_m, camera.f_stop)
+
+
+def breathing_ratio(camera: Camera) -> float:
+    """Image scale of the mounted lens over its focal length: how much larger its picture is than focused at infinity."""
+    return mounted(camera).image_scale_mm / camera.focal_length_mm
+
+
+@lru_cache(maxsize=64)
+def _scaled_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
+    own = first_order(completed(prescription, image_height_mm=image_height_mm)).focal_length_mm
+    # completed again at its own scale, since what is solved for depends on the film it has to cover
+    whole = completed(prescription, image_height_mm=image_height_mm * own / focal_length_mm)
+    return scaled(whole, focal_length_mm / own)
+
+
+@lru_cache(maxsize=64)
+def _focused(prescription: Prescription, focus_distance_m: float, f_stop: float) -> FocusedLens:
+    return focused(prescription, focus_distance_m, f_stop)

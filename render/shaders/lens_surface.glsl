@@ -1,0 +1,129 @@
+// Surfaces of a lens: where a ray meets one, and how it goes on.
+// Lengths in mm; z along the axis from the scene to the film, 0 at the surface's vertex. Rays here go from the film to the scene.
+
+struct LensSurface {
+    vec4 shape;         // curvature (1/mm), half clear diameter, conic constant, distance to the next vertex or the film
+    vec4 aspheric[2];   // coefficients of r^4, r^6, ... r^18
+    vec4 kind;          // number of aspheric coefficients, 1 + its height map (0 for none), lowest and highest height
+};
+layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
+
+#ifdef HEIGHT_FIELD
+uniform sampler2D heights[2];   // mm toward the film, over the square around the clear aperture, row 0 at the top
+const int MARCH_STEPS = 64;
+const int REFINEMENTS = 14;
+#endif
+
+// Polynomial part of the sag and its derivative by r², over r².
+vec2 aspheric_sag(LensSurface s, float r2)
+{
+    float sag = 0.0, slope = 0.0;
+    for (int i = int(s.kind.x) - 1; i >= 0; --i) {
+        slope = slope * r2 + sag;
+        sag = sag * r2 + s.aspheric[i >> 2][i & 3];
+    }
+    return vec2(sag * r2 * r2, slope * r2 * r2 + 2.0 * sag * r2);
+}
+
+// Sag and its gradient; false beyond the surface's own rim.
+bool sag_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
+{
+    float c = s.shape.x, r2 = dot(at, at), inside = 1.0 - (1.0 + s.shape.z) * c * c * r2;
+    if (inside <= 0.0) return false;
+    float root = sqrt(inside);
+    vec2 polynomial = aspheric_sag(s, r2);
+    sag = c * r2 / (1.0 + root) + polynomial.x;
+    gradient = at * (c / root + 2.0 * polynomial.y);
+#ifdef HEIGHT_FIELD
+    if (s.kind.y > 0.0) {
+        vec2 place = 0.5 + 0.5 * vec2(at.x, -at.y) / s.shape.y;
+        int map = int(s.kind.y) - 1;
+        vec2 texel = 1.0 / vec2(textureSize(heights[map], 0));
+        sag += textureLod(heights[map], place, 0.0).r;
+        float x = textureLod(heights[map], place + vec2(texel.x, 0.0), 0.0).r
+                - textureLod(heights[map], place - vec2(texel.x, 0.0), 0.0).r;
+        float y = textureLod(heights[map], place - vec2(0.0, texel.y), 0.0).r
+                - textureLod(heights[map], place + vec2(0.0, texel.y), 0.0).r;
+        gradient += vec2(x, y) / (4.0 * s.shape.y * texel);
+    }
+#endif
+    return true;
+}
+
+// Distance along the ray to the conic; the root on the vertex's side.
+bool meet_conic(LensSurface s, vec3 o, vec3 d, out float t)
+{
+    float c = s.shape.x, k = 1.0 + s.shape.z;
+    float A = c * (dot(d.xy, d.xy) + k * d.z * d.z);
+    float B = c * (dot(o.xy, d.xy) + k * o.z * d.z) - d.z;
+    float C = c * (dot(o.xy, o.xy) + k * o.z * o.z) - 2.0 * o.z;
+    float discriminant = B * B - A * C;
+    if (discriminant < 0.0) return false;
+    t = C / (-B + sign(d.z) * sqrt(discriminant));
+    return true;
+}
+
+// How far a point of the ray lies behind the surface.
+float behind(LensSurface s, vec3 p)
+{
+    float sag;
+    vec2 gradient;
+    return sag_at(s, p.xy, sag, gradient) ? p.z - sag : 1e9;
+}
+
+#ifdef HEIGHT_FIELD
+// March through the slab that holds the surface, then halve the step in which the ray goes through it.
+bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
+{
+    float rim = behind(s, vec3(s.shape.y, 0.0, 0.0)), top = max(0.0, -rim) + s.kind.w, bottom = min(0.0, -rim) + s.kind.z;
+    if (abs(rim) >= 1e8) return false;
+    float first = (top + 1e-4 - o.z) / d.z, last = (bottom - 1e-4 - o.z) / d.z, step_t = (last - first) / float(MARCH_STEPS);
+    float before = first;
+    t = first;
+    for (int i = 1; i <= MARCH_STEPS; ++i) {
+        t = first + step_t * float(i);
+        if (behind(s, o + t * d) <= 0.0) break;
+        before = t;
+        if (i == MARCH_STEPS) return false;
+    }
+    for (int i = 0; i < REFINEMENTS; ++i) {
+        float middle = 0.5 * (before + t);
+        if (behind(s, o + middle * d) <= 0.0) t = middle;
+        else before = middle;
+    }
+    return true;
+}
+#endif
+
+// Distance to the surface: closed form for a conic, then Newton's method for what is added to it.
+bool meet(LensSurface s, vec3 o, vec3 d, out float t)
+{
+#ifdef HEIGHT_FIELD
+    if (s.kind.y > 0.0) return meet_heights(s, o, d, t);
+#endif
+    if (!meet_conic(s, o, d, t)) return false;
+    if (s.kind.x == 0.0) return true;
+    for (int i = 0; i < 8; ++i) {
+        vec3 p = o + t * d;
+        float sag;
+        vec2 gradient;
+        if (!sag_at(s, p.xy, sag, gradient)) return false;
+        t -= (p.z - sag) / (d.z - dot(gradient, d.xy));
+    }
+    return true;
+}
+
+// Through one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1.
+bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, inout vec3 d, inout float clearance)
+{
+    float t, sag;
+    vec2 gradient;
+    if (!meet(s, o, d, t)) return false;
+    o += t * d;
+    if (!sag_at(s, o.xy, sag, gradient)) return false;
+    clearance = max(clearance, dot(o.xy, o.xy) / (s.shape.y * s.shape.y) - 1.0);
+    if (from_index == to_index) return true;
+    vec3 normal = normalize(vec3(-gradient, 1.0));
+    d = refract(d, normal, from_index / to_index);
+    return d != vec3(0.0);
+}

@@ -1,0 +1,198 @@
+"""The table of a prescription: where its pupil is open at each field height, and how its rays leave it.
+
+Field heights are slopes of the ideal lens: the film point that a pixel stands for is its slope times the image scale of the lens
+as focused, so that by default the picture's framing does not change with focus, and with breathing it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.lens import AberrationScales
+from render.optics.focusing import FocusedLens
+from render.optics.glass import D_LINE_NM
+from render.scene import DoubleArray, FloatArray
+from render.trace.aberration_scales import defocus, scaled_errors
+from render.trace.lens_fit import NodeRays, PupilFit, Region, pupil_nodes
+from render.trace.lens_table import BOUND, PolynomialTable
+from render.trace.surface_tracer import SurfaceTracer, TracedLens
+
+HEIGHTS = 48
+MAX_SLOPE = 4.5
+"""Beyond 77 degrees from the axis a picture from one point cannot be drawn; the lens is dark there."""
+_GRID = 41
+_PADDING = 1.0 / _GRID
+
+
+def prescription_table(
+    tracer: SurfaceTracer,
+    lens: FocusedLens,
+    last_slope: float,
+    focus_w: float,
+    wavelengths_nm: Sequence[float],
+    scales: AberrationScales,
+) -> PolynomialTable:
+    """Trace and fit a focused lens.
+
+    Args:
+        tracer: of the device.
+        lens: as focused.
+        last_slope: field of the picture's farthest corner, slope in object space.
+        focus_w: inverse depth of the plane of focus, 1/m.
+        wavelengths_nm: one part of the table for each.
+        scales: factors on its errors.
+    """
+    slopes = np.linspace(0.0, last_slope, HEIGHTS)
+    regions, light = _open_regions(tracer, lens, slopes)
+    fit = PupilFit(pupil_nodes())
+    reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
+    traced = _trace_nodes(tracer, lens, slopes, regions, fit.nodes, (*wavelengths_nm, *reference))
+    rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2 / light[0])
+    if reference:
+        rays = _chromatic(rays, scales.chromatic)
+    rays = [
+        [_scaled(r, part[0], region, fit.nodes, scales) for r, region in zip(part, regions, strict=True)]
+        for part in rays
+    ]
+    dimming = np.maximum(light / light[0], 1e-6) ** (scales.vignetting - 1)
+    rows = np.stack(
+        [
+            [
+                fit.row(replace(r, weight=r.weight * dim), region)
+                for r, region, dim in zip(part, regions, dimming, strict=True)
+            ]
+            for part in rays
+        ]
+    )
+    return _table(rows, last_slope)
+
+
+def _table(rows: FloatArray, last_slope: float) -> PolynomialTable:
+    bounds = np.abs(rows[..., BOUND : BOUND + 4])
+    return PolynomialTable(
+        rows,
+        last_slope,
+        pupil_reach_m=float((bounds[..., 2] + bounds[..., 3]).max()),
+        slope_reach=float((bounds[..., 0] + bounds[..., 1]).max()),
+    )
+
+
+def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray) -> tuple[list[Region], DoubleArray]:
+    """What of the stop is open for each field height, and how much light comes through it, ``(heights,)``, in mm² · 1/mm²."""
+    line = np.linspace(-1, 1, _GRID)
+    disc = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1).reshape(-1, 2)
+    disc = disc[np.hypot(*disc.T) <= 1 + 1e-9]
+    stops = np.tile(disc, (len(slopes), 1))
+    traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), stops, (D_LINE_NM,))
+    shape = (len(slopes), len(disc))
+    clearance = np.maximum(traced.front[0], traced.rear[0]).reshape(shape)
+    passed = traced.passed[0].reshape(shape) & _drawable(traced)[0].reshape(shape)
+    # a rim's edge is soft by a cell of the grid, so that the light does not jump from height to height
+    share = np.where(passed, np.clip(0.5 - clearance * _GRID / 4, 0.0, 1.0), 0.0)
+    half = np.where(disc[:, 1] < 1e-9, 0.5, 1.0)
+    light = (share * traced.weight[0].reshape(shape) * half).sum(axis=1) / half.sum() * lens.stop_radius_mm**2
+    regions = [_region(disc[is_open], len(disc)) for is_open in passed & (clearance <= 0)]
+    return regions, light
+
+
+def _region(is_open: DoubleArray, all_points: int) -> Region:
+    """The smallest ellipse on the tangential axis around the open points of the half disc, padded by a cell of the grid."""
+    if len(is_open) == all_points:
+        return Region()
+    if len(is_open) == 0:
+        return Region(0.0, _PADDING, _PADDING, clipped=True)
+    x, y = is_open.T
+    low, high = max(x.min() - _PADDING, -1.0), min(x.max() + _PADDING, 1.0)
+    centre, half = (low + high) / 2, (high - low) / 2
+    stretched = half * np.linspace(1.0, 1.6, 25)
+    across = np.array(
+        [np.sqrt((y**2 / np.maximum(1 - ((x - centre) / along) ** 2, 1e-9)).max()) for along in stretched]
+    )
+    across += _PADDING
+    best = int(np.argmin(stretched * across))
+    if stretched[best] * across[best] >= 1.0:
+        return Region(clipped=True)
+    return Region(float(centre), float(stretched[best]), float(across[best]), clipped=True)
+
+
+def _trace_nodes(
+    tracer: SurfaceTracer,
+    lens: FocusedLens,
+    slopes: DoubleArray,
+    regions: list[Region],
+    nodes: DoubleArray,
+    wavelengths_nm: Sequence[float],
+) -> TracedLens:
+    stops = np.concatenate([region.on_stop(nodes) for region in regions])
+    return _trace(tracer, lens, np.repeat(slopes, len(nodes)), stops, wavelengths_nm)
+
+
+def _trace(
+    tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray, stops: DoubleArray, wavelengths_nm: Sequence[float]
+) -> TracedLens:
+    """Rays of field heights ``(n,)`` through stop points ``(n, 2)`` in units of its radius; the film's image is inverted."""
+    film = np.stack([-slopes * lens.image_scale_mm, np.zeros(len(slopes))], axis=1)
+    upright = np.sign(lens.first.entrance_pupil_magnification)
+    return tracer.trace(lens, film, upright * stops * lens.stop_radius_mm, wavelengths_nm)
+
+
+def _node_rays(
+    traced: TracedLens, slopes: DoubleArray, regions: list[Region], focus_w: float, light: float
+) -> list[list[NodeRays]]:
+    """By wavelength and field height; ``light`` turns a weight and a region's area into the share of the light on the axis."""
+    wavelengths = len(traced.slope)
+    pupil_m = traced.pupil_mm / 1000
+    at_focus = traced.slope + pupil_m * focus_w
+    drawable = traced.passed & _drawable(traced)
+
+    def part(values: NDArray[Any], k: int, h: int) -> NDArray[Any]:
+        return np.asarray(values.reshape(wavelengths, len(slopes), -1, *values.shape[2:])[k, h])
+
+    return [
+        [
+            NodeRays(
+                slope=part(at_focus, k, h) - [slopes[h], 0.0],
+                pupil_m=part(pupil_m, k, h),
+                front=part(traced.front, k, h),
+                rear=part(traced.rear, k, h),
+                weight=part(traced.weight, k, h) * light * region.area,
+                passed=part(drawable, k, h),
+            )
+            for h, region in enumerate(regions)
+        ]
+        for k in range(wavelengths)
+    ]
+
+
+def _drawable(traced: TracedLens) -> NDArray[np.bool_]:
+    return np.asarray(np.hypot(traced.slope[..., 0], traced.slope[..., 1]) <= MAX_SLOPE)
+
+
+def _chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
+    """All but the last wavelength, moved away from that one, or toward it."""
+    return [
+        [
+            replace(
+                r,
+                slope=base.slope + factor * (r.slope - base.slope),
+                pupil_m=base.pupil_m + factor * (r.pupil_m - base.pupil_m),
+                passed=r.passed & base.passed,
+            )
+            for r, base in zip(part, rays[-1], strict=True)
+        ]
+        for part in rays[:-1]
+    ]
+
+
+def _scaled(rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales) -> NodeRays:
+    if scales == replace(AberrationScales(), chromatic=scales.chromatic, vignetting=scales.vignetting):
+        return rays
+    if not (rays.passed.all() and axis.passed.all()):
+        return rays  # half the pupil is dark here: there are no powers of it to tell apart
+    on_axis = defocus(axis.slope, nodes)
+    return replace(rays, slope=scaled_errors(rays.slope, region.on_stop(nodes), on_axis, scales))

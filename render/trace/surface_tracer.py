@@ -1,0 +1,157 @@
+"""Rays from the film through a lens and out into the scene, on the device: ``lens_trace.comp``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.lens import HeightField
+from render.optics.focusing import FocusedLens
+from render.optics.glass import refractive_index
+from render.optics.paraxial import paraxial_system, transfer
+from render.scene import DoubleArray, FloatArray
+
+MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
+MAX_ASPHERIC = 8
+_GROUP = 64
+
+
+@dataclass(frozen=True, eq=False)
+class TracedLens:
+    """Where rays leave a lens, for each wavelength and query.
+
+    Attributes:
+        slope: ``(k, n, 2)`` in object space, m of x to a m of depth.
+        pupil_mm: ``(k, n, 2)`` where the ray passes the plane of the entrance pupil.
+        front: ``(k, n)`` clearance before the stop, (r / half clear diameter)² − 1 at its largest: above 0 a rim blocks.
+        rear: likewise, behind the stop.
+        weight: ``(k, n)`` projected solid angle on the film of an element of the stop, 1/mm².
+        passed: ``(k, n)`` whether the ray gets through at all, rims apart.
+    """
+
+    slope: DoubleArray
+    pupil_mm: DoubleArray
+    front: DoubleArray
+    rear: DoubleArray
+    weight: DoubleArray
+    passed: NDArray[np.bool_]
+
+
+class SurfaceTracer:
+    """Traces rays through focused lenses."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx = ctx
+        self._programs = programs
+
+    def trace(
+        self,
+        lens: FocusedLens,
+        film_mm: DoubleArray,
+        stop_mm: DoubleArray,
+        wavelengths_nm: Sequence[float],
+        height_field: HeightField | None = None,
+    ) -> TracedLens:
+        """Trace the ray from each film point through the stop point beside it.
+
+        Args:
+            lens: the lens as focused.
+            film_mm: ``(n, 2)`` on the film.
+            stop_mm: ``(n, 2)`` on the stop, in the same frame.
+            wavelengths_nm: up to `MAX_WAVELENGTHS`.
+            height_field: heights on the first and the last surface.
+        """
+        count = len(film_mm)
+        program = self._program(height_field)
+        queries = np.concatenate([film_mm, stop_mm], axis=1).astype(np.float32)
+        buffers = [
+            self._ctx.buffer(_surfaces(lens, height_field).tobytes()),
+            self._ctx.buffer(_indices(lens, wavelengths_nm).tobytes()),
+            self._ctx.buffer(queries.tobytes()),
+            self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32),
+        ]
+        textures = self._bind_heights(program, height_field)
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        near_axis = [_film_to_stop(lens, wavelength) for wavelength in wavelengths_nm]
+        set_uniforms(
+            program,
+            query_count=count,
+            surface_count=len(lens.prescription.surfaces),
+            stop_index=lens.stop,
+            entrance_mm=float(lens.entrance_pupil_mm - lens.vertices_mm[0]),
+            stop_mm=lens.stop_radius_mm,
+            to_stop=near_axis + [(0.0, 1.0)] * (MAX_WAVELENGTHS - len(near_axis)),
+        )
+        program.run(-(-count // _GROUP), len(wavelengths_nm))
+        self._ctx.memory_barrier()
+        found = np.frombuffer(buffers[-1].read(), np.float32).reshape(len(wavelengths_nm), count, 8)
+        for buffer in buffers:
+            buffer.release()
+        for texture in textures:
+            texture.release()
+        return _unpacked(found)
+
+    def _program(self, height_field: HeightField | None) -> moderngl.ComputeShader:
+        defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
+        return self._programs.compute("lens_trace.comp", defines)
+
+    def _bind_heights(self, program: moderngl.ComputeShader, field: HeightField | None) -> list[moderngl.Texture]:
+        if field is None:
+            return []
+        textures = []
+        for unit, heights in enumerate((field.front, field.back)):
+            image = np.zeros((1, 1)) if heights is None else heights
+            texture = self._ctx.texture(image.shape[::-1], 1, image.astype(np.float32).tobytes(), dtype="f4")
+            texture.filter, texture.repeat_x, texture.repeat_y = (moderngl.LINEAR, moderngl.LINEAR), False, False
+            texture.use(unit)
+            textures.append(texture)
+        set_uniforms(program, heights=[0, 1])
+        return textures
+
+
+def _unpacked(found: FloatArray) -> TracedLens:
+    values = found.astype(np.float64)
+    return TracedLens(
+        slope=values[..., 0:2],
+        pupil_mm=values[..., 2:4],
+        front=values[..., 4],
+        rear=values[..., 5],
+        weight=values[..., 6],
+        passed=values[..., 7] > 0,
+    )
+
+
+def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
+    """``(n, 16)`` as ``LensSurface`` in ``lens_surface.glsl``."""
+    surfaces = lens.prescription.surfaces
+    table = np.zeros((len(surfaces), 16), np.float32)
+    gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
+    for row, surface, gap in zip(table, surfaces, gaps, strict=True):
+        row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, surface.semi_diameter_mm, surface.conic, gap]
+        row[4 : 4 + len(surface.aspheric)] = surface.aspheric
+        row[12] = len(surface.aspheric)
+    if field is not None:
+        for index, (place, heights) in enumerate(zip((0, -1), (field.front, field.back), strict=True)):
+            if heights is not None:
+                table[place, 13:16] = [1 + index, heights.min(), heights.max()]
+    return table
+
+
+def _indices(lens: FocusedLens, wavelengths_nm: Sequence[float]) -> FloatArray:
+    """``(k, n + 1)`` before the first surface and behind each."""
+    glasses = [surface.glass for surface in lens.prescription.surfaces]
+    rows = [[1.0, *(refractive_index(glass, wavelength) for glass in glasses)] for wavelength in wavelengths_nm]
+    return np.asarray(rows, np.float32)
+
+
+def _film_to_stop(lens: FocusedLens, wavelength_nm: float) -> tuple[float, float]:
+    """Near the axis, ``stop point = x · film point + y · slope``; slopes here are toward the scene."""
+    system = paraxial_system(lens.prescription, wavelength_nm, lens.vertices_mm)
+    (_, b), (_, d) = transfer(system, lens.stop, len(lens.vertices_mm), to_mm=lens.film_mm)
+    return float(d), float(b)

@@ -1,0 +1,214 @@
+"""Lens surfaces as functions: sphere, asphere and height map alike are the zero of ``F(x, y, z) = z − S(x, y)``.
+
+A ray finds it by Newton's method within a bracket that is sure to hold the root, bisected wherever a step would leave it. No
+closed form for conics is used. Places are relative to the surface's vertex, in millimetres, z along the axis toward the film.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.lens import Surface
+from render.scene import DoubleArray
+
+_SLACK_MM = 1e-6  # by which the slab that brackets a surface is wider than the surface
+_RIM_SLACK = 1 + 1e-9  # a ray that grazes the rim passes
+_CONVERGED_MM = 1e-13
+_MAX_EXTENT_MM = 1e4
+_STEEPEST = 10.0  # dz/dr at which an asphere without a clear diameter ends
+_MAX_STEPS = 120
+_MARCH_STEPS = 32
+_MARGIN = 1.25  # share of the clear diameter to which a surface goes on where rims do not block
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceShape:
+    """One surface as the function ``z = S(x, y)``, its vertex in the origin. Beyond its extent it goes on flat.
+
+    Attributes:
+        surface: the surface.
+        extent_mm: distance from the axis where it ends: at its rim where rays are clipped, else where its formula does.
+        map: heights that are added, or None.
+        lowest_mm: bound on S from below.
+        highest_mm: bound on S from above.
+        steepest: bound on its slope.
+    """
+
+    surface: Surface
+    extent_mm: float
+    map: _HeightMap | None
+    lowest_mm: float
+    highest_mm: float
+    steepest: float
+
+    @classmethod
+    def of(cls, surface: Surface, heights: DoubleArray | None, *, clip: bool) -> SurfaceShape:
+        end = min(_formula_end_mm(surface), _MAX_EXTENT_MM)
+        if surface.semi_diameter_mm > 0:
+            end = min(end, surface.semi_diameter_mm * (1.0 if clip else _MARGIN))
+        added = None if heights is None else _HeightMap(np.asarray(heights, np.float64), surface.semi_diameter_mm)
+        low, high, steepest = _bounds(surface, end, added)
+        return cls(surface, end, added, low, high, steepest)
+
+    def value(self, x: DoubleArray, y: DoubleArray) -> DoubleArray:
+        """S(x, y)."""
+        sag = _sag(self.surface, np.minimum(x * x + y * y, self.extent_mm**2))
+        return sag if self.map is None else sag + self.map.value(x, y)
+
+    def gradient(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """∂S/∂x and ∂S/∂y."""
+        r2 = x * x + y * y
+        by_r2 = np.where(r2 <= self.extent_mm**2, _sag_by_r2(self.surface, np.minimum(r2, self.extent_mm**2)), 0.0)
+        if self.map is None:
+            return 2 * x * by_r2, 2 * y * by_r2
+        map_x, map_y = self.map.gradient(x, y)
+        return 2 * x * by_r2 + map_x, 2 * y * by_r2 + map_y
+
+    def normals(self, points: DoubleArray) -> DoubleArray:
+        """``(n, 3)`` unit normals toward the film."""
+        gx, gy = self.gradient(points[:, 0], points[:, 1])
+        length = np.sqrt(1 + gx * gx + gy * gy)
+        return np.stack([-gx / length, -gy / length, 1 / length], axis=1)
+
+    def outside(self, points: DoubleArray) -> NDArray[np.bool_]:
+        """``(n,)`` whether points of the surface lie beyond its extent."""
+        return np.asarray(points[:, 0] ** 2 + points[:, 1] ** 2 > (self.extent_mm * _RIM_SLACK) ** 2)
+
+    def meet(self, origins: DoubleArray, directions: DoubleArray) -> DoubleArray:
+        """``(n, 3)`` where rays first meet the surface within the slab that it fills.
+
+        F is of one sign where the ray enters the slab and of the other where it leaves it, so that there is a root.
+        """
+        origins = origins - (origins[:, 2] / directions[:, 2])[:, None] * directions
+        low = (self.lowest_mm - _SLACK_MM) / directions[:, 2]
+        high = (self.highest_mm + _SLACK_MM) / directions[:, 2]
+        before, behind = np.minimum(low, high), np.maximum(low, high)
+        across = np.hypot(directions[:, 0], directions[:, 1])
+        many = np.flatnonzero(self.steepest * across >= np.abs(directions[:, 2]))  # they could meet it more than once
+        if len(many):
+            before[many], behind[many] = self._first_change(origins[many], directions[many], before[many], behind[many])
+        return origins + self._root(origins, directions, before, behind)[:, None] * directions
+
+    def _first_change(
+        self, origins: DoubleArray, directions: DoubleArray, before: DoubleArray, behind: DoubleArray
+    ) -> tuple[DoubleArray, DoubleArray]:
+        """The first of many small steps in which F changes its sign."""
+        sign = np.sign(directions[:, 2])
+        step = (behind - before) / _MARCH_STEPS
+        start, end, found = before.copy(), behind.copy(), np.zeros(len(before), bool)
+        for i in range(1, _MARCH_STEPS):
+            at = before + i * step
+            passed = ~found & (sign * self._miss(origins, directions, at) >= 0)
+            end[passed], found = at[passed], found | passed
+            start = np.where(found, start, at)
+        return start, end
+
+    def _miss(self, origins: DoubleArray, directions: DoubleArray, distance: DoubleArray) -> DoubleArray:
+        """F at a distance along each ray."""
+        x, y, z = (origins + distance[:, None] * directions).T
+        return np.asarray(z - self.value(x, y))
+
+    def _root(
+        self, origins: DoubleArray, directions: DoubleArray, before: DoubleArray, behind: DoubleArray
+    ) -> DoubleArray:
+        """Distance at which F is 0, within the bracket: Newton's method, and bisection where it leads out or dawdles."""
+        sign = np.sign(directions[:, 2])
+        distance = np.clip(0.0, before, behind)
+        left = np.arange(len(distance))
+        for step in range(_MAX_STEPS):
+            o, d, t = origins[left], directions[left], distance[left]
+            x, y, z = (o + t[:, None] * d).T
+            miss = z - self.value(x, y)
+            short = sign[left] * miss < 0
+            before[left[short]], behind[left[~short]] = t[short], t[~short]
+            gx, gy = self.gradient(x, y)
+            slope = d[:, 2] - gx * d[:, 0] - gy * d[:, 1]
+            newton = t - miss / np.where(slope == 0, np.inf, slope)
+            lo, hi = before[left], behind[left]
+            stays = (newton > lo) & (newton < hi) & (step % 8 != 7)
+            distance[left] = np.where(np.abs(miss) < _CONVERGED_MM, t, np.where(stays, newton, (lo + hi) / 2))
+            left = left[(np.abs(miss) > _CONVERGED_MM) & (hi - lo > _CONVERGED_MM)]
+            if not len(left):
+                break
+        return np.asarray(distance)
+
+
+@dataclass(frozen=True, eq=False)
+class _HeightMap:
+    """Heights over the square of half side ``half_mm`` around the axis; beyond it, those of its border."""
+
+    heights: DoubleArray
+    half_mm: float
+
+    def value(self, x: DoubleArray, y: DoubleArray) -> DoubleArray:
+        """Heights in mm at places in mm."""
+        return self._bilinear(self.heights, x, y)
+
+    def gradient(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """Central differences, bilinear between texels."""
+        padded = np.pad(self.heights, 1, mode="edge")
+        texel_y, texel_x = (2 * self.half_mm / side for side in self.heights.shape)
+        by_x = (padded[1:-1, 2:] - padded[1:-1, :-2]) / (2 * texel_x)
+        by_y = (padded[:-2, 1:-1] - padded[2:, 1:-1]) / (2 * texel_y)
+        return self._bilinear(by_x, x, y), self._bilinear(by_y, x, y)
+
+    def _bilinear(self, image: DoubleArray, x: DoubleArray, y: DoubleArray) -> DoubleArray:
+        rows, columns = image.shape
+        column = np.clip((1 + x / self.half_mm) / 2 * columns - 0.5, 0, columns - 1)
+        row = np.clip((1 - y / self.half_mm) / 2 * rows - 0.5, 0, rows - 1)
+        i, j = row.astype(np.int64), column.astype(np.int64)
+        below, right = np.minimum(i + 1, rows - 1), np.minimum(j + 1, columns - 1)
+        upper = image[i, j] + (column - j) * (image[i, right] - image[i, j])
+        lower = image[below, j] + (column - j) * (image[below, right] - image[below, j])
+        return np.asarray(upper + (row - i) * (lower - upper))
+
+
+def _sag(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """The sag of `render.lens` at squares of the distance from the axis."""
+    sag = np.zeros_like(r2)
+    if surface.radius_mm:
+        c = 1 / surface.radius_mm
+        sag += c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
+    for i, coefficient in enumerate(surface.aspheric):
+        sag += coefficient * r2 ** (i + 2)
+    return sag
+
+
+def _sag_by_r2(surface: Surface, r2: DoubleArray) -> DoubleArray:
+    """Derivative of the sag by the square of the distance from the axis."""
+    slope = np.zeros_like(r2)
+    if surface.radius_mm:
+        c = 1 / surface.radius_mm
+        slope += c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
+    for i, coefficient in enumerate(surface.aspheric):
+        slope += (i + 2) * coefficient * r2 ** (i + 1)
+    return slope
+
+
+def _formula_end_mm(surface: Surface) -> float:
+    """Distance from the axis where a surface's conic turns back; of an asphere, where it grows too steep to be meant."""
+    bend = (1 + surface.conic) / surface.radius_mm**2 if surface.radius_mm else 0.0
+    end = (1 - 1e-9) / np.sqrt(bend) if bend > 0 else np.inf
+    if not surface.aspheric:
+        return float(end)
+    r = np.geomspace(1e-3, min(end, _MAX_EXTENT_MM), 1025)
+    steep = np.abs(2 * r * _sag_by_r2(surface, r * r)) > _STEEPEST
+    return float(r[steep.argmax()] if steep.any() else end)
+
+
+def _bounds(surface: Surface, end_mm: float, added: _HeightMap | None) -> tuple[float, float, float]:
+    """Lowest and highest value and steepest slope of a surface out to a distance from the axis."""
+    if not surface.radius_mm and not surface.aspheric and added is None:
+        return 0.0, 0.0, 0.0
+    r = np.linspace(0, end_mm, 1025)
+    sag, slope = _sag(surface, r * r), np.abs(2 * r * _sag_by_r2(surface, r * r))
+    slack = float(slope.max()) * end_mm / 2048 if surface.aspheric else 0.0  # a conic is lowest and highest at its ends
+    low, high, steepest = float(sag.min()) - slack, float(sag.max()) + slack, float(slope.max())
+    if added is not None:
+        low, high = low + float(added.heights.min()), high + float(added.heights.max())
+        rise = max(float(np.abs(np.diff(added.heights, axis=axis)).max(initial=0.0)) for axis in (0, 1))
+        steepest += 1.5 * rise * max(added.heights.shape) / (2 * added.half_mm)
+    return low, high, steepest

@@ -53,86 +53,79 @@ class SurfaceShape:
         low, high, steepest = _bounds(surface, end, added)
         return cls(surface, end, added, low, high, steepest)
 
-    def value(self, x: DoubleArray, y: DoubleArray) -> DoubleArray:
-        """S(x, y)."""
-        sag = _sag(self.surface, np.minimum(x * x + y * y, self.extent_mm**2))
-        return sag if self.map is None else sag + self.map.value(x, y)
-
-    def gradient(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """∂S/∂x and ∂S/∂y."""
+    def at(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+        """S, ∂S/∂x and ∂S/∂y."""
         r2 = x * x + y * y
-        by_r2 = np.where(r2 <= self.extent_mm**2, _sag_by_r2(self.surface, np.minimum(r2, self.extent_mm**2)), 0.0)
+        end = self.extent_mm**2
+        sag, by_r2 = _sag(self.surface, np.minimum(r2, end))
+        by_r2 = np.where(r2 <= end, by_r2, 0.0)
         if self.map is None:
-            return 2 * x * by_r2, 2 * y * by_r2
-        map_x, map_y = self.map.gradient(x, y)
-        return 2 * x * by_r2 + map_x, 2 * y * by_r2 + map_y
+            return sag, 2 * x * by_r2, 2 * y * by_r2
+        added, map_x, map_y = self.map.at(x, y)
+        return sag + added, 2 * x * by_r2 + map_x, 2 * y * by_r2 + map_y
 
     def normals(self, points: DoubleArray) -> DoubleArray:
-        """``(n, 3)`` unit normals toward the film."""
-        gx, gy = self.gradient(points[:, 0], points[:, 1])
+        """``(3, n)`` unit normals toward the film."""
+        _, gx, gy = self.at(points[0], points[1])
         length = np.sqrt(1 + gx * gx + gy * gy)
-        return np.stack([-gx / length, -gy / length, 1 / length], axis=1)
+        return np.stack([-gx / length, -gy / length, 1 / length])
 
     def outside(self, points: DoubleArray) -> NDArray[np.bool_]:
         """``(n,)`` whether points of the surface lie beyond its extent."""
-        return np.asarray(points[:, 0] ** 2 + points[:, 1] ** 2 > (self.extent_mm * _RIM_SLACK) ** 2)
+        return np.asarray(points[0] ** 2 + points[1] ** 2 > (self.extent_mm * _RIM_SLACK) ** 2)
 
     def meet(self, origins: DoubleArray, directions: DoubleArray) -> DoubleArray:
-        """``(n, 3)`` where rays first meet the surface within the slab that it fills.
+        """``(3, n)`` where rays first meet the surface within the slab that it fills.
 
         F is of one sign where the ray enters the slab and of the other where it leaves it, so that there is a root.
+
+        Args:
+            origins: ``(3, n)``.
+            directions: ``(3, n)`` unit vectors; those of NaN stay so.
         """
-        origins = origins - (origins[:, 2] / directions[:, 2])[:, None] * directions
-        low = (self.lowest_mm - _SLACK_MM) / directions[:, 2]
-        high = (self.highest_mm + _SLACK_MM) / directions[:, 2]
+        origins = origins - origins[2] / directions[2] * directions
+        low, high = (self.lowest_mm - _SLACK_MM) / directions[2], (self.highest_mm + _SLACK_MM) / directions[2]
         before, behind = np.minimum(low, high), np.maximum(low, high)
-        across = np.hypot(directions[:, 0], directions[:, 1])
-        many = np.flatnonzero(self.steepest * across >= np.abs(directions[:, 2]))  # they could meet it more than once
+        across = np.sqrt(directions[0] ** 2 + directions[1] ** 2)
+        many = np.flatnonzero(self.steepest * across >= np.abs(directions[2]))  # they could meet it more than once
         if len(many):
-            before[many], behind[many] = self._first_change(origins[many], directions[many], before[many], behind[many])
-        return origins + self._root(origins, directions, before, behind)[:, None] * directions
+            before[many], behind[many] = self._first_change(
+                origins[:, many], directions[:, many], before[many], behind[many]
+            )
+        return origins + self._root(origins, directions, before, behind) * directions
 
     def _first_change(
         self, origins: DoubleArray, directions: DoubleArray, before: DoubleArray, behind: DoubleArray
     ) -> tuple[DoubleArray, DoubleArray]:
         """The first of many small steps in which F changes its sign."""
-        sign = np.sign(directions[:, 2])
         step = (behind - before) / _MARCH_STEPS
         start, end, found = before.copy(), behind.copy(), np.zeros(len(before), bool)
         for i in range(1, _MARCH_STEPS):
             at = before + i * step
-            passed = ~found & (sign * self._miss(origins, directions, at) >= 0)
+            x, y, z = origins + at * directions
+            passed = ~found & (np.sign(directions[2]) * (z - self.at(x, y)[0]) >= 0)
             end[passed], found = at[passed], found | passed
             start = np.where(found, start, at)
         return start, end
-
-    def _miss(self, origins: DoubleArray, directions: DoubleArray, distance: DoubleArray) -> DoubleArray:
-        """F at a distance along each ray."""
-        x, y, z = (origins + distance[:, None] * directions).T
-        return np.asarray(z - self.value(x, y))
 
     def _root(
         self, origins: DoubleArray, directions: DoubleArray, before: DoubleArray, behind: DoubleArray
     ) -> DoubleArray:
         """Distance at which F is 0, within the bracket: Newton's method, and bisection where it leads out or dawdles."""
-        sign = np.sign(directions[:, 2])
+        forward = directions[2] > 0
         distance = np.clip(0.0, before, behind)
-        left = np.arange(len(distance))
         for step in range(_MAX_STEPS):
-            o, d, t = origins[left], directions[left], distance[left]
-            x, y, z = (o + t[:, None] * d).T
-            miss = z - self.value(x, y)
-            short = sign[left] * miss < 0
-            before[left[short]], behind[left[~short]] = t[short], t[~short]
-            gx, gy = self.gradient(x, y)
-            slope = d[:, 2] - gx * d[:, 0] - gy * d[:, 1]
-            newton = t - miss / np.where(slope == 0, np.inf, slope)
-            lo, hi = before[left], behind[left]
-            stays = (newton > lo) & (newton < hi) & (step % 8 != 7)
-            distance[left] = np.where(np.abs(miss) < _CONVERGED_MM, t, np.where(stays, newton, (lo + hi) / 2))
-            left = left[(np.abs(miss) > _CONVERGED_MM) & (hi - lo > _CONVERGED_MM)]
-            if not len(left):
+            x, y, z = origins + distance * directions
+            sag, gx, gy = self.at(x, y)
+            miss = z - sag
+            if not ((np.abs(miss) > _CONVERGED_MM) & (behind - before > _CONVERGED_MM)).any():
                 break
+            short = (miss < 0) == forward
+            before, behind = np.where(short, distance, before), np.where(short, behind, distance)
+            slope = directions[2] - gx * directions[0] - gy * directions[1]
+            newton = distance - miss / np.where(slope == 0, np.inf, slope)
+            stays = (newton >= before) & (newton <= behind) & (step % 8 != 7)
+            distance = np.where(stays, newton, 0.5 * (before + behind))
         return np.asarray(distance)
 
 
@@ -143,17 +136,14 @@ class _HeightMap:
     heights: DoubleArray
     half_mm: float
 
-    def value(self, x: DoubleArray, y: DoubleArray) -> DoubleArray:
-        """Heights in mm at places in mm."""
-        return self._bilinear(self.heights, x, y)
-
-    def gradient(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """Central differences, bilinear between texels."""
+    def at(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+        """Height at places in mm, and its slopes: central differences, bilinear between texels."""
         padded = np.pad(self.heights, 1, mode="edge")
         texel_y, texel_x = (2 * self.half_mm / side for side in self.heights.shape)
         by_x = (padded[1:-1, 2:] - padded[1:-1, :-2]) / (2 * texel_x)
         by_y = (padded[:-2, 1:-1] - padded[2:, 1:-1]) / (2 * texel_y)
-        return self._bilinear(by_x, x, y), self._bilinear(by_y, x, y)
+        height, slope_x, slope_y = (self._bilinear(image, x, y) for image in (self.heights, by_x, by_y))
+        return height, slope_x, slope_y
 
     def _bilinear(self, image: DoubleArray, x: DoubleArray, y: DoubleArray) -> DoubleArray:
         rows, columns = image.shape
@@ -166,26 +156,17 @@ class _HeightMap:
         return np.asarray(upper + (row - i) * (lower - upper))
 
 
-def _sag(surface: Surface, r2: DoubleArray) -> DoubleArray:
-    """The sag of `render.lens` at squares of the distance from the axis."""
-    sag = np.zeros_like(r2)
+def _sag(surface: Surface, r2: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """The sag of `render.lens` at squares of the distance from the axis, and its derivative by that square."""
+    sag, by_r2 = np.zeros_like(r2), np.zeros_like(r2)
     if surface.radius_mm:
         c = 1 / surface.radius_mm
-        sag += c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    for i, coefficient in enumerate(surface.aspheric):
-        sag += coefficient * r2 ** (i + 2)
-    return sag
-
-
-def _sag_by_r2(surface: Surface, r2: DoubleArray) -> DoubleArray:
-    """Derivative of the sag by the square of the distance from the axis."""
-    slope = np.zeros_like(r2)
-    if surface.radius_mm:
-        c = 1 / surface.radius_mm
-        slope += c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
-    for i, coefficient in enumerate(surface.aspheric):
-        slope += (i + 2) * coefficient * r2 ** (i + 1)
-    return slope
+        root = np.sqrt(1 - (1 + surface.conic) * c * c * r2)
+        sag, by_r2 = c * r2 / (1 + root), c / (2 * root)
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        sag = sag + coefficient * r2**power
+        by_r2 = by_r2 + power * coefficient * r2 ** (power - 1)
+    return sag, by_r2
 
 
 def _formula_end_mm(surface: Surface) -> float:
@@ -195,7 +176,7 @@ def _formula_end_mm(surface: Surface) -> float:
     if not surface.aspheric:
         return float(end)
     r = np.geomspace(1e-3, min(end, _MAX_EXTENT_MM), 1025)
-    steep = np.abs(2 * r * _sag_by_r2(surface, r * r)) > _STEEPEST
+    steep = np.abs(2 * r * _sag(surface, r * r)[1]) > _STEEPEST
     return float(r[steep.argmax()] if steep.any() else end)
 
 
@@ -204,7 +185,8 @@ def _bounds(surface: Surface, end_mm: float, added: _HeightMap | None) -> tuple[
     if not surface.radius_mm and not surface.aspheric and added is None:
         return 0.0, 0.0, 0.0
     r = np.linspace(0, end_mm, 1025)
-    sag, slope = _sag(surface, r * r), np.abs(2 * r * _sag_by_r2(surface, r * r))
+    sag, by_r2 = _sag(surface, r * r)
+    slope = np.abs(2 * r * by_r2)
     slack = float(slope.max()) * end_mm / 2048 if surface.aspheric else 0.0  # a conic is lowest and highest at its ends
     low, high, steepest = float(sag.min()) - slack, float(sag.max()) + slack, float(slope.max())
     if added is not None:

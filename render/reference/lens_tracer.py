@@ -22,6 +22,7 @@ from render.scene import DoubleArray, IntArray
 
 Toward = Literal["film", "scene"]
 OPEN = -1
+_AT_ONCE = 8192  # rays whose numbers fit a processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,42 +82,75 @@ def trace(
         InputError: a surface with a height map has no clear diameter.
     """
     _check_maps(surfaces, heights)
-    positions, headings = np.array(origins, np.float64), np.array(directions, np.float64)
-    blocked_at = np.full(len(positions), OPEN, np.int32)
     glasses = [medium, *(surface.glass for surface in surfaces)]
-    order = range(len(surfaces)) if toward == "film" else range(len(surfaces))[::-1]
-    alive = np.arange(len(positions))
-    for i in order:
-        shape = SurfaceShape.of(surfaces[i], None if heights is None else heights[i], clip=clip)
-        vertex = np.array([0.0, 0.0, vertices_mm[i]])
-        local = shape.meet(positions[alive] - vertex, headings[alive])
-        positions[alive] = local + vertex
-        front, behind = (refractive_index(glass, wavelength_nm) for glass in glasses[i : i + 2])
-        ratio = front / behind if toward == "film" else behind / front
-        bent, reflected = refract(headings[alive], shape.normals(local), ratio)
-        lost = reflected | (shape.outside(local) if clip else False)
-        blocked_at[alive[lost]] = i
-        alive = alive[~lost]
-        headings[alive] = bent[~lost]
-    return TracedRays(positions, headings, blocked_at)
+    indices = [refractive_index(glass, wavelength_nm) for glass in glasses]
+    steps = []
+    for i, surface in enumerate(surfaces):
+        shape = SurfaceShape.of(surface, None if heights is None else heights[i], clip=clip)
+        ratio = indices[i] / indices[i + 1]
+        steps.append(_Step(i, shape, float(vertices_mm[i]), ratio if toward == "film" else 1 / ratio))
+    steps = steps if toward == "film" else steps[::-1]
+    parts = [
+        _through(steps, origins[first : first + _AT_ONCE].T, directions[first : first + _AT_ONCE].T, clip=clip)
+        for first in range(0, max(len(origins), 1), _AT_ONCE)
+    ]
+    positions, headings, blocked_at = (np.concatenate([part[k] for part in parts], axis=-1) for k in range(3))
+    return TracedRays(positions.T, headings.T, blocked_at)
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """One surface on the way.
+
+    Attributes:
+        index: its number in the lens.
+        shape: its form.
+        vertex_mm: z of its vertex.
+        ratio: index that rays come from over the one that they go into.
+    """
+
+    index: int
+    shape: SurfaceShape
+    vertex_mm: float
+    ratio: float
+
+
+def _through(
+    steps: Sequence[_Step], origins: DoubleArray, directions: DoubleArray, *, clip: bool
+) -> tuple[DoubleArray, DoubleArray, IntArray]:
+    """Positions and directions, both ``(3, n)``, and the surface that blocked each ray; few rays, that fit a cache."""
+    positions, headings = np.array(origins, np.float64), np.array(directions, np.float64)
+    last, blocked_at = headings.copy(), np.full(positions.shape[1], OPEN, np.int32)
+    for step in steps:
+        positions[2] -= step.vertex_mm
+        met = step.shape.meet(positions, headings)
+        bent, reflected = refract(headings, step.shape.normals(met), step.ratio)
+        lost = (reflected | step.shape.outside(met)) if clip else reflected
+        blocked_at[lost & (blocked_at == OPEN)] = step.index
+        went_on = blocked_at == OPEN
+        positions = np.where(went_on | lost, met, positions)
+        positions[2] += step.vertex_mm
+        last = np.where(went_on, bent, last)
+        headings = np.where(went_on, bent, np.nan)  # a ray that was stopped meets nothing more
+    return positions, last, blocked_at
 
 
 def refract(directions: DoubleArray, normals: DoubleArray, ratio: float) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Snell's law: the tangential part of ``n·d`` goes on unchanged, the normal part makes the length right again.
 
     Args:
-        directions: ``(n, 3)`` unit vectors.
-        normals: ``(n, 3)`` unit vectors, to either side.
+        directions: ``(3, n)`` unit vectors.
+        normals: ``(3, n)`` unit vectors, to either side.
         ratio: index that the rays come from over the one that they go into.
 
     Returns:
-        ``(n, 3)`` unit vectors and ``(n,)`` whether the ray is totally reflected instead; its vector is meaningless.
+        ``(3, n)`` unit vectors and ``(n,)`` whether the ray is totally reflected instead; its vector is meaningless.
     """
-    along = np.einsum("ni,ni->n", directions, normals)
-    tangential = ratio * (directions - along[:, None] * normals)
-    left = 1.0 - np.einsum("ni,ni->n", tangential, tangential)
+    along = (directions * normals).sum(axis=0)
+    tangential = ratio * (directions - along * normals)
+    left = 1.0 - (tangential * tangential).sum(axis=0)
     inward = np.copysign(np.sqrt(np.maximum(left, 0.0)), along)
-    return tangential + inward[:, None] * normals, left < 0
+    return tangential + inward * normals, np.asarray(left < 0)
 
 
 def _check_maps(surfaces: Sequence[Surface], heights: Sequence[DoubleArray | None] | None) -> None:

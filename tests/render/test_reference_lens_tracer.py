@@ -121,7 +121,8 @@ def test_refraction_obeys_snells_law(tilt: float, turn: float, incidence: float,
     side = np.cross(normal, [[0.3, -0.4, 0.1]])
     side /= np.linalg.norm(side)
     ray = np.cos(incidence) * normal + np.sin(incidence) * side
-    bent, reflected = refract(ray, normal, n_in / n_out)
+    columns, reflected = refract(ray.T, normal.T, n_in / n_out)
+    bent = columns.T
     assert reflected[0] == (n_in * np.sin(incidence) > n_out)
     if not reflected[0]:
         assert np.linalg.norm(bent) == pytest.approx(1, abs=1e-12)

@@ -41,6 +41,8 @@ from usd_schemas.film_data import (
 )
 from usd_schemas.focus_point import FocusPointView
 from usd_schemas.keys import Interpolation, Key, Tangents
+from usd_schemas.lens_library import LibraryLens, lens_names, library_lens, library_lenses
+from usd_schemas.mounting import Mounted, mount_lens
 from usd_schemas.registration import FOLDER as PLUGIN_FOLDER
 from usd_schemas.registration import register
 from usd_schemas.view import LensCamera, SchemaView, define_camera, define_lens_camera
@@ -67,7 +69,9 @@ __all__ = [
     "Key",
     "LensCamera",
     "LensData",
+    "LibraryLens",
     "Metering",
+    "Mounted",
     "Prescription",
     "PrintCurve",
     "SchemaError",
@@ -80,4 +84,8 @@ __all__ = [
     "TiltShiftData",
     "define_camera",
     "define_lens_camera",
+    "lens_names",
+    "library_lens",
+    "library_lenses",
+    "mount_lens",
 ]

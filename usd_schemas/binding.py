@@ -24,6 +24,16 @@ def property_names(kind: type) -> Iterator[str]:
             yield item.metadata["usd"]
 
 
+def property_values(data: Any) -> Iterator[tuple[str, Any]]:
+    """Name and value of each USD property that a dataclass says, without any instance's prefix."""
+    for item in fields(data):
+        value = getattr(data, item.name)
+        if "group" in item.metadata:
+            yield from property_values(value)
+        elif "usd" in item.metadata:
+            yield item.metadata["usd"], value
+
+
 def read(kind: type[Data], prim: Usd.Prim, time: Time = None, prefix: str = "", **given: Any) -> Data:
     """Read a dataclass from a prim that has its schema applied.
 

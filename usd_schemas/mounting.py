@@ -1,0 +1,107 @@
+"""Mounts a lens on a camera: its glass, its focal length, and no wider an iris than it has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pxr import Usd
+
+from usd_schemas import binding
+from usd_schemas.applying import applied
+from usd_schemas.data import ApertureData, DataSheet, HeightField, LensData, Prescription, Seidel
+from usd_schemas.keys import following_interpolation, set_key
+from usd_schemas.units import tenths_from_mm
+from usd_schemas.values import is_animated, read_value, stored_value, usd_value
+from usd_schemas.view import LensCamera
+
+_BARREL = (
+    "lens:model",
+    "lens:name",
+    "lens:manufacturer",
+    "lens:serialNumber",
+    "lens:transmittance",
+    "lens:squeeze",
+    "lens:closeFocus",
+    "lens:focusThrow",
+    "lens:fStopRange",
+    "lens:pupilMagnification",
+    "lens:entrancePupilOffset",
+)
+_GLASS = tuple(name for kind in (Prescription, Seidel, HeightField, DataSheet) for name in binding.property_names(kind))
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """What mounting a lens changed of the camera's own numbers.
+
+    Attributes:
+        focal_length_mm: what it is now.
+        f_stop: what the smallest of its f-numbers was raised to; None where none had to be.
+    """
+
+    focal_length_mm: float | None
+    f_stop: float | None
+
+
+def mount_lens(
+    camera: LensCamera,
+    lens: LensData,
+    *,
+    focal_length_mm: float | None = None,
+    f_stop: float = 0.0,
+    aperture: ApertureData | None = None,
+) -> Mounted:
+    """Put a lens on a camera, in the stage's edit target and for all time.
+
+    What belongs to the lens replaces what the camera says of the one before: its barrel and its glass. What the photographer
+    sets stays: filters, breathing, factors on errors.
+
+    Args:
+        camera: the camera.
+        lens: what LensAPI shall say.
+        focal_length_mm: of the lens; None keeps the camera's.
+        f_stop: the lens's f-number wide open; the camera's are raised to it. 0 leaves them.
+        aperture: the lens's own iris; None keeps the camera's.
+
+    Raises:
+        SchemaError: a value is not allowed; what was authored before it stays, so edit within something that takes it back.
+    """
+    with applied(camera.prim, "LensAPI"):
+        _author(camera.prim, lens, (*_BARREL, *_GLASS))
+    if aperture is not None:
+        with applied(camera.prim, "ApertureAPI"):
+            _author(camera.prim, aperture, tuple(binding.property_names(ApertureData)))
+    if focal_length_mm is not None:
+        attribute = camera.prim.GetAttribute("focalLength")
+        _set_for_all_time(attribute, tenths_from_mm(focal_length_mm, camera.prim.GetStage()))
+    return Mounted(focal_length_mm, f_stop if _raise_f_stop(camera.prim, f_stop) else None)
+
+
+def _author(prim: Usd.Prim, data: LensData | ApertureData, names: tuple[str, ...]) -> None:
+    for name, value in binding.property_values(data):
+        if name in names:
+            _set_for_all_time(prim.GetAttribute(name), value)
+
+
+def _set_for_all_time(attribute: Usd.Attribute, value: object) -> None:
+    """Author a value over the keys and values of weaker layers, unless the attribute says it already."""
+    said = read_value(attribute)
+    if is_animated(attribute) or said is None or stored_value(attribute, value) != said:
+        checked = usd_value(attribute, value)
+        attribute.Clear()
+        attribute.Set(checked)
+
+
+def _raise_f_stop(prim: Usd.Prim, least: float) -> bool:
+    """Raise each f-number below the least to it; whether there was one."""
+    attribute = prim.GetAttribute("fStop")
+    if not is_animated(attribute):
+        said = read_value(attribute)
+        if said is not None and said >= stored_value(attribute, least):
+            return False
+        attribute.Set(usd_value(attribute, least))
+        return True
+    low = [key for key in LensCamera(prim).keys("fStop") if key.value < stored_value(attribute, least)]
+    for key in low:
+        set_key(attribute, key.time, least, following_interpolation(attribute, key.time))
+    return bool(low)

@@ -104,19 +104,6 @@ class PinholeView:
         origin = np.array([self.eye_x_m, self.eye_y_m, 0.0, 1.0])
         return (world_from_camera @ origin)[:3], world_from_camera[:3, :3] @ direction
 
-    def enlarged(self, supersample: int, guard_px: int) -> PinholeView:
-        """The same view at ``supersample`` times the resolution, with ``guard_px`` (of those) more on every side."""
-        s = supersample
-        return replace(
-            self,
-            width=self.width * s + 2 * guard_px,
-            height=self.height * s + 2 * guard_px,
-            fx=self.fx * s,
-            fy=self.fy * s,
-            cx=self.cx * s + guard_px,
-            cy=self.cy * s + guard_px,
-        )
-
     def through(self, x_m: float, y_m: float, focus_w: float, jitter_px: tuple[float, float] = (0, 0)) -> PinholeView:
         """The view through another point of the pupil that keeps the plane at inverse depth ``focus_w`` (1/m) in place.
 

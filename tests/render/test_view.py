@@ -69,13 +69,6 @@ def test_through_the_pupil_a_point_moves_by_the_one_equation(
     np.testing.assert_allclose(central - through, [VIEW.fx * lens_x * shift, -VIEW.fy * lens_y * shift], atol=1e-6)
 
 
-def test_an_enlarged_view_has_the_picture_in_its_middle() -> None:
-    wide = VIEW.enlarged(2, 30)
-    points = np.array([[0.5, 1.5, -6.0], [2.0, 2.0, -9.0]])
-    np.testing.assert_allclose(wide.project(points)[0], VIEW.project(points)[0] * 2 + 30)
-    assert (wide.width, wide.height) == (640 * 2 + 60, 360 * 2 + 60)
-
-
 def test_a_shifted_gate_shows_the_other_side() -> None:
     """A gate moved right (positive offset) looks right, so the axis lies left of the picture's middle, as in UsdGeomCamera."""
     assert VIEW.cx == pytest.approx(640 * (0.5 - 2 / 24))

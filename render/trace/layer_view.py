@@ -1,0 +1,113 @@
+"""How much of the world the layers must show, and how finely: the picture, and a guard band for what its rays reach beyond it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
+from render.scene import DoubleArray
+from render.trace.lens_table import BOUND, WEIGHT, PolynomialTable
+from render.trace.rays import FocalSurface, RayBundle
+
+MAX_BLUR_SHARE = 0.08
+"""The guard band for blur is at most this share of the picture's longer side on each side: beyond it, rays see the edge's pixels
+repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
+MAX_AREA_RATIO = 2.5
+"""The layers hold at most this many times the pixels of the picture alone at their resolution; what a lens that sees further
+needs beyond that, it gets by coarser layers."""
+MAX_SLOPE = 4.5
+"""No picture from one point goes beyond 77 degrees from its axis."""
+_EDGE_POINTS = 33
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What rays reach in slopes of object space, relative to the view axis: x right, y down."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+
+def layer_view(
+    view: PinholeView, bundle: RayBundle, surface: FocalSurface, supersample: int, nearest_w: float
+) -> PinholeView:
+    """The view to peel.
+
+    Args:
+        view: the picture.
+        bundle: the lens.
+        surface: where it is focused.
+        supersample: layer pixels per picture pixel along each axis.
+        nearest_w: inverse depth of the nearest surface in view, 1/m.
+    """
+    extent = reached(view, bundle, surface, nearest_w)
+    margins = [
+        max(0.0, view.cx + extent.right * view.fx - view.width),
+        max(0.0, -(view.cx + extent.left * view.fx)),
+        max(0.0, view.cy + extent.bottom * view.fy - view.height),
+        max(0.0, -(view.cy + extent.top * view.fy)),
+    ]
+    area = (view.width + margins[0] + margins[1]) * (view.height + margins[2] + margins[3])
+    scale = supersample * min(1.0, float(np.sqrt(MAX_AREA_RATIO * view.width * view.height / area)))
+    longest = max(view.width + margins[0] + margins[1], view.height + margins[2] + margins[3])
+    scale = min(scale, (MAX_PICTURE_SIDE_PX - 8) / longest)
+    right, left, bottom, top = (int(np.ceil(margin * scale)) + 2 for margin in margins)
+    return replace(
+        view,
+        width=int(np.ceil(view.width * scale)) + left + right,
+        height=int(np.ceil(view.height * scale)) + top + bottom,
+        fx=view.fx * scale,
+        fy=view.fy * scale,
+        cx=view.cx * scale + left,
+        cy=view.cy * scale + top,
+    )
+
+
+def reached(view: PinholeView, bundle: RayBundle, surface: FocalSurface, nearest_w: float) -> Extent:
+    """The slopes that the rays of the picture's edge reach, at any depth from infinity to the nearest surface."""
+    edge = _edge_points(view)
+    focus = surface.w0 + surface.slope_x * edge[:, 0] + surface.slope_y * edge[:, 1]
+    off_focus = np.maximum(np.abs(focus), np.abs(nearest_w - focus))
+    slopes = (edge - [view.cx, view.cy]) / [view.fx, view.fy]
+    centres, radii = _bounds(bundle, slopes, off_focus)
+    cap = MAX_BLUR_SHARE * max(view.width / view.fx, view.height / view.fy)
+    radii = np.minimum(radii, cap)[:, None]
+    low = np.clip((centres - radii).min(axis=0), -MAX_SLOPE, MAX_SLOPE)
+    high = np.clip((centres + radii).max(axis=0), -MAX_SLOPE, MAX_SLOPE)
+    return Extent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+def _bounds(bundle: RayBundle, slopes: DoubleArray, off_focus: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Where the rays of ``(n, 2)`` fields pass at the focus, ``(n, 2)``, and how far from there at most, ``(n,)``."""
+    if not isinstance(bundle.table, PolynomialTable):
+        return slopes, bundle.slope_reach + bundle.reach_m * off_focus
+    rows = bundle.table.rows.astype(np.float64)
+    lit = np.asarray(rows[..., WEIGHT] > 0).any(axis=0)
+    height = np.hypot(*slopes.T)
+    last_lit = bundle.table.last_slope * (np.flatnonzero(lit).max(initial=0) + 1) / rows.shape[1]
+    heights = np.linspace(0.0, bundle.table.last_slope, rows.shape[1])
+    inside = np.minimum(height, last_lit)  # pixels beyond the lens's image circle see nothing
+    outward = slopes * (inside / np.maximum(height, 1e-12))[:, None]
+
+    def over_wavelengths(place: int, most: bool) -> DoubleArray:
+        values = rows[..., BOUND + place]
+        extreme = values.max(axis=0) if most else values.min(axis=0)
+        return np.asarray(np.interp(inside, heights, extreme))
+
+    far, near = over_wavelengths(0, True), over_wavelengths(0, False)
+    pupil = np.maximum(np.abs(over_wavelengths(2, True)), np.abs(over_wavelengths(2, False)))
+    centres = outward * (1 + (far + near) / 2 / np.maximum(inside, 1e-12))[:, None]
+    radii = (far - near) / 2 + over_wavelengths(1, True) + (pupil + over_wavelengths(3, True)) * off_focus
+    return centres, radii
+
+
+def _edge_points(view: PinholeView) -> DoubleArray:
+    """``(n, 2)`` places along the picture's edge, pixels, and the middle of each side among them."""
+    along = np.linspace(0.0, 1.0, _EDGE_POINTS)
+    zero, one = np.zeros(_EDGE_POINTS), np.ones(_EDGE_POINTS)
+    sides = [(along, zero), (along, one), (zero, along), (one, along)]
+    return np.concatenate([np.stack([x * view.width, y * view.height], axis=1) for x, y in sides])

@@ -206,12 +206,9 @@ def lens_reach(prim: Usd.Prim) -> Iterator[Fault]:
         return
     widest, smallest = LensCamera(prim).lens.read().f_stop_range
     stop = prim.GetAttribute("fStop")
-    least, most = (
-        stored_value(stop, widest),
-        stored_value(stop, smallest),
-    )  # fStop is of single precision, the range is not
+    slack = 1e-6  # fStop is of single precision, the range is not
     for where, value in authored_values(stop):
-        if value > 0 and (value < least or (most > 0 and value > most)):
+        if value > 0 and (value < widest * (1 - slack) or (smallest > 0 and value > smallest * (1 + slack))):
             reach = f"from f/{widest:g}" + (f" to f/{smallest:g}" if smallest else "")
             yield Fault(stop.GetPath(), f"the lens opens {reach}, got fStop{where} of {value:g}")
 

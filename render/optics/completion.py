@@ -4,30 +4,52 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from render.errors import SettingsError
-from render.lens import Prescription, Surface
-from render.optics.paraxial import first_order, focal_points, paraxial_system, stop_index
-from render.optics.validation import bad_lens, check_prescription
+from render.lens import DoubleArray, Prescription, Surface
+from render.optics.beams import axial_beam
+from render.optics.clear_diameters import with_clear_diameters
+from render.optics.paraxial import FirstOrder, first_order, focal_points, paraxial_system, stop_index
+from render.optics.stop_placement import with_stop
+from render.optics.surface_shape import extent_mm
+from render.optics.tracing import Fate, TracedRays, trace_forward
+from render.optics.validation import bad_lens, check_overlaps, check_prescription
+
+_WAYS_TO_FAIL = {
+    Fate.BLOCKED: "its rim blocks",
+    Fate.MISSES: "its surface is missed by",
+    Fate.REFLECTED: "total internal reflection turns back",
+}
+_FAN = 201
+_NOTICED = 0.01  # share of the f-number
 
 
 def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
-    """Check a prescription and solve for what is missing: the back focus and the wide-open aperture.
+    """Check a prescription and solve for what is missing: stop, aperture, back focus, clear diameters.
+
+    In this order: the stop's place (`render.optics.stop_placement`); the f-number from the stop's diameter, or the diameter from
+    the f-number, or both from the widest beam on the axis that all rims let through; the back focal distance at the d line;
+    the clear diameters (`render.optics.clear_diameters`).
 
     Args:
         prescription: as a file has it.
         image_height_mm: half the diagonal that the lens is to cover.
 
     Returns:
-        A prescription that `render.optics.focusing.focused` and the tracers take; ``notes`` say what was solved for. A complete
-        one is returned as it is.
+        A prescription that `render.optics.focusing.focused` and the tracers take, with ``f_stop`` as its stop has it. ``notes``
+        say what was solved for, and where rims limit the beam more than the stop does.
 
     Raises:
+        SettingsError: the image height is no positive number.
         InputError: there is no such lens; the message names the surface.
     """
+    if not 0 < image_height_mm < float("inf"):
+        raise SettingsError(f"the image height that a lens covers must be a positive number, got {image_height_mm} mm")
     check_prescription(prescription)
-    if not any(surface.is_stop for surface in prescription.surfaces):
-        raise bad_lens(prescription, "no surface is the aperture stop")
-    return _with_back_focus(_with_aperture(prescription))
+    whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
+    check_overlaps(whole)
+    return _with_light_checked(whole)
 
 
 def scaled(prescription: Prescription, factor: float) -> Prescription:
@@ -51,26 +73,89 @@ def _scaled_surface(surface: Surface, factor: float) -> Surface:
     )
 
 
-def with_surface(prescription: Prescription, index: int, **changes: float) -> Prescription:
-    """The prescription with numbers of one surface replaced."""
+def _with_surface(prescription: Prescription, index: int, note: str, **changes: float) -> Prescription:
+    """Numbers of one surface replaced, and said so."""
     surfaces = list(prescription.surfaces)
     surfaces[index] = replace(surfaces[index], **changes)  # type: ignore[arg-type]
-    return replace(prescription, surfaces=tuple(surfaces))
+    return replace(prescription, surfaces=tuple(surfaces), notes=(*prescription.notes, note))
 
 
 def _with_aperture(prescription: Prescription) -> Prescription:
-    """Stop diameter from f-number, or f-number from stop diameter: the paraxial pupil joins them."""
-    first, stop = first_order(prescription), stop_index(prescription)
-    scale = abs(first.entrance_pupil_magnification)
-    radius = prescription.surfaces[stop].semi_diameter_mm
+    """Stop diameter and f-number, which the paraxial pupil joins; where both are given, the diameter counts."""
+    first, stop = _pupil(prescription), stop_index(prescription)
+    full_aperture = first.focal_length_mm / (2 * abs(first.entrance_pupil_magnification))
+    radius, stated = prescription.surfaces[stop].semi_diameter_mm, prescription.f_stop
     if radius > 0:
-        return replace(prescription, f_stop=first.focal_length_mm / (2 * radius * scale))
-    if prescription.f_stop == 0:
-        raise bad_lens(prescription, "neither the clear diameter of the aperture stop nor the f-number is known", stop)
-    radius = first.focal_length_mm / (2 * prescription.f_stop * scale)
-    note = f"The stop's diameter of {2 * radius:.4g} mm was solved for from f/{prescription.f_stop:g}."
-    solved = with_surface(prescription, stop, semi_diameter_mm=radius)
-    return replace(solved, notes=(*prescription.notes, note))
+        f_stop = full_aperture / radius
+        notes = prescription.notes
+        if stated > 0 and abs(f_stop / stated - 1) > _NOTICED:
+            notes = (*notes, f"It is said to be f/{stated:.3g}, but its stop's diameter makes it f/{f_stop:.3g}.")
+        return replace(prescription, f_stop=f_stop, notes=notes)
+    if stated > 0:
+        radius = full_aperture / stated
+        note = f"The stop's diameter of {2 * radius:.4g} mm was solved for from f/{stated:.3g}."
+        solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
+        _check_marginal_ray(solved, radius)
+        return solved
+    radius = _stop_radius_by_rims(prescription)
+    note = f"The stop's diameter of {2 * radius:.4g} mm was solved for: the widest beam on the axis that all rims let through."
+    solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
+    return replace(solved, f_stop=full_aperture / radius)
+
+
+def _pupil(prescription: Prescription) -> FirstOrder:
+    """First-order properties of a lens that has an entrance pupil."""
+    first = first_order(prescription)
+    if not abs(first.entrance_pupil_mm) < 1e3 * first.focal_length_mm:
+        what = "it is the stop, and its image is infinitely far off: no entrance pupil to measure distances from"
+        raise bad_lens(prescription, what, stop_index(prescription))
+    return first
+
+
+def _stop_radius_by_rims(prescription: Prescription) -> float:
+    """Height at the stop of the outermost ray along the axis that no rim blocks."""
+    stop = stop_index(prescription)
+    unknown = [i for i, s in enumerate(prescription.surfaces) if s.semi_diameter_mm == 0 and i != stop]
+    if unknown:
+        what = "neither the f-number nor the stop's clear diameter is known, and for want of this surface's neither can be found"
+        raise bad_lens(prescription, what, unknown[0])
+    low, high = 0.0, extent_mm(prescription.surfaces[0 if stop else 1])
+    for _ in range(3):
+        heights = np.linspace(low, high, _FAN)
+        passes = _parallel_rays(prescription, heights).passes
+        lost = int(np.argmin(passes)) if not passes.all() else _FAN - 1
+        low, high = float(heights[max(lost - 1, 0)]), float(heights[lost])
+    return float(_parallel_rays(prescription, np.array([low])).points_mm[stop, 0, 1])
+
+
+def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray) -> TracedRays:
+    points = np.stack([0 * heights_mm, heights_mm, 0 * heights_mm], axis=1)
+    return trace_forward(prescription, points, np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1)))
+
+
+def _check_marginal_ray(prescription: Prescription, stop_radius_mm: float) -> None:
+    """Raise `InputError` where glass does not bring the marginal ray of the f-number through: rims are yet to be looked at."""
+    edge = axial_beam(prescription, -np.inf, np.array([1.0, 1.002]), stop_radius_mm, clip=False)
+    if not edge.passes.all():
+        ray = int(np.argmin(edge.passes))
+        what = f"f/{prescription.f_stop:.3g} wide open is impossible: {_WAYS_TO_FAIL[Fate(edge.fates[ray])]} the edge of the beam"
+        raise bad_lens(prescription, what, int(edge.stopped_by[ray]))
+
+
+def _with_light_checked(prescription: Prescription) -> Prescription:
+    """Raise `InputError` where no light on the axis gets through; say where a rim limits it more than the stop."""
+    heights = np.linspace(0, 1, _FAN)[1:]
+    stop_radius = prescription.surfaces[stop_index(prescription)].semi_diameter_mm
+    beam = axial_beam(prescription, -np.inf, heights, stop_radius)
+    if not beam.passes.any():
+        what = f"no light gets through: {_WAYS_TO_FAIL[Fate(beam.fates[0])]} all rays along the axis"
+        raise bad_lens(prescription, what, int(beam.stopped_by[0]))
+    widest = float(heights[beam.passes][-1])
+    if widest > 1 - _NOTICED:
+        return prescription
+    by = int(beam.stopped_by[int(np.argmin(beam.passes))]) + 1
+    note = f"Surface {by} cuts the beam on the axis to f/{prescription.f_stop / widest:.3g}."
+    return prescription if note in prescription.notes else replace(prescription, notes=(*prescription.notes, note))
 
 
 def _with_back_focus(prescription: Prescription) -> Prescription:
@@ -79,5 +164,4 @@ def _with_back_focus(prescription: Prescription) -> Prescription:
         return prescription
     back = focal_points(paraxial_system(prescription))[1]
     note = f"The back focal distance of {back:.4g} mm was solved for."
-    solved = with_surface(prescription, len(prescription.surfaces) - 1, thickness_mm=back)
-    return replace(solved, notes=(*prescription.notes, note))
+    return _with_surface(prescription, len(prescription.surfaces) - 1, note, thickness_mm=back)

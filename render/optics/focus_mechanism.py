@@ -14,7 +14,7 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.lens import DoubleArray, Prescription
-from render.optics.bundles import best_focus_mm
+from render.optics.beams import best_focus_mm
 from render.optics.paraxial import ParaxialSystem, entrance_pupil, paraxial_system, stop_index, transfer, vertices
 from render.optics.surface_shape import clearance_mm
 

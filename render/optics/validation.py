@@ -40,18 +40,22 @@ def bad_lens(prescription: Prescription, what: str, surface: int | None = None) 
 
 
 def check_overlaps(prescription: Prescription) -> None:
-    """Raise `InputError` where two neighbours run into each other within their clear diameters.
-
-    A flat stop is no obstacle: glass may bulge through the opening of an iris.
-    """
-    solid = [i for i, s in enumerate(prescription.surfaces) if not (s.is_stop and _is_window(prescription, i))]
-    for i, j in pairwise(solid):
-        front, behind = prescription.surfaces[i], prescription.surfaces[j]
+    """Raise `InputError` where two neighbours run into each other within their clear diameters."""
+    for i, j in solid_neighbours(prescription):
         thickness = sum(surface.thickness_mm for surface in prescription.surfaces[i:j])
-        overlap = -clearance_mm(front, behind, thickness)
+        overlap = -clearance_mm(prescription.surfaces[i], prescription.surfaces[j], thickness)
         if overlap > _OVERLAP_SLACK_MM:
             what = f"it overlaps surface {j + 1} by {overlap:.3g} mm within their clear diameters"
             raise bad_lens(prescription, f"{what}, {thickness:g} mm apart on the axis", i)
+
+
+def solid_neighbours(prescription: Prescription) -> list[tuple[int, int]]:
+    """Pairs of surfaces that follow each other and must keep apart.
+
+    A stop in the air is passed over: glass may bulge through the opening of an iris.
+    """
+    solid = [i for i, s in enumerate(prescription.surfaces) if not (s.is_stop and _is_window(prescription, i))]
+    return list(pairwise(solid))
 
 
 def _is_window(prescription: Prescription, index: int) -> bool:

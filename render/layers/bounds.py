@@ -1,36 +1,52 @@
-"""Boxes around what is drawn, and whether a view can see any of a box."""
+"""Boxes around what is drawn and around parts of it, and whether a view can see any of a box."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from render.scene import Batch, DoubleArray
+from render.scene import Batch, DoubleArray, FloatArray, Geometry
+
+CLUSTER_TRIANGLES = 64
+"""Triangles in a cluster, in the order of the geometry, where neighbours mostly follow each other."""
 
 
 class BoxCache:
-    """World boxes of batches. A geometry's own box is found once, a batch's corners whenever its poses change.
+    """World boxes of batches, boxes of geometries' clusters. A geometry's own boxes are found once, a batch's corners
+    whenever its poses change.
 
     Geometry is recognised by identity; `forget` drops what is no longer drawn.
     """
 
     def __init__(self) -> None:
-        self._own: dict[int, tuple[object, DoubleArray]] = {}
+        self._own: dict[int, tuple[Geometry, DoubleArray]] = {}
+        self._clusters: dict[int, tuple[Geometry, DoubleArray]] = {}
 
     def corners(self, batch: Batch) -> DoubleArray:
         """``(k·8, 3)`` corners of the instances' boxes in the world, metres; ``(0, 3)`` where nothing is."""
         geometry = batch.geometry
         if id(geometry) not in self._own:
             p = geometry.positions
-            own = np.zeros((3, 0)) if len(p) == 0 else _box_corners(p.min(0), p.max(0))
+            own = np.zeros((0, 3)) if len(p) == 0 else _box_corners(p.min(0)[None], p.max(0)[None])[0]
             self._own[id(geometry)] = (geometry, own)
         own = self._own[id(geometry)][1]
-        placed = batch.poses[:, :3, :3] @ own + batch.poses[:, :3, 3:]
-        return np.asarray(placed.transpose(0, 2, 1).reshape(-1, 3))
+        placed = own @ batch.poses[:, :3, :3].transpose(0, 2, 1) + batch.poses[:, None, :3, 3]
+        return np.asarray(placed.reshape(-1, 3))
+
+    def clusters(self, geometry: Geometry) -> DoubleArray:
+        """``(c, 8, 3)`` corners of boxes around each `CLUSTER_TRIANGLES` of a geometry's triangles, in its own space."""
+        if id(geometry) not in self._clusters:
+            first = np.arange(0, len(geometry.triangles), CLUSTER_TRIANGLES)
+            points = geometry.positions[geometry.triangles]
+            low, high = np.minimum.reduceat(points, first).min(1), np.maximum.reduceat(points, first).max(1)
+            self._clusters[id(geometry)] = (geometry, _box_corners(low, high))
+        return self._clusters[id(geometry)][1]
 
     def forget(self, drawn: tuple[Batch, ...]) -> None:
         """Keep only the boxes of what is drawn."""
         kept = {id(batch.geometry) for batch in drawn}
-        self._own = {key: value for key, value in self._own.items() if key in kept}
+        for boxes in (self._own, self._clusters):
+            for key in boxes.keys() - kept:
+                del boxes[key]
 
 
 def may_be_seen(corners: DoubleArray, clip_from_world: DoubleArray) -> bool:
@@ -48,6 +64,7 @@ def may_be_seen(corners: DoubleArray, clip_from_world: DoubleArray) -> bool:
     return not any(outside)
 
 
-def _box_corners(low: DoubleArray, high: DoubleArray) -> DoubleArray:
-    """``(3, 8)``."""
-    return np.array(np.meshgrid(*zip(low, high, strict=True)), np.float64).reshape(3, 8)
+def _box_corners(low: FloatArray, high: FloatArray) -> DoubleArray:
+    """``(n, 8, 3)`` corners of ``(n, 3)`` boxes; corners that differ in one bit of their number share an edge."""
+    bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    return np.where(bits, high[:, None], low[:, None]).astype(np.float64)

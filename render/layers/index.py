@@ -59,7 +59,7 @@ class SceneIndex:
         self._nodes: dict[DrawKey, HeldNode] = {}
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
-        self._boxes = BoxCache()
+        self.boxes = BoxCache()
         self._faded: dict[int, tuple[Geometry, bool]] = {}
         self._scene: Scene | None = None
 
@@ -73,7 +73,7 @@ class SceneIndex:
         for batch in scene.batches:
             for mirrored, instances in _by_handedness(batch.poses):
                 node = self._node(batch, instances, mirrored, kept)
-                corners = self._boxes.corners(batch)
+                corners = self.boxes.corners(batch)
                 clear = self._may_be_clear(batch)
                 self.draws.append(
                     Draw(node, batch, instances, first_object, mirrored, batch.double_sided, corners, clear)
@@ -82,7 +82,7 @@ class SceneIndex:
         for key in self._nodes.keys() - kept.keys():
             self.graph.remove_node(self._nodes[key][0])
         self._nodes = kept
-        self._boxes.forget(scene.batches)
+        self.boxes.forget(scene.batches)
         self._forget_unused()
         self._scene = scene
 

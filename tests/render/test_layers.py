@@ -69,15 +69,6 @@ def test_what_the_pupil_cannot_see_is_not_peeled(peeler: Peeler) -> None:
     np.testing.assert_allclose(depths_of(layers, 2)[:, 60, 80], [1.0, 0.5], rtol=1e-6)
 
 
-def test_the_papers_offset_is_our_constant_in_inverse_depth() -> None:
-    """x = d·s/(E − s) with s = d/f_px, against our w − 1/(f_px·E); a pixel as wide as the pupil hides all."""
-    f_px, pupil_m = 1119.6, 0.009
-    for depth in (0.5, 2.0, 7.0):
-        s = depth / f_px
-        x = depth * s / (pupil_m - s)
-        assert 1 / (depth + x) == pytest.approx(1 / depth - umbra_reach(f_px * pupil_m))
-
-
 def test_a_pinhole_has_one_layer(peeler: Peeler) -> None:
     scene, camera = posts_before_wall()
     peeler.load(scene)

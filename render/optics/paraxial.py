@@ -29,7 +29,7 @@ class FirstOrder:
         entrance_pupil_magnification: diameter of the entrance pupil over that of the stop, negative where it is inverted.
         exit_pupil_mm: z of the exit pupil: the stop's image through what stands behind it; infinite for a telecentric lens.
         exit_pupil_magnification: diameter of the exit pupil over that of the stop.
-        petzval_sum: in 1/mm; the Petzval surface has the radius ``−1/petzval_sum`` (Welford 1986, section 8.3).
+        petzval_sum: in 1/mm; the Petzval surface has the radius ``−1/petzval_sum`` (Welford 1986, ch. 8).
         length_mm: from the vertex of the front surface to that of the rear one.
     """
 

@@ -66,7 +66,7 @@ def intersect(
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Where rays meet a surface, on the sheet that holds its vertex.
 
-    Conics have a closed form (Welford 1986, section 4.3), in which the ray first goes to the plane of the vertex. With aspheric
+    Conics have a closed form (Welford 1986, ch. 4), in which the ray first goes to the plane of the vertex. With aspheric
     terms, Newton's method goes on from there, inside a bracket that bisection takes over whenever a step would leave it.
 
     Args:

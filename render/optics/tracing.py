@@ -167,7 +167,7 @@ def _fate(local: DoubleArray, hit: NDArray[np.bool_], refracted: NDArray[np.bool
 def _refract(
     surface: Surface, local: DoubleArray, directions: DoubleArray, ratio: float | DoubleArray
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """Snell's law in vector form (Welford 1986, section 4.2).
+    """Snell's law in vector form (Welford 1986, ch. 4).
 
     Args:
         surface: which the rays have met.

@@ -17,7 +17,7 @@ MAX_ASPHERIC_TERMS = 10
 _LARGEST_INDEX = 5.0  # germanium has 4
 _OVERLAP_SLACK_MM = 1e-6
 _RIM_SLACK = 1 + 1e-6
-_FASTEST_F_STOP = 0.5  # in air: the marginal ray leaves at right angles to the axis (Welford 1986, section 6.5)
+_FASTEST_F_STOP = 0.5  # in air: the marginal ray leaves at right angles to the axis (Welford 1986, ch. 6)
 
 
 def check_prescription(prescription: Prescription) -> None:

@@ -24,14 +24,16 @@ from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
-from render.layers.readback import Pick, pick_surface, read_surfaces
+from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import Sphere
+from render.optics.distortion import seen_at
 from render.optics.sampling import lens_samples
-from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
+from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator
 from render.scene import Camera, Dome, FloatArray, Light, Scene
-from render.trace.lens import LensEngine
+from render.trace.aovs import MEASURED
+from render.trace.lens import LensEngine, OnPass
 from render.trace.rays import ray_pattern
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
@@ -43,9 +45,11 @@ class Frame:
 
     Attributes:
         color: ``(height, width, 4)`` float32 scene-linear radiance, not exposed; premultiplied, alpha is coverage.
-        aovs: the asked arrays by name, ``(height, width)``, at pixel centres from the pupil's centre: ``depth`` float32
-            metres (inf where nothing is); ``coc`` float32 radius in pixels, negative in front of the focus; ``prim_id``
-            uint32, the index in `prim_paths` plus one, 0 where nothing is; ``face_id`` int32, -1 where nothing is.
+        aovs: the asked arrays by name, ``(height, width)``, of what the ray through the pupil's centre meets at pixel centres:
+            ``depth`` float32 metres (inf where nothing is); ``coc`` float32 radius in pixels, negative in front of the focus;
+            ``focus_depth`` float32 metres, where the pixel is sharpest; ``prim_id`` uint32, the index in `prim_paths` plus one, 0
+            where nothing is; ``face_id`` int32, -1 where nothing is. And ``albedo`` ``(height, width, 3)`` float32: base colours
+            through the lens, as blurred as the picture.
         prim_paths: what ``prim_id`` indexes.
     """
 
@@ -70,7 +74,12 @@ class FrameRenderer:
         self._accumulator = Accumulator(self.graphics.ctx, programs)
 
     def render(
-        self, scene: Scene, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None = None
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: FrameSettings,
+        on_progress: Callable[[float], None] | None = None,
+        on_pass: OnPass | None = None,
     ) -> Frame:
         """Render one frame.
 
@@ -79,6 +88,7 @@ class FrameRenderer:
             camera: what looks; its apertures should have the picture's aspect ratio.
             settings: how.
             on_progress: called with the share that is done, from 0 to 1.
+            on_pass: called after each pass of rays with the picture so far, which they make finer, and the number of rays in it.
 
         Raises:
             CameraError: the camera's numbers make no picture.
@@ -86,7 +96,7 @@ class FrameRenderer:
         """
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with self._device():
-            return self._frame(view, scene, camera, settings, on_progress)
+            return self._frame(view, scene, camera, settings, on_progress, on_pass)
 
     def _frame(
         self,
@@ -95,26 +105,39 @@ class FrameRenderer:
         camera: Camera,
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None,
+        on_pass: OnPass | None,
     ) -> Frame:
         self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
-        if settings.engine == "accumulation":
-            color = self._accumulate(view, camera, settings, on_progress)
-            aovs = self._surfaces(view, scene, camera, settings) if set(settings.aovs) - {"color"} else {}
-            return Frame(color, aovs, scene.prim_paths)
         lens = replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
-        traced = self._lens.picture(
+        accumulates = settings.engine == "accumulation"
+        if accumulates:
+            check_thin(camera)
+        draw = self._accumulate if accumulates else self._trace
+        color = draw(view, lens, settings, settings.shading == "unlit", on_progress, on_pass)
+        aovs = self._aovs(view, lens, settings, lambda: draw(view, lens, settings, True, None, None))
+        return Frame(color, aovs, scene.prim_paths)
+
+    def _trace(
+        self,
+        view: PinholeView,
+        camera: Camera,
+        settings: FrameSettings,
+        unlit: bool,
+        on_progress: Callable[[float], None] | None,
+        on_pass: OnPass | None,
+    ) -> FloatArray:
+        return self._lens.picture(
             self._peeler,
-            lens,
+            camera,
             view,
-            ray_pattern(settings.rays, lens.iris, seed=settings.seed, tiled=settings.tiled),
+            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
             supersample=settings.supersample,
-            unlit=settings.shading == "unlit",
+            unlit=unlit,
             on_progress=on_progress,
-        )
-        aovs = self._surfaces(view, scene, camera, settings) if set(settings.aovs) - {"color"} else {}
-        return Frame(traced.color, aovs, scene.prim_paths)
+            on_pass=on_pass,
+        ).color
 
     def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:
         """The surface at a place of the picture, seen from the pupil's centre.
@@ -138,7 +161,7 @@ class FrameRenderer:
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
         with self._device():
             self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
-            return pick_surface(self._peeler, scene, view, x, y)
+            return pick_surface(self._peeler, scene, view, *seen_at(view, camera, x, y))
 
     def close(self) -> None:
         """Give the device's memory and the context back."""
@@ -171,25 +194,33 @@ class FrameRenderer:
             raise
 
     def _accumulate(
-        self, view: PinholeView, camera: Camera, settings: FrameSettings, on_progress: Callable[[float], None] | None
+        self,
+        view: PinholeView,
+        camera: Camera,
+        settings: FrameSettings,
+        unlit: bool,
+        on_progress: Callable[[float], None] | None,
+        on_pass: OnPass | None,
     ) -> FloatArray:
+        """The accumulation buffer; it has no passes to show, since it draws view by view."""
+        del on_pass
         samples = lens_samples(settings.rays, camera.iris, seed=settings.seed, tiled=False)
-        points = np.concatenate([samples.pupil[0] * pupil_radius_m(camera), samples.pixel[0]], axis=1)
-        unlit = settings.shading == "unlit"
+        pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
+        points = np.concatenate([pupil, samples.pixel[0]], axis=1)
         detail = float(settings.supersample)
         return self._accumulator.accumulate(
             self._peeler, view, points, focus_w(camera), unlit=unlit, detail=detail, on_progress=on_progress
         )
 
-    def _surfaces(
-        self, view: PinholeView, scene: Scene, camera: Camera, settings: FrameSettings
+    def _aovs(
+        self, view: PinholeView, camera: Camera, settings: FrameSettings, albedo: Callable[[], FloatArray]
     ) -> dict[str, NDArray[Any]]:
-        """The asked AOVs of the nearest surfaces, at pixel centres."""
-        w, prim_id, face_id = read_surfaces(self._peeler, view)
-        with np.errstate(divide="ignore"):
-            depth = np.where(w > 0, 1.0 / w, np.inf).astype(np.float32)
-        coc = coc_radius_px(view.fx, pupil_radius_m(camera), w, focus_w(camera)).astype(np.float32)
-        made = {"depth": depth, "coc": coc, "prim_id": prim_id, "face_id": face_id}
+        """The asked AOVs; ``albedo`` makes the picture of base colours."""
+        made: dict[str, NDArray[Any]] = {}
+        if set(settings.aovs) & set(MEASURED):
+            made = self._lens.measured(self._peeler, camera, view)
+        if "albedo" in settings.aovs:
+            made["albedo"] = albedo()[..., :3]
         return {name: made[name] for name in settings.aovs if name != "color"}
 
     def _with_light(self, scene: Scene, camera: Camera) -> Scene:
@@ -203,6 +234,15 @@ class FrameRenderer:
             dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
             self._lit = (scene, camera, replace(scene, lights=lights, dome=dome))
         return self._lit[2]
+
+
+def check_thin(camera: Camera) -> None:
+    """Raise `SettingsError` where the accumulation buffer, which moves a pinhole about the pupil, cannot show the lens."""
+    if camera.lens.model not in ("thin", "pinhole") and camera.f_stop > 0:
+        raise SettingsError(
+            f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
+            f"{camera.lens.model}: use engine lens"
+        )
 
 
 def shadow_interest(camera: Camera) -> Sphere:

@@ -2,15 +2,17 @@
 
 Parts, in this order; a file with the colour alone has a single part:
 
-========  ===========  ======  =====================================================================
-part      channels     type    what it holds
-========  ===========  ======  =====================================================================
-rgba      R, G, B, A   half    exposed radiance in the working space, times coverage; coverage
-depth     Z            float   metres along the view axis; infinite where there is nothing
-coc       radius       float   circle of confusion in pixels, negative in front of the focus
-prim_id   id           uint    index of the prim; the attribute ``pullfocus:primPaths`` says its path
-face_id   id           uint    index of the authored face
-========  ===========  ======  =====================================================================
+===========  ===========  ======  ==================================================================
+part         channels     type    what it holds
+===========  ===========  ======  ==================================================================
+rgba         R, G, B, A   half    exposed radiance in the working space, times coverage; coverage
+depth        Z            float   metres along the view axis; infinite where there is nothing
+coc          radius       float   circle of confusion in pixels, negative in front of the focus
+focus_depth  Z            float   metres along the view axis at which the pixel is sharpest
+albedo       R, G, B      half    base colours through the lens
+prim_id      id           uint    index of the prim; the attribute ``pullfocus:primPaths`` says its path
+face_id      id           uint    index of the authored face
+===========  ===========  ======  ==================================================================
 
 An id of 4294967295 means nothing is there. All parts carry the camera (`FrameMetadata.exr_attributes`).
 """
@@ -33,12 +35,14 @@ from render.scene import FloatArray
 
 NO_ID = 0xFFFFFFFF
 
-# The channel and the type of each measurement, in the order of the file.
+# The channels and the type of each measurement, in the order of the file.
 _AOV_CHANNELS = {
-    "depth": ("Z", "float"),
-    "coc": ("radius", "float"),
-    "prim_id": ("id", "uint"),
-    "face_id": ("id", "uint"),
+    "depth": (["Z"], "float"),
+    "coc": (["radius"], "float"),
+    "focus_depth": (["Z"], "float"),
+    "albedo": (["R", "G", "B"], "half"),
+    "prim_id": (["id"], "uint"),
+    "face_id": (["id"], "uint"),
 }
 
 
@@ -59,14 +63,14 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     height, width = color.shape[:2]
     camera = metadata.exr_attributes(width, height)
     parts = [_colour_part(color, camera, metadata)]
-    for name, (channel, kind) in _AOV_CHANNELS.items():
+    for name, (channels, kind) in _AOV_CHANNELS.items():
         if name in aovs:
             own: list[Attribute] = [("colorInteropID", "string", "data")]
             if name == "prim_id":
                 own.append(("pullfocus:primPaths", "string", _manifest(aovs[name], metadata.prim_paths)))
             pixels = _ids(aovs[name]) if kind == "uint" else aovs[name].astype(np.float32)
-            spec = described(_spec(name, (width, height), [channel], kind), [*camera, *own])
-            parts.append((spec, pixels[..., None]))
+            spec = described(_spec(name, (width, height), channels, kind), [*camera, *own])
+            parts.append((spec, pixels.reshape(height, width, len(channels))))
     return file_bytes(".exr", parts)
 
 
@@ -117,5 +121,6 @@ def _check_arrays(color: FloatArray, aovs: Mapping[str, NDArray[Any]]) -> None:
     for name, pixels in aovs.items():
         if name != "color" and name not in _AOV_CHANNELS:
             raise SettingsError(f"unknown AOV '{name}': expected one of color, {', '.join(_AOV_CHANNELS)}")
-        if name != "color" and pixels.shape != color.shape[:2]:
-            raise SettingsError(f"AOV '{name}' must be {color.shape[:2]} like the picture, got {pixels.shape}")
+        expected = (*color.shape[:2], 3) if name == "albedo" else color.shape[:2]
+        if name != "color" and pixels.shape != expected:
+            raise SettingsError(f"AOV '{name}' must be {expected} like the picture, got {pixels.shape}")

@@ -3,7 +3,7 @@
 
 struct LensSurface {
     vec4 shape;         // curvature (1/mm), half clear diameter, conic constant, distance to the next vertex or the film
-    vec4 aspheric[2];   // coefficients of r^4, r^6, ... r^18
+    vec4 aspheric[3];   // coefficients of r^4, r^6, ... r^26
     vec4 kind;          // number of aspheric coefficients, 1 + its height map (0 for none), lowest and highest height
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };

@@ -12,6 +12,7 @@ from pxr import Usd
 from render.errors import CameraError, InputError, SettingsError
 from render.focus import FocusSolution, FocusTarget, PointState, solve_focus
 from render.optics.depth_of_field import DepthOfField, coc_slope_mm_m, default_coc_limit_mm, depth_of_field
+from render.optics.distortion import shown_at
 from render.optics.view import PinholeView
 from render.scene import Camera
 from render.stage import AnchorReader, read_camera
@@ -226,7 +227,9 @@ def see(camera: Camera, positions_m: DoubleArray) -> tuple[DoubleArray, DoubleAr
         ``(n, 2)`` places from (0, 0) top left to (1, 1) bottom right; ``(n,)`` depth in metres; ``(n,)`` whether it lies
         inside the picture and the clipping range.
     """
-    screens, depths_m = PinholeView.from_camera(camera, 1, 1).project(positions_m)  # a picture of 1 × 1
+    view = PinholeView.from_camera(camera, 1, 1)  # a picture of 1 × 1
+    straight, depths_m = view.project(positions_m)
+    screens = shown_at(view, camera, straight)
     with np.errstate(invalid="ignore"):
         inside = np.all((screens >= 0) & (screens <= 1), axis=-1)
         inside &= (depths_m >= camera.near_m) & (depths_m <= camera.far_m)

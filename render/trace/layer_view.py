@@ -53,9 +53,8 @@ def layer_view(
     ]
     area = (view.width + margins[0] + margins[1]) * (view.height + margins[2] + margins[3])
     scale = supersample * min(1.0, float(np.sqrt(MAX_AREA_RATIO * view.width * view.height / area)))
-    longest = max(view.width + margins[0] + margins[1], view.height + margins[2] + margins[3])
-    scale = min(scale, (MAX_PICTURE_SIDE_PX - 8) / longest)
-    right, left, bottom, top = (int(np.ceil(margin * scale)) + 2 for margin in margins)
+    room = max(0, (MAX_PICTURE_SIDE_PX - int(np.ceil(scale * max(view.width, view.height)))) // 2)
+    right, left, bottom, top = (min(int(np.ceil(margin * scale)) + 2, room) for margin in margins)
     return replace(
         view,
         width=int(np.ceil(view.width * scale)) + left + right,

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
+from numpy.typing import NDArray
 
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler, umbra_reach
+from render.lens import IrisShape
+from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.scene import Camera, FloatArray
+from render.trace.aovs import measured
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view
-from render.trace.rays import RayPattern, plane_of_focus
+from render.trace.rays import RayPattern, plane_of_focus, ray_pattern
 from render.trace.tracer import Tracer
+
+OnPass = Callable[[FloatArray, int], None]
+"""Called with the mean picture over the rays so far, and how many they are."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +59,7 @@ class LensEngine:
         supersample: int,
         unlit: bool = False,
         on_progress: Callable[[float], None] | None = None,
+        on_pass: OnPass | None = None,
     ) -> TracedPicture:
         """Peel the loaded scene for this view and trace the camera's lens through it.
 
@@ -64,6 +73,7 @@ class LensEngine:
             supersample: layer pixels per picture pixel along each axis.
             unlit: take base colour for radiance.
             on_progress: called with the share of the tracing that is done.
+            on_pass: called after each pass with the picture so far and the number of rays in it.
         """
         bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
         surface = plane_of_focus(camera)
@@ -77,7 +87,15 @@ class LensEngine:
         for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view):
             if on_progress is not None:
                 on_progress(done.share)
+            if on_pass is not None:
+                on_pass(self._tracer.picture(done.share), done.rays)
         return TracedPicture(self._tracer.picture(), peeled)
+
+    def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
+        """What is measured beside the colour: see `render.trace.aovs.measured`."""
+        bundle = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()))
+        chief = chief_rays(camera)
+        return measured(peeler, view, bundle, plane_of_focus(camera), chief)
 
     def release(self) -> None:
         """Give the memory back."""

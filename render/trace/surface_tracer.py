@@ -17,7 +17,7 @@ from render.optics.paraxial import paraxial_system, transfer
 from render.scene import DoubleArray, FloatArray
 
 MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
-MAX_ASPHERIC = 8
+_ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
 _GROUP = 64
 
 
@@ -128,18 +128,18 @@ def _unpacked(found: FloatArray) -> TracedLens:
 
 
 def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
-    """``(n, 16)`` as ``LensSurface`` in ``lens_surface.glsl``."""
+    """``(n, 20)`` as ``LensSurface`` in ``lens_surface.glsl``."""
     surfaces = lens.prescription.surfaces
-    table = np.zeros((len(surfaces), 16), np.float32)
+    table = np.zeros((len(surfaces), _ROW), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
         row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, surface.semi_diameter_mm, surface.conic, gap]
         row[4 : 4 + len(surface.aspheric)] = surface.aspheric
-        row[12] = len(surface.aspheric)
+        row[16] = len(surface.aspheric)
     if field is not None:
         for index, (place, heights) in enumerate(zip((0, -1), (field.front, field.back), strict=True)):
             if heights is not None:
-                table[place, 13:16] = [1 + index, heights.min(), heights.max()]
+                table[place, 17:20] = [1 + index, heights.min(), heights.max()]
     return table
 
 

@@ -1,0 +1,121 @@
+"""Where the ray through the middle of the pupil goes: what a place of the picture shows, and where a point of the world lands.
+
+Places are slopes of the ideal lens, ``(x - cx) / fx``; a lens with distortion shows there what stands at another slope. Both grow
+together, so either follows from the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from render.lens import SeidelErrors
+from render.optics.focusing import FocusedLens
+from render.optics.glass import D_LINE_NM
+from render.optics.mounting import has_surfaces, mounted
+from render.optics.thin_lens import focus_w
+from render.optics.tracing import trace_backward, trace_forward
+from render.optics.view import PinholeView
+from render.scene import Camera, DoubleArray
+
+_SAMPLES = 257
+_STEEPEST = np.radians(80)
+
+
+@dataclass(frozen=True, eq=False)
+class ChiefRays:
+    """A lens's chief rays, in the plane of focus.
+
+    Attributes:
+        ideal: ``(n,)`` slopes from 0 that the picture's places stand for, growing.
+        seen: ``(n,)`` slope in object space of what is seen there, growing.
+    """
+
+    ideal: DoubleArray
+    seen: DoubleArray
+
+    def seen_at(self, slopes: DoubleArray) -> DoubleArray:
+        """What the places ``(..., 2)`` show, as slopes in object space; beyond the last chief ray the distortion stays."""
+        return _radially(slopes, self.ideal, self.seen)
+
+    def shown_at(self, slopes: DoubleArray) -> DoubleArray:
+        """Where things at the slopes ``(..., 2)`` in object space are shown."""
+        return _radially(slopes, self.seen, self.ideal)
+
+
+def chief_rays(camera: Camera) -> ChiefRays | None:
+    """The chief rays of the camera's lens; None where they go straight.
+
+    A height field's distortion is that of the lens without it.
+
+    Raises:
+        InputError: the lens is none.
+        SettingsError: it does not reach the focus distance.
+    """
+    scale = camera.lens.scales.distortion
+    if has_surfaces(camera):
+        rays = _through_surfaces(mounted(camera), focus_w(camera))
+    elif camera.lens.model == "seidel" and camera.lens.seidel is not None and camera.f_stop > 0:
+        rays = _through_thin_lens(camera.lens.seidel, camera.focal_length_mm)
+    else:
+        return None
+    seen = np.maximum.accumulate(rays.ideal + scale * (rays.seen - rays.ideal))
+    return ChiefRays(rays.ideal, seen)
+
+
+@lru_cache(maxsize=32)
+def _through_surfaces(lens: FocusedLens, focus_w_per_m: float) -> ChiefRays:
+    """From the stop's centre to the film and to the scene; steeper rays until one is lost, or the picture would fold over."""
+    slope = np.tan(np.linspace(0.0, _STEEPEST, _SAMPLES))
+    directions = np.stack([slope, 0 * slope, 1 + 0 * slope], axis=1) / np.sqrt(1 + slope**2)[:, None]
+    points = np.tile([0.0, 0.0, float(lens.vertices_mm[lens.stop])], (_SAMPLES, 1))
+    count, placed = len(lens.vertices_mm), lens.vertices_mm
+    glass = lens.prescription
+    forward = trace_forward(
+        glass, points, directions, D_LINE_NM, vertices_mm=placed, clip=False, between=(lens.stop, count)
+    )
+    backward = trace_backward(
+        glass, points, -directions, D_LINE_NM, vertices_mm=placed, clip=False, between=(0, lens.stop + 1)
+    )
+    ideal = np.abs(forward.at(lens.film_mm)[:, 0]) / lens.image_scale_mm
+    pupil_m = backward.at(lens.entrance_pupil_mm)[:, 0] / 1000
+    # stop, film and scene stand on one line through the axis: only a lens that turns the picture around twice has other signs
+    out = backward.directions[:, 0] / backward.directions[:, 2]
+    seen = np.abs(out - pupil_m * focus_w_per_m)
+    good = np.isfinite(ideal) & np.isfinite(seen)
+    good[1:] &= (np.diff(ideal) > 0) & (np.diff(seen) > 0)
+    last = len(good) if good.all() else int(np.argmin(good))
+    return ChiefRays(ideal[:last], seen[:last])
+
+
+def _through_thin_lens(errors: SeidelErrors, focal_length_mm: float) -> ChiefRays:
+    ideal = np.linspace(0.0, 4.0, _SAMPLES)
+    reference_m = focal_length_mm / (2000 * errors.reference_f_stop)
+    height = ideal * focal_length_mm / errors.reference_height_mm
+    return ChiefRays(ideal, ideal + errors.w311 * height**3 * D_LINE_NM * 1e-9 / reference_m)
+
+
+def _radially(slopes: DoubleArray, start: DoubleArray, end: DoubleArray) -> DoubleArray:
+    height = np.linalg.norm(slopes, axis=-1, keepdims=True)
+    ratio = np.interp(height, start, end) / np.maximum(np.minimum(height, start[-1]), 1e-300)
+    return np.asarray(np.where(height > 0, slopes * ratio, slopes))
+
+
+def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:
+    """The place of a picture without distortion that shows what the camera's lens shows at (x, y), pixels."""
+    chief = chief_rays(camera)
+    if chief is None:
+        return x, y
+    slope_x, slope_y = chief.seen_at(np.array([(x - view.cx) / view.fx, (y - view.cy) / view.fy]))
+    return float(view.cx + view.fx * slope_x), float(view.cy + view.fy * slope_y)
+
+
+def shown_at(view: PinholeView, camera: Camera, places: DoubleArray) -> DoubleArray:
+    """Where the camera's lens shows what a picture without distortion has at the places ``(n, 2)``, pixels; NaN stays."""
+    chief = chief_rays(camera)
+    if chief is None:
+        return places
+    centre, focal = np.array([view.cx, view.cy]), np.array([view.fx, view.fy])
+    return np.asarray(centre + focal * chief.shown_at((places - centre) / focal))

@@ -1,0 +1,63 @@
+"""What is measured beside the colour, seen through the same lens: each pixel by the ray through the middle of the pupil."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.layers.peel import Peeler
+from render.layers.readback import read_surfaces
+from render.optics.distortion import ChiefRays
+from render.optics.view import PinholeView
+from render.scene import IntArray
+from render.trace.rays import FocalSurface, RayBundle
+from render.trace.sharpness import sharpness
+
+MEASURED = ("depth", "coc", "focus_depth", "prim_id", "face_id")
+
+
+def measured(
+    peeler: Peeler, view: PinholeView, bundle: RayBundle, surface: FocalSurface, chief: ChiefRays | None
+) -> dict[str, NDArray[Any]]:
+    """All of `MEASURED`, each ``(height, width)``.
+
+    Args:
+        peeler: with the scene loaded.
+        view: the picture.
+        bundle: the lens.
+        surface: where it is focused.
+        chief: where its chief rays go; None where they go straight.
+    """
+    w, prim_id, face_id = _nearest(peeler, view, chief)
+    sharp = sharpness(bundle, surface, view)
+    with np.errstate(divide="ignore"):
+        depth, focus_depth = (1.0 / np.maximum(values, 0.0) for values in (w.astype(np.float64), sharp.w))
+    return {
+        "depth": depth.astype(np.float32),
+        "coc": (view.fx * sharp.pupil_m * (sharp.w - w)).astype(np.float32),
+        "focus_depth": focus_depth.astype(np.float32),
+        "prim_id": prim_id,
+        "face_id": face_id,
+    }
+
+
+def _nearest(
+    peeler: Peeler, view: PinholeView, chief: ChiefRays | None
+) -> tuple[NDArray[np.float32], NDArray[np.uint32], IntArray]:
+    """What each pixel's chief ray meets first."""
+    if chief is None:
+        return read_surfaces(peeler, view)
+    x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
+    slopes = np.stack([(x - view.cx) / view.fx, (y - view.cy) / view.fy], axis=-1)
+    seen = chief.seen_at(slopes) * [view.fx, view.fy]
+    left, top = np.floor(seen.reshape(-1, 2).min(axis=0)).astype(int)
+    right, bottom = np.ceil(seen.reshape(-1, 2).max(axis=0)).astype(int)
+    # one more pixel of margin on the far sides, for a chief ray that falls on the very edge
+    wide = replace(view, width=int(right - left) + 1, height=int(bottom - top) + 1, cx=float(-left), cy=float(-top))
+    column = (seen[..., 0] - left).astype(int)
+    row = (seen[..., 1] - top).astype(int)
+    w, prim_id, face_id = read_surfaces(peeler, wide)
+    return w[row, column], prim_id[row, column], face_id[row, column]

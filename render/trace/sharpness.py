@@ -1,0 +1,81 @@
+"""Where each pixel is sharpest, and how fast its circle of confusion grows from there: the plane of focus as it is bent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.optics.view import PinholeView
+from render.scene import DoubleArray
+from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes
+from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, GridTable, PolynomialTable
+from render.trace.rays import FocalSurface, RayBundle
+
+
+@dataclass(frozen=True, eq=False)
+class Sharpness:
+    """Of each pixel ``(height, width)``.
+
+    Attributes:
+        w: inverse depth at which it is sharpest, 1/m.
+        pupil_m: radius of the pupil that it sees: of a disc with the same spread as its rays.
+    """
+
+    w: DoubleArray
+    pupil_m: DoubleArray
+
+
+def sharpness(bundle: RayBundle, surface: FocalSurface, view: PinholeView) -> Sharpness:
+    """Fit the least spread of each pixel's rays: ``s(w) = δ + X·(w - w_f)`` is least where ``w = w_f - ⟨δ·X⟩ / ⟨X·X⟩``."""
+    x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
+    w_f = surface.w0 + surface.slope_x * x + surface.slope_y * y
+    if bundle.table is None:
+        return Sharpness(w_f, np.full_like(w_f, max(bundle.pupil_m)))
+    if isinstance(bundle.table, GridTable):
+        shift, radius = _over_fields(bundle.table, (x - view.cx) / view.fx, (y - view.cy) / view.fy)
+        return Sharpness(w_f + shift, radius)
+    heights = np.linspace(0.0, bundle.table.last_slope, bundle.table.rows.shape[1])
+    shift, radius = _over_heights(bundle.table)
+    height = np.hypot((x - view.cx) / view.fx, (y - view.cy) / view.fy)
+    return Sharpness(w_f + np.interp(height, heights, shift), np.interp(height, heights, radius))
+
+
+def _over_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
+    """``(heights,)`` shift of the sharpest w and radius of the pupil, at the middle wavelength."""
+    rows = table.rows[len(table.rows) // 2].astype(np.float64)
+    nodes = pupil_nodes(rim=0)
+    slope = _evaluated(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
+    pupil = _evaluated(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5)
+    shift, radius = _least_spread(slope, pupil, np.ones(slope.shape[:2]))
+    return np.where(rows[:, WEIGHT] > 0, shift, 0.0), radius
+
+
+def _evaluated(rows: DoubleArray, nodes: DoubleArray, even: int, odd: int, end: int, degree: int) -> DoubleArray:
+    """``(heights, nodes, 2)``."""
+    tangential = rows[:, even:odd] @ even_basis(nodes, degree).T
+    return np.stack([tangential, rows[:, odd:end] @ odd_basis(nodes, degree).T], axis=-1)
+
+
+def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """The same for each pixel's nearest field point."""
+    middle = len(table.rays) // 2
+    fields = table.rays.shape[1]
+    rays = table.rays[middle].reshape(fields, -1, 4).astype(np.float64)
+    light = table.light[middle].reshape(fields, -1, 2)
+    passing = np.where(light[..., 1] <= 0, light[..., 0], 0.0).astype(np.float64)
+    shift, radius = _least_spread(rays[..., :2], rays[..., 2:], passing)
+    columns, rows = table.fields
+    column = np.clip(np.rint((0.5 + 0.5 * x / table.last_slope[0]) * (columns - 1)), 0, columns - 1).astype(int)
+    row = np.clip(np.rint((0.5 + 0.5 * y / table.last_slope[1]) * (rows - 1)), 0, rows - 1).astype(int)
+    field = row * columns + column
+    return shift[field], radius[field]
+
+
+def _least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    total = np.maximum(weight.sum(axis=1), 1e-300)[:, None, None]
+    around = pupil - (pupil * weight[..., None]).sum(axis=1, keepdims=True) / total
+    moment = (around**2).sum(-1)
+    power = (moment * weight).sum(axis=1)
+    shift = -((slope * around).sum(-1) * weight).sum(axis=1) / np.maximum(power, 1e-300)
+    return np.where(power > 0, shift, 0.0), np.sqrt(2 * power / total[:, 0, 0])

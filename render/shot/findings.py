@@ -11,24 +11,33 @@ from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.scene import Light
 from render.shot.focusing import Focused
 from render.stage import Finding
-from usd_schemas import LensCamera
+from usd_schemas import AberrationScales, ApertureData, HeightField, LensCamera, Prescription, Seidel
+from usd_schemas.binding import property_names
 
-_HONOURED = frozenset(
+_OF_LENSES = frozenset(
+    name
+    for kind in (Prescription, Seidel, HeightField, AberrationScales, ApertureData)
+    for name in property_names(kind)
+    if name != "lens:prescription:coatingWavelength"  # of ghosts, which are not drawn
+)
+_HONOURED = _OF_LENSES | frozenset(
     {
+        "lens:model",
         "lens:breathing",
         "lens:name",
         "lens:manufacturer",
         "lens:serialNumber",
-        "aperture:blades",
-        "aperture:roundness",
-        "aperture:rotation",
+        "lens:transmittance",
+        "lens:neutralDensity",
+        "lens:squeeze",
+        "lens:fStopRange",
         "focus:mode",
         "focus:circleOfConfusion",
         "focus:nearPriority",
         "focus:offScreen",
     }
 )
-"""Schema properties that change the picture as documented, or need not. ``focus:mode`` is told by its value."""
+"""Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""
 
 _HONOURED_OF_POINTS = frozenset(
     {
@@ -92,6 +101,10 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     if mode == "manual" and camera.focus_points():
         yield Finding(
             "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"
+        )
+    if camera.lens.read().model == "dataSheet":
+        yield Finding(
+            "lens_model", path, f"lens:model dataSheet of {path} is not honoured: its lens is shown as the thin lens"
         )
     for name in camera.authored():
         if not _is_honoured(name):

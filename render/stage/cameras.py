@@ -10,10 +10,10 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
-from render.lens import IrisShape
 from render.scene import Camera
 from render.stage.camera_list import list_cameras
-from render.stage.opening import reading
+from render.stage.lenses import iris_of, lens_of
+from render.stage.opening import confinement, reading
 from render.stage.poses import world_pose
 from render.stage.values import number, shown
 from render.stage.world import rigid_frame, world_from_stage
@@ -230,12 +230,14 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
     for name in _EXPOSURE:
         _number(usd.GetPrim().GetAttribute(name), time)
     aperture, glass = lens.aperture.read(time.GetValue()), lens.lens.read(time.GetValue())
+    confined_to = confinement(stage)
     return replace(
         camera,
         f_stop=0.0 if glass.model == "pinhole" else _number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=float(usd.ComputeLinearExposureScale(time)),
-        iris=IrisShape(aperture.blades, aperture.roundness, math.radians(aperture.rotation)),
+        iris=iris_of(aperture, camera.path, confined_to),
+        lens=lens_of(glass, camera.path, confined_to),
         shutter_open=_number(usd.GetShutterOpenAttr(), time),
         shutter_close=_number(usd.GetShutterCloseAttr(), time),
         breathing=glass.breathing,

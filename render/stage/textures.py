@@ -65,13 +65,13 @@ class TextureCache:
         if key not in self._images:
             if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
                 raise TextureError("lies outside what was given")
-            with _as_file(resolved_path) as file:
+            with as_file(resolved_path) as file:
                 pixels = self._read(file, source, purpose, np.array(scale, np.float32), np.array(bias, np.float32))
             self._images[key] = Image(pixels, resolved_path)
         return self._images[key]
 
     def _read(self, file: str, source: str, purpose: Purpose, scale: FloatArray, bias: FloatArray) -> HalfArray:
-        raw, source = _read_pixels(file, source)
+        raw, source = read_pixels(file, source)
         height, width = raw.shape[:2]
         factor = -(-max(height, width) // self._max_size)
         out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
@@ -132,7 +132,7 @@ class _Linear:
         return finite
 
 
-def _read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
+def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
     """``(height, width, channels)`` pixels in the file's own type, and the colour space that ``auto`` stands for."""
     request = oiio.ImageSpec()
     request.attribute("oiio:UnassociatedAlpha", 1)
@@ -179,7 +179,7 @@ def _averaged(pixels: FloatArray, factor: int) -> FloatArray:
 
 
 @contextlib.contextmanager
-def _as_file(resolved_path: str) -> Iterator[str]:
+def as_file(resolved_path: str) -> Iterator[str]:
     """A plain file with the asset's bytes: itself, or a temporary copy of what lies in a package."""
     if not Ar.IsPackageRelativePath(resolved_path):
         if not (os.path.isabs(resolved_path) and os.path.isfile(resolved_path)):

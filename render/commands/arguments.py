@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from render.commands.report import say
-from render.errors import SettingsError
+from render.errors import NotFoundError, SettingsError
 from render.shot import Shot
+from render.shot.lens_choice import LensChoice, choose_lens
 
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
@@ -44,6 +45,53 @@ def choose_camera(shot: Shot, asked: str | None) -> str | None:
     choice = shot.default_camera()
     say(f"camera: {choice.path or 'none of the stage'} ({choice.reason})")
     return choice.path
+
+
+def add_lens(parser: argparse.ArgumentParser) -> None:
+    """Add --lens, for `asked_lens`."""
+    parser.add_argument(
+        "--lens",
+        metavar="NAME|FILE",
+        help="mount a lens: one of the library (pullfocus lenses), or a .dat, .zmx, .seq or Optical Bench .txt file;"
+        " it sets the camera's focal length, and its f-number where that is wider than the lens opens",
+    )
+
+
+def asked_lens(asked: str | None) -> LensChoice | None:
+    """The lens that --lens names, if it names one.
+
+    Args:
+        asked: what the user typed, if anything.
+
+    Raises:
+        SettingsError: the library has no such lens; the message has the nearest names.
+        InputError: the file is no lens.
+    """
+    try:
+        return None if asked is None else choose_lens(asked)
+    except NotFoundError as error:
+        raise SettingsError(f"--lens: {error.detail}", code=error.code, path=error.path) from error
+
+
+def mount(shot: Shot, camera: str | None, lens: LensChoice | None) -> None:
+    """Mount a lens for this run alone, and say what that changed.
+
+    Args:
+        shot: the shot.
+        camera: prim path; None for a camera that frames the whole stage.
+        lens: None leaves the camera its own.
+
+    Raises:
+        InputError: there is no camera to mount it on.
+    """
+    if lens is None:
+        return
+    mounted = shot.mount_lens(camera, lens)
+    changes = [f"focal length {mounted.focal_length_mm:g} mm"] if mounted.focal_length_mm is not None else []
+    changes += [f"f-number raised to f/{mounted.f_stop:g}"] if mounted.f_stop is not None else []
+    say(f"lens: {lens.name} ({', '.join(changes) or 'the camera as it is set'})")
+    for note in lens.notes:
+        say(f"lens: {note}")
 
 
 def add_frames(parser: argparse.ArgumentParser, without: str) -> None:

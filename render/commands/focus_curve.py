@@ -25,6 +25,7 @@ def add_parser(commands: Any) -> None:
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     shared.add_camera(parser)
+    shared.add_lens(parser)
     shared.add_frames(parser, "every frame of the shot")
     parser.add_argument(
         "--format", default="json", choices=(*FORMATS, *FORMATS_TO_COME), help="usda is a layer to put over the shot"
@@ -53,12 +54,14 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.baked and arguments.format != "usda":
         raise SettingsError(f"--baked is for --format usda alone, got {arguments.format}")
     asked = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
+    lens = shared.asked_lens(arguments.lens)
     shot = Shot.open(arguments.stage, edits=arguments.edits)
     if arguments.out is not None:
         shot.check_not_own(arguments.out)
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise _no_camera(arguments.stage, shot.cameras())
+    shared.mount(shot, camera, lens)
     frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
     text = _text(shot, camera, frames, arguments)
     if arguments.out is None:

@@ -24,7 +24,7 @@ from render.shot.size import picture_height
 PURPOSES = ("default", "render", "proxy", "guide")
 COMPLEXITIES = ("low", "medium", "high", "veryhigh")
 
-OPTIONS_TO_COME = {"lens": "the lens library", "film": "the film library"}
+OPTIONS_TO_COME = {"film": "the film library"}
 
 
 def add_parser(commands: Any) -> None:
@@ -38,6 +38,7 @@ def add_parser(commands: Any) -> None:
         help="file to write: .exr (scene-linear), .png or .jpg (graded); a run of # in it is the frame number",
     )
     shared.add_camera(parser)
+    shared.add_lens(parser)
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
     _add_picture_options(parser)
@@ -75,7 +76,10 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--shading", default="lit", metavar="NAME", help="lit, or unlit for the base colour as radiance")
     group.add_argument(
-        "--aov", default="color", metavar="LIST", help="parts of an EXR: color, depth, coc, prim_id, face_id"
+        "--aov",
+        default="color",
+        metavar="LIST",
+        help="parts of an EXR: color, depth, coc, focus_depth, albedo, prim_id, face_id",
     )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 
@@ -95,6 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
     _check_output(arguments)
     asked = None if arguments.frames is None else parse_frames(arguments.frames)
     settings = _settings(arguments)
+    lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
     frames = asked or [shot.frame_range.start]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
@@ -102,6 +107,7 @@ def run(arguments: argparse.Namespace) -> None:
     for file in files:
         shot.check_not_own(file)
     camera = shared.choose_camera(shot, arguments.camera)
+    shared.mount(shot, camera, lens)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
     written = _record(shot, camera, list(zip(frames, files, strict=True)), settings)
     warn_of(shot.findings(), arguments.stage)

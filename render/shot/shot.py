@@ -11,8 +11,9 @@ from pxr import Sdf
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.shot.anchor import Picked, anchored
 from render.shot.lens import author_lens, set_focus_mode
+from render.shot.lens_choice import LensChoice
 from render.shot.view import ShotView, checked_time
-from usd_schemas import FocusPoint, FocusPointView, Interpolation, LensCamera
+from usd_schemas import FocusPoint, FocusPointView, Interpolation, LensCamera, Mounted, mount_lens
 
 
 class Shot(ShotView):
@@ -176,6 +177,29 @@ class Shot(ShotView):
             author_lens(camera, time, f_stop=f_stop, focal_length_mm=focal_length_mm, focus_distance_m=focus_distance_m)
             if mode is not None:
                 set_focus_mode(camera, mode)
+
+    def mount_lens(self, camera_path: str | None, choice: LensChoice) -> Mounted:
+        """Put another lens on a camera, for all time: its glass, its focal length, and no wider an f-number than it has.
+
+        Args:
+            camera_path: of a camera.
+            choice: as `render.shot.lens_choice` gives it.
+
+        Returns:
+            What changed of the camera's own numbers.
+
+        Raises:
+            SettingsError: the lens has a value that USD does not allow.
+        """
+        camera = self._editable(camera_path)
+        with self._edits.editing():
+            return mount_lens(
+                camera,
+                choice.lens,
+                focal_length_mm=choice.focal_length_mm,
+                f_stop=choice.f_stop,
+                aperture=choice.aperture,
+            )
 
     def replace_edits(self, text: str) -> None:
         """Put other edits in place of all there are.

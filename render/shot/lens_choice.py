@@ -1,0 +1,91 @@
+"""A lens to put on a camera: of the library by its name, or of a file."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from render.errors import NotFoundError
+from render.lens import Prescription
+from render.optics.completion import completed
+from render.optics.lens_files import LENS_FILE_SUFFIXES, parse_lens_file, read_lens_file
+from render.optics.paraxial import first_order
+from render.stage.lens_data import lens_data
+from usd_schemas import ApertureData, LensData, SchemaError, library_lens
+
+
+@dataclass(frozen=True)
+class LensChoice:
+    """A lens that can be mounted.
+
+    Attributes:
+        name: of the lens, for people.
+        lens: what LensAPI shall say.
+        focal_length_mm: of the lens; None where it has none of its own.
+        f_stop: wide open; 0 where any f-number goes.
+        aperture: the lens's own iris; None keeps the camera's.
+        notes: what was approximated or solved for, one sentence each.
+    """
+
+    name: str
+    lens: LensData
+    focal_length_mm: float | None = None
+    f_stop: float = 0.0
+    aperture: ApertureData | None = None
+    notes: tuple[str, ...] = ()
+
+
+THIN = LensChoice("the thin lens", LensData())
+"""The ideal lens of whatever focal length and f-number the camera has."""
+
+
+def choose_lens(name_or_file: str) -> LensChoice:
+    """The lens that is meant: a file where it has a lens file's suffix or names a folder, else a lens of the library.
+
+    Raises:
+        NotFoundError: the library has no such lens; the message has the nearest names.
+        InputError: the file cannot be read, or is no lens.
+    """
+    is_file = Path(name_or_file).suffix.lower() in LENS_FILE_SUFFIXES or os.sep in name_or_file
+    return lens_of_prescription(read_lens_file(name_or_file)) if is_file else library_choice(name_or_file)
+
+
+def library_choice(name: str) -> LensChoice:
+    """A lens of the library.
+
+    Raises:
+        NotFoundError: there is none of that name; the message has the nearest names.
+    """
+    try:
+        entry = library_lens(name)
+    except SchemaError as error:
+        raise NotFoundError(str(error), code="no_such_lens", path=name) from error
+    return LensChoice(entry.lens.name, entry.lens, entry.focal_length_mm, entry.f_stop, entry.aperture)
+
+
+def file_choice(data: bytes, name: str) -> LensChoice:
+    """The lens of a lens file in memory.
+
+    Raises:
+        InputError: it is no lens file, or no lens.
+    """
+    return lens_of_prescription(parse_lens_file(data, name))
+
+
+def lens_of_prescription(prescription: Prescription) -> LensChoice:
+    """A lens as its file has it, proven to be one: what is missing is solved for whenever it is looked through.
+
+    Raises:
+        InputError: no light comes through it to a film; the message names the surface.
+    """
+    whole = completed(prescription)
+    return LensChoice(
+        prescription.name,
+        lens_data(prescription),
+        round(first_order(whole).focal_length_mm, 3),
+        # Wide open is where the file's own rounding ends: 2.0, and not 1.998.
+        round(whole.f_stop, 2),
+        None,
+        whole.notes,
+    )

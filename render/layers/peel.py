@@ -74,6 +74,11 @@ class Peeler:
         self._lighting.cast_shadows(sphere_around(self._all_corners()), interest)
         self._scene, self._interest = scene, interest
 
+    @property
+    def is_opaque(self) -> bool:
+        """Whether no surface of the loaded scene can be seen through."""
+        return not any(draw.may_be_clear for draw in self.index.draws)
+
     def nearest_w(self, view: PinholeView) -> float:
         """The largest inverse depth of anything in view, 1/m: at most ``1 / view.near_m``, 0 where nothing is.
 

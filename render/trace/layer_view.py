@@ -11,7 +11,7 @@ from render.scene import DoubleArray
 from render.trace.lens_table import BOUND, WEIGHT, PolynomialTable
 from render.trace.rays import FocalSurface, RayBundle
 
-MAX_BLUR_SHARE = 0.08
+MAX_BLUR_SHARE = 0.25
 """The guard band for blur is at most this share of the picture's longer side on each side: beyond it, rays see the edge's pixels
 repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
 MAX_AREA_RATIO = 2.5

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
-from render.layers.peel import Layers, Peeler, umbra_reach
+from render.layers.peel import Layers, Peeler
+from render.layers.umbra import layers_needed, umbra_reach
 from render.lens import IrisShape
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
@@ -77,11 +78,15 @@ class LensEngine:
         """
         bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
         surface = plane_of_focus(camera)
-        nearest_w = 1 / view.near_m
+        widest = layer_view(view, bundle, surface, supersample, 1 / view.near_m)
+        nearest_w = peeler.nearest_w(widest)
         wide = layer_view(view, bundle, surface, supersample, nearest_w)
-        pupil_px = max(wide.fx, wide.fy) * bundle.reach_m
+        f_px = max(wide.fx, wide.fy)
+        pupil_px = f_px * bundle.reach_m
+        bundle = shared_rays(bundle, f_px, max(surface.w0, nearest_w - surface.w0))
+        if peeler.is_opaque:
+            layers = min(layers, layers_needed(pupil_px, nearest_w))
         umbra = umbra_reach(pupil_px)
-        bundle = shared_rays(bundle, max(wide.fx, wide.fy), max(surface.w0, nearest_w - surface.w0))
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=wide.fx / view.fx)
         nbuffers = self._nbuffers.build(peeled)
         for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view):

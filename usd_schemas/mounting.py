@@ -10,6 +10,7 @@ from usd_schemas import binding
 from usd_schemas.applying import applied
 from usd_schemas.data import ApertureData, DataSheet, HeightField, LensData, Prescription, Seidel
 from usd_schemas.keys import following_interpolation, set_key
+from usd_schemas.lens_library import library_lenses
 from usd_schemas.units import tenths_from_mm
 from usd_schemas.values import is_animated, read_value, stored_value, usd_value
 from usd_schemas.view import LensCamera
@@ -53,8 +54,8 @@ def mount_lens(
 ) -> Mounted:
     """Put a lens on a camera, in the stage's edit target and for all time.
 
-    What belongs to the lens replaces what the camera says of the one before: its barrel and its glass. What the photographer
-    sets stays: filters, breathing, factors on errors.
+    What belongs to the lens replaces what the camera says of the one before: its barrel, its glass, and its iris where that came
+    from the library with it. What the photographer sets stays: filters, breathing, factors on errors.
 
     Args:
         camera: the camera.
@@ -66,6 +67,7 @@ def mount_lens(
     Raises:
         SchemaError: a value is not allowed; what was authored before it stays, so edit within something that takes it back.
     """
+    _take_off_iris(camera)
     with applied(camera.prim, "LensAPI"):
         _author(camera.prim, lens, (*_BARREL, *_GLASS))
     if aperture is not None:
@@ -75,6 +77,17 @@ def mount_lens(
         attribute = camera.prim.GetAttribute("focalLength")
         _set_for_all_time(attribute, tenths_from_mm(focal_length_mm, camera.prim.GetStage()))
     return Mounted(focal_length_mm, f_stop if _raise_f_stop(camera.prim, f_stop) else None)
+
+
+def _take_off_iris(camera: LensCamera) -> None:
+    """Give back the iris that the camera had before a lens of the library brought its own."""
+    name, iris = camera.lens.read().name, camera.aperture.read()
+    if not any(entry.lens.name == name and entry.aperture == iris for entry in library_lenses()):
+        return
+    for attribute in [camera.prim.GetAttribute(name) for name in binding.property_names(ApertureData)]:
+        attribute.Clear()
+    if camera.aperture.read() == iris:  # it is a weaker layer's
+        _author(camera.prim, ApertureData(), tuple(binding.property_names(ApertureData)))
 
 
 def _author(prim: Usd.Prim, data: LensData | ApertureData, names: tuple[str, ...]) -> None:

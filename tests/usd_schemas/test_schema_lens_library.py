@@ -111,3 +111,23 @@ def test_the_iris_of_a_camera_stays_where_the_lens_has_none(camera: LensCamera) 
     camera.aperture.author(ApertureData(blades=7))
     mount_lens(camera, library_lens("planar_50").lens)
     assert camera.aperture.read().blades == 7
+
+
+def test_the_iris_of_a_lens_goes_with_it_and_the_camera_s_own_is_there_again(
+    stage: Usd.Stage, camera: LensCamera
+) -> None:
+    camera.aperture.author(ApertureData(blades=7))
+    mirror, planar = library_lens("mirror_500"), library_lens("planar_50")
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        mount_lens(camera, mirror.lens, aperture=mirror.aperture)
+        assert camera.aperture.read() == mirror.aperture
+        mount_lens(camera, planar.lens, aperture=planar.aperture)
+    assert camera.aperture.read() == ApertureData(blades=7)
+
+
+def test_the_iris_of_a_lens_in_a_weaker_layer_goes_with_it_too(stage: Usd.Stage, camera: LensCamera) -> None:
+    mirror = library_lens("mirror_500")
+    mount_lens(camera, mirror.lens, aperture=mirror.aperture)
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        mount_lens(camera, library_lens("planar_50").lens)
+    assert camera.aperture.read() == ApertureData()

@@ -10,7 +10,7 @@ from render.errors import InputError
 from render.lens import DoubleArray, Prescription
 from render.optics.glass import D_LINE_NM
 from render.optics.paraxial import entrance_pupil, paraxial_system, stop_index, vertices
-from render.optics.tracing import TracedRays, trace_backward, trace_forward
+from render.optics.tracing import PASSES, TracedRays, trace_backward, trace_forward
 
 _RINGS = 32
 _TRIALS = 33
@@ -42,6 +42,9 @@ def axial_beam(
         wavelength_nm: of the light.
         vertices_mm: ``(k,)`` where the surfaces stand, if not where the thicknesses put them.
         clip: whether rims and iris stop rays.
+
+    Raises:
+        InputError: no ray but the axis itself gets to the iris.
     """
     placed = vertices(prescription) if vertices_mm is None else vertices_mm
     stop = stop_index(prescription)
@@ -66,6 +69,9 @@ def axial_beam(
         inside = np.abs(traced(heights, stop + 1, False).points_mm[stop, :, 1]) <= stop_radius_mm
         outside = int(np.argmin(inside)) if not inside.all() else _TRIALS - 1
         low, high = float(heights[max(outside - 1, 0)]), float(heights[outside])
+    if low == 0:
+        lost = int(traced(np.array([high]), stop + 1, False).stopped_by[0])
+        raise _dark(prescription, stop if lost == PASSES else lost)
     return traced(np.asarray(pupil_heights) * low, len(prescription.surfaces), clip)
 
 
@@ -83,12 +89,15 @@ def best_focus_mm(
     rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
     beam = axial_beam(prescription, object_mm, rings, stop_radius_mm, vertices_mm=vertices_mm)
     if not beam.passes.any():
-        name = prescription.name or "the lens"
-        what = f"no light from the axis comes through {name}: surface {beam.stopped_by[0] + 1} stops it"
-        raise InputError(what, code="bad_lens")
+        raise _dark(prescription, int(beam.stopped_by[0]))
     last, slopes = beam.points_mm[-1][beam.passes], (beam.directions[:, 1] / beam.directions[:, 2])[beam.passes]
     crossing = last[:, 1] - last[:, 2] * slopes
     return float(-np.sum(crossing * slopes) / np.sum(slopes * slopes))
+
+
+def _dark(prescription: Prescription, surface: int) -> InputError:
+    what = f"no light from the axis comes through {prescription.name or 'the lens'}: surface {surface + 1} stops it"
+    return InputError(what, code="bad_lens")
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from render.optics.paraxial import FirstOrder, first_order, focal_points, paraxi
 from render.optics.stop_placement import with_stop
 from render.optics.surface_shape import extent_mm
 from render.optics.tracing import Fate, TracedRays, trace_forward
-from render.optics.validation import bad_lens, check_overlaps, check_prescription
+from render.optics.validation import FASTEST_F_STOP, bad_lens, check_overlaps, check_prescription
 
 _WAYS_TO_FAIL = {
     Fate.BLOCKED: "its rim blocks",
@@ -22,7 +22,7 @@ _WAYS_TO_FAIL = {
     Fate.REFLECTED: "total internal reflection turns back",
 }
 _FAN = 201
-_NOTICED = 0.01  # share of the f-number
+_NOTICED = 0.01  # share of the f-number or of the focal length
 
 
 def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
@@ -87,6 +87,9 @@ def _with_aperture(prescription: Prescription) -> Prescription:
     radius, stated = prescription.surfaces[stop].semi_diameter_mm, prescription.f_stop
     if radius > 0:
         f_stop = full_aperture / radius
+        if f_stop < FASTEST_F_STOP:
+            what = f"as the stop, its clear semi-diameter of {radius:g} mm makes it f/{f_stop:.3g}, which is impossible"
+            raise bad_lens(prescription, f"{what}: expected f/{FASTEST_F_STOP:g} or slower", stop)
         notes = prescription.notes
         if stated > 0 and abs(f_stop / stated - 1) > _NOTICED:
             notes = (*notes, f"It is said to be f/{stated:.3g}, but its stop's diameter makes it f/{f_stop:.3g}.")
@@ -159,9 +162,13 @@ def _with_light_checked(prescription: Prescription) -> Prescription:
 
 
 def _with_back_focus(prescription: Prescription) -> Prescription:
-    """The film at the paraxial focus of parallel light."""
-    if prescription.surfaces[-1].thickness_mm > 0:
+    """The film at the paraxial focus of parallel light, where the file does not say; a note where it says another place."""
+    focal, back, _ = focal_points(paraxial_system(prescription))
+    stated, last = prescription.surfaces[-1].thickness_mm, len(prescription.surfaces) - 1
+    if stated == 0:
+        note = f"The back focal distance of {back:.4g} mm was solved for."
+        return _with_surface(prescription, last, note, thickness_mm=back)
+    note = f"Parallel light meets {back:.4g} mm behind the last surface, not at the film, which stands {stated:.4g} mm behind it."
+    if abs(back - stated) < _NOTICED * focal or note in prescription.notes:
         return prescription
-    back = focal_points(paraxial_system(prescription))[1]
-    note = f"The back focal distance of {back:.4g} mm was solved for."
-    return _with_surface(prescription, len(prescription.surfaces) - 1, note, thickness_mm=back)
+    return replace(prescription, notes=(*prescription.notes, note))

@@ -23,6 +23,7 @@ _LONGEST_WAY = 2.0  # focal lengths that a group with nothing before it can move
 _BISECTIONS = 60
 _SETTLED_MM = 1e-9
 _ROUNDS = 20
+_SHARP = 1e-8  # spread on the film over that in the pupil
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,12 @@ class FilmThroughLens:
         return self.lift + nearness * self.scale_mm
 
     @property
-    def nearness(self) -> float:
-        """Of the plane that is sharp."""
+    def nearness(self) -> float | None:
+        """Of the plane that is sharp; None where none is before the lens."""
+        if abs(self.lift) < _SHARP:
+            return 0.0
+        if self.scale_mm <= 0 or self.lift > 0 or -self.lift * self.pupil_depth_mm >= self.scale_mm:
+            return None
         return -self.lift / self.scale_mm
 
 
@@ -140,14 +145,16 @@ class FocusMechanism:
 
     def _shift_of_group(self, nearness: float) -> float:
         low, high = self._travel()
+        if abs(self.film_through_lens(0.0).miss(nearness)) < _SHARP:
+            return 0.0
         for end in sorted((low, high), key=abs):
             places = np.linspace(0.0, end, _PLACES)
             seen = [self.film_through_lens(place) for place in places]
             misses = np.array([film.miss(nearness) for film in seen])
-            found = np.flatnonzero(misses[:-1] * misses[1:] <= 0)
-            if found.size and nearness * seen[found[0]].pupil_depth_mm < 1:
-                return self._bisect(nearness, float(places[found[0]]), float(places[found[0] + 1]))
-        raise self._group_stops(nearness, low, high)
+            for i in np.flatnonzero(misses[:-1] * misses[1:] <= 0)[:1]:
+                if seen[i].nearness is not None or seen[i + 1].nearness is not None:
+                    return self._bisect(nearness, float(places[i]), float(places[i + 1]))
+        raise self._out_of_reach(nearness, low, high)
 
     def _bisect(self, nearness: float, start: float, end: float) -> float:
         sign = np.sign(self.film_through_lens(end).miss(nearness))
@@ -172,21 +179,33 @@ class FocusMechanism:
             behind = clearance_mm(surfaces[last], surfaces[last + 1], surfaces[last].thickness_mm)
         return -max(front, 0.0), max(behind, 0.0)
 
-    def _group_stops(self, nearness: float, low: float, high: float) -> SettingsError:
-        """The error that says where the group's way ends, and what distance is sharp there."""
-        best, reason = 0.0, ""
+    def _out_of_reach(self, nearness: float, low: float, high: float) -> SettingsError:
+        """The error that says what the group reaches on its way, and what ends it."""
         first, last = self.moving
-        for end, touches in ((low, (first, first + 1)), (high, (last + 1, last + 2))):
-            nearest = self.film_through_lens(end).nearness
-            if nearest > best:
-                best = nearest
-                reason = f"where surface {touches[0]} and surface {touches[1]} touch"
-        return self._too_near(nearness, best, reason)
+        places = np.linspace(low, high, 2 * _PLACES)
+        reached = {place: seen for place in places if (seen := self.film_through_lens(place).nearness) is not None}
+        if not reached:
+            return self._refusal(nearness, f"wherever surfaces {first + 1} to {last + 1} are moved, no object is sharp")
+        if not any(reached.values()):
+            return self._refusal(nearness, f"moving surfaces {first + 1} to {last + 1} leaves it sharp at infinity")
+        place = max(reached, key=lambda place: reached[place])
+        if nearness < reached[place]:
+            return self._refusal(nearness, f"the farthest that it reaches is {_metres(min(reached.values()))}")
+        if place in (low, high):
+            front = first if place == low else last + 1
+            neighbour = f"surface {front + 1}" if front < len(self.system.powers) else "the film"
+            return self._too_near(nearness, reached[place], f"where surface {front} and {neighbour} touch")
+        return self._too_near(
+            nearness, reached[place], f"with surfaces {first + 1} to {last + 1} moved by {place:.4g} mm"
+        )
 
     def _too_near(self, nearness: float, nearest: float, reason: str) -> SettingsError:
+        return self._refusal(nearness, f"the nearest that it reaches is {_metres(nearest)}, {reason}")
+
+    def _refusal(self, nearness: float, why: str) -> SettingsError:
         name = self.prescription.name or "the lens"
-        asked = f"{0.001 / nearness:.4g} m" if nearness else "infinity"
-        reach = (
-            f"the nearest that it reaches is {0.001 / nearest:.4g} m, {reason}" if nearest > 0 else "no place is sharp"
-        )
-        return SettingsError(f"{name} cannot focus at {asked}: {reach}", code="focus_too_near")
+        return SettingsError(f"{name} cannot focus at {_metres(nearness)}: {why}", code="focus_out_of_reach")
+
+
+def _metres(nearness: float) -> str:
+    return f"{0.001 / nearness:.4g} m" if nearness > 0 else "infinity"

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from render.errors import SettingsError
+from render.errors import InputError, SettingsError
 from render.lens import DoubleArray, Prescription
 from render.optics.focus_mechanism import FocusMechanism
 from render.optics.paraxial import FirstOrder, first_order, stop_index
@@ -72,6 +72,7 @@ def focused(
         raise SettingsError(f"the f-number of a lens must be a positive number, got {f_stop}")
     if np.isnan(focus_distance_m) or focus_distance_m < 0:
         raise SettingsError(f"focus distance must be 0 (infinity) or more, got {focus_distance_m} m")
+    _check_complete(prescription)
     nearness = 1 / (1000 * focus_distance_m) if focus_distance_m > 0 else 0.0
     stop_radius_mm = _stop_radius_mm(prescription, f_stop)
     mechanism = FocusMechanism.of(prescription)
@@ -79,6 +80,14 @@ def focused(
     if by == "spot":
         shift_mm = mechanism.spot_shift(nearness, shift_mm, stop_radius_mm)
     return _assembled(prescription, mechanism, shift_mm, stop_radius_mm)
+
+
+def _check_complete(prescription: Prescription) -> None:
+    """Raise `InputError` for a prescription that `render.optics.completion.completed` has not seen."""
+    missing = [i + 1 for i, surface in enumerate(prescription.surfaces) if surface.semi_diameter_mm <= 0]
+    if missing or not prescription.surfaces or prescription.surfaces[-1].thickness_mm <= 0:
+        what = f"the clear diameter of surface {missing[0]}" if missing else "the back focal distance"
+        raise InputError(f"{prescription.name or 'the lens'} is not complete: {what} is missing", code="bad_lens")
 
 
 def _stop_radius_mm(prescription: Prescription, f_stop: float) -> float:

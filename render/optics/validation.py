@@ -15,9 +15,12 @@ from render.optics.surface_shape import clearance_mm, conic_extent_mm
 MAX_SURFACES = 200
 MAX_ASPHERIC_TERMS = 10
 _LARGEST_INDEX = 5.0  # germanium has 4
+_LEAST_ABBE = 1.0  # the densest flints have about 15
+_LARGEST_NUMBER = 1e5  # mm, for lengths along the axis and across it: a hundred metres
+_LEAST_RADIUS_MM = 1e-3
 _OVERLAP_SLACK_MM = 1e-6
 _RIM_SLACK = 1 + 1e-6
-_FASTEST_F_STOP = 0.5  # in air: the marginal ray leaves at right angles to the axis (Welford 1986, ch. 6)
+FASTEST_F_STOP = 0.5  # in air: the marginal ray leaves at right angles to the axis (Welford 1986, ch. 6)
 
 
 def check_prescription(prescription: Prescription) -> None:
@@ -75,6 +78,11 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
     for what, number in numbers.items():
         if not np.isfinite(number):
             raise bad_lens(prescription, f"its {what} must be a finite number, got {number}", index)
+        if what != "radius" and abs(number) > _LARGEST_NUMBER:
+            raise bad_lens(prescription, f"its {what} must be at most {_LARGEST_NUMBER:g}, got {number:g}", index)
+    if 0 < abs(surface.radius_mm) < _LEAST_RADIUS_MM:
+        what = f"its radius must be 0 (a plane) or at least {_LEAST_RADIUS_MM:g} mm, got {surface.radius_mm:g} mm"
+        raise bad_lens(prescription, what, index)
     for what in ("thickness", "clear semi-diameter"):
         if numbers[what] < 0:
             raise bad_lens(prescription, f"its {what} must be 0 or more, got {numbers[what]:g} mm", index)
@@ -85,10 +93,11 @@ def _check_numbers(prescription: Prescription, index: int, surface: Surface) -> 
 
 def _check_glass(prescription: Prescription, index: int, surface: Surface) -> None:
     glass = surface.glass
-    if not (np.isfinite(glass.abbe) and glass.abbe >= 0):
-        raise bad_lens(
-            prescription, f"the Abbe number behind it must be 0 (no dispersion) or more, got {glass.abbe}", index
-        )
+    if glass.abbe != 0 and not _LEAST_ABBE <= glass.abbe < np.inf:
+        what = f"the Abbe number behind it must be 0 (no dispersion) or at least {_LEAST_ABBE:g}, got {glass.abbe:g}"
+        raise bad_lens(prescription, what, index)
+    if not np.isfinite([glass.index, *(glass.sellmeier_b or ()), *(glass.sellmeier_c or ())]).all():
+        raise bad_lens(prescription, "the glass behind it must have finite numbers", index)
     for line_nm in (D_LINE_NM, F_LINE_NM, C_LINE_NM):
         n = refractive_index(glass, line_nm)
         if not 1 <= n <= _LARGEST_INDEX:
@@ -112,8 +121,8 @@ def _check_whole(prescription: Prescription) -> None:
         raise bad_lens(prescription, f"it is a second aperture stop: surface {stops[0] + 1} is one already", stops[1])
     if abs(refractive_index(surfaces[-1].glass, D_LINE_NM) - 1) > 1e-9:
         raise bad_lens(prescription, "behind the last surface there must be air (index 1)", last)
-    if not (np.isfinite(prescription.f_stop) and (prescription.f_stop == 0 or prescription.f_stop >= _FASTEST_F_STOP)):
-        what = f"f/{prescription.f_stop:g} wide open is impossible: expected 0 (unknown) or from {_FASTEST_F_STOP:g} up"
+    if not (np.isfinite(prescription.f_stop) and (prescription.f_stop == 0 or prescription.f_stop >= FASTEST_F_STOP)):
+        what = f"f/{prescription.f_stop:g} wide open is impossible: expected 0 (unknown) or from {FASTEST_F_STOP:g} up"
         raise bad_lens(prescription, what)
     group = prescription.focus_group
     if group is not None and not 0 <= group[0] <= group[1] <= last:

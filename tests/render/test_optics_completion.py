@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lens_kit import DISTAGON, DOUBLE_GAUSS, FISHEYE, PLANAR, SIX_LENSES, TELEPHOTO, WIDE, KnownLens
 
 from render.errors import InputError, SettingsError
-from render.lens import Glass, Prescription, Surface
+from render.lens import AIR, Glass, Prescription, Surface
 from render.optics.beams import oblique_beam
 from render.optics.completion import completed, scaled
 from render.optics.paraxial import first_order, stop_index, vertices
@@ -157,8 +157,20 @@ def test_solved_surfaces_end_where_they_meet_their_neighbours() -> None:
         (4, {"aspheric": (1e-9,) * 11}, "surface 5 .* at most 10 aspheric coefficients, got 11"),
         (0, {"glass": Glass(0.0)}, "surface 1 .* index behind it must be from 1 to 5, got 0 at 587.6 nm"),
         (0, {"glass": Glass(-1.5)}, "surface 1 .* index behind it must be from 1 to 5, got -1.5"),
-        (0, {"glass": Glass(np.nan)}, "surface 1 .* index behind it must be from 1 to 5, got nan"),
-        (0, {"glass": Glass(1.67, -4.0)}, "surface 1 .* Abbe number behind it must be 0 .* or more, got -4"),
+        (0, {"glass": Glass(np.nan)}, "surface 1 .* the glass behind it must have finite numbers"),
+        (
+            0,
+            {"glass": Glass(1.5, 0.0, (1.0, 1.0, np.inf), (0.01, 0.01, 0.01))},
+            "surface 1 .* must have finite numbers",
+        ),
+        (
+            0,
+            {"glass": Glass(1.5, 0.0, (-1.0, -1.0, 0.0), (0.01, 0.01, 0.01))},
+            "surface 1 .* index behind it must be .* got nan",
+        ),
+        (0, {"glass": Glass(1.67, -4.0)}, "surface 1 .* Abbe number behind it must be 0 .* or at least 1, got -4"),
+        (3, {"radius_mm": 1e-9}, "surface 4 .* its radius must be 0 .a plane. or at least 0.001 mm, got 1e-09 mm"),
+        (3, {"thickness_mm": 1e9}, r"surface 4 .* its thickness must be at most 100000, got 1e\+09"),
         (4, {"semi_diameter_mm": 13.0}, "surface 5 .* clear semi-diameter of 13 mm exceeds the 12.75 mm"),
         (7, {"is_stop": True}, "surface 8 .* second aperture stop: surface 6 is one already"),
         (10, {"glass": Glass(1.5)}, r"surface 11 .* behind the last surface there must be air"),
@@ -186,6 +198,10 @@ def test_bad_numbers_are_named_by_surface(index: int, changes: dict[str, object]
             replace(changed(changed(SINGLET, 0, semi_diameter_mm=0.0), 1, semi_diameter_mm=0.0), f_stop=0.6),
             "surface 2 of Singlet: f/0.6 wide open is impossible",
         ),
+        (
+            replace(changed(FISHEYE.prescription, 6, semi_diameter_mm=30.0), f_stop=2.0),
+            "surface 7 of Fisheye 10 mm: as the stop, its clear semi-diameter of 30 mm makes it f/0.4",
+        ),
         (changed(changed(SINGLET, 0, semi_diameter_mm=0.0), 1, semi_diameter_mm=0.0), "neither the f-number nor the stop"),
     ],
 )  # fmt: skip
@@ -195,15 +211,47 @@ def test_impossible_lenses_are_refused(prescription: Prescription, words: str) -
 
 
 def test_total_internal_reflection_everywhere_is_named() -> None:
-    # But for its rounded tip, the second surface is a cone of glass that light along the axis meets at 60° from its normal.
+    # But for their rounded tips, the second and third surfaces are cones that light along the axis meets at 60° from the normal.
     surfaces = (
         Surface(0.0, 10.0, Glass(1.8), 5.0, is_stop=True),
         Surface(-0.01, 0.0, semi_diameter_mm=5.0, conic=-4 / 3),
+        Surface(-0.01, 10.0, Glass(1.8), 5.0, conic=-4 / 3),
+        Surface(-60.0, 0.0, semi_diameter_mm=5.0),
     )
     with pytest.raises(
         InputError, match="surface 2 of Trap: no light gets through: total internal reflection turns back"
     ):
         completed(Prescription(surfaces, name="Trap"))
+
+
+numbers = st.floats(-1e3, 1e3) | st.sampled_from([0.0, np.nan, np.inf, -np.inf, 1e-300, 1e300])
+surfaces = st.builds(
+    Surface,
+    radius_mm=st.floats(-60, 60) | numbers,
+    thickness_mm=st.floats(0, 10) | numbers,
+    glass=st.sampled_from([AIR, Glass(1.5), Glass(1.8, 25.0)]) | st.builds(Glass, numbers, numbers),
+    semi_diameter_mm=st.sampled_from([0.0, 4.0]) | numbers,
+    conic=st.just(0.0) | numbers,
+    aspheric=st.just(()) | st.lists(st.floats(-1e-4, 1e-4) | numbers, max_size=3).map(tuple),
+    is_stop=st.booleans(),
+)
+
+
+@given(
+    surfaces=st.lists(surfaces, min_size=1, max_size=5).map(tuple),
+    f_stop=st.sampled_from([0.0, 2.0]) | numbers,
+    group=st.none() | st.tuples(st.integers(-1, 5), st.integers(-1, 5)),
+)
+def test_any_numbers_whatever_make_a_lens_or_one_clear_refusal(
+    surfaces: tuple[Surface, ...], f_stop: float, group: tuple[int, int] | None
+) -> None:
+    try:
+        whole = completed(Prescription(surfaces, group, f_stop))
+    except InputError:
+        return
+    assert all(surface.semi_diameter_mm > 0 for surface in whole.surfaces)
+    assert whole.f_stop >= 0.5
+    assert completed(whole).surfaces == whole.surfaces
 
 
 @pytest.mark.parametrize("height", [0.0, -1.0, np.nan, np.inf])
@@ -214,7 +262,7 @@ def test_a_field_must_have_a_height(height: float) -> None:
 
 @given(factor=st.floats(0.05, 20))
 def test_a_scaled_lens_has_all_lengths_scaled_and_the_same_f_number(factor: float) -> None:
-    lens = completed(DISTAGON.prescription)
+    lens = DISTAGON.prescription
     before, after = first_order(lens), first_order(scaled(lens, factor))
     for length in (
         "focal_length_mm",

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from lens_kit import DISTAGON, PLANAR, SIX_LENSES, KnownLens
 
-from render.errors import SettingsError
+from render.errors import InputError, SettingsError
 from render.lens import Prescription
-from render.optics.completion import completed
+from render.optics.completion import completed, scaled
 from render.optics.focusing import FocusedLens, focused
 from render.optics.tracing import TracedRays, trace_forward
 
 NAMES = [lens.prescription.name for lens in SIX_LENSES]
+
+
+@functools.cache
+def whole_planar() -> Prescription:
+    return completed(PLANAR.prescription)
 
 
 def rays_from_axis(lens: FocusedLens, distance_m: float, pupil_shares: list[float]) -> TracedRays:
@@ -24,6 +32,11 @@ def rays_from_axis(lens: FocusedLens, distance_m: float, pupil_shares: list[floa
     points = np.stack([0 * heights, heights, lens.entrance_pupil_mm + 0 * heights], axis=1)
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     return trace_forward(lens.prescription, points, directions, vertices_mm=lens.vertices_mm, clip=False)
+
+
+def with_film_at(prescription: Prescription, back_mm: float, group: tuple[int, int]) -> Prescription:
+    *others, last = prescription.surfaces
+    return replace(prescription, surfaces=(*others, replace(last, thickness_mm=back_mm)), focus_group=group)
 
 
 @pytest.mark.parametrize("distance_m", [np.inf, 5.0, 0.6])
@@ -81,10 +94,21 @@ def test_the_image_scale_at_infinity_is_the_focal_length() -> None:
     [
         (PLANAR.prescription, 0.03, "cannot focus at 0.03 m: the nearest that it reaches is 0.0384 m"),
         (PLANAR.prescription, 0.001, "where surface 1 of the lens stands"),
-        (replace(DISTAGON.prescription, focus_group=(13, 17)), 0.3, "where surface 13 and surface 14 touch"),
+        (replace(DISTAGON.prescription, focus_group=(13, 17)), 0.3, "nearest .* where surface 13 and surface 14 touch"),
+        (
+            replace(DISTAGON.prescription, focus_group=(10, 10)),
+            3.0,
+            "moving surfaces 11 to 11 leaves it sharp at infinity",
+        ),
+        (with_film_at(DISTAGON.prescription, 60.0, (0, 3)), 30.0, "the farthest that it reaches is"),
+        (
+            with_film_at(DISTAGON.prescription, 5.0, (13, 13)),
+            1.0,
+            "wherever surfaces 14 to 14 are moved, no object is sharp",
+        ),
     ],
 )
-def test_a_focus_too_near_says_how_near_the_lens_reaches(
+def test_a_focus_out_of_reach_says_how_far_the_lens_reaches(
     prescription: Prescription, distance_m: float, words: str
 ) -> None:
     with pytest.raises(SettingsError, match=words):
@@ -97,3 +121,64 @@ def test_a_focus_too_near_says_how_near_the_lens_reaches(
 def test_impossible_settings_are_refused(distance_m: float, f_stop: float) -> None:
     with pytest.raises(SettingsError):
         focused(completed(PLANAR.prescription), distance_m, f_stop)
+
+
+def test_a_lens_whose_film_stands_elsewhere_is_moved_to_infinity() -> None:
+    lens = completed(with_film_at(PLANAR.prescription, 40.0, (0, 13)))
+    assert any("Parallel light meets 35.5 mm behind" in note for note in lens.notes)
+    assert focused(lens, np.inf, 4.0, by="paraxial").vertices_mm[0] == pytest.approx(
+        40.0 - PLANAR.back_focal_mm, abs=1e-3
+    )
+
+
+def test_a_stop_behind_the_film_side_of_a_moving_group_moves_the_pupil_that_distances_count_from() -> None:
+    # a group before the stop moves: the stop's image moves, and the object stays as far from it as was asked
+    lens = focused(replace(completed(DISTAGON.prescription), focus_group=(0, 3)), 0.4, 4.0, by="paraxial")
+    far = focused(replace(completed(DISTAGON.prescription), focus_group=(0, 3)), np.inf, 4.0, by="paraxial")
+    assert lens.entrance_pupil_mm < far.entrance_pupil_mm - 1
+    assert rays_from_axis(lens, 0.4, [1e-3]).at(lens.film_mm)[0, 1] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("distance_m", [np.inf, 2.0, 0.5])
+def test_the_image_scale_is_that_of_rays_through_the_middle_of_the_pupil(distance_m: float) -> None:
+    lens = focused(completed(PLANAR.prescription), distance_m, 4.0)
+    slope = 1e-4
+    point = np.array([[0.0, 0.0, lens.entrance_pupil_mm]])
+    traced = trace_forward(lens.prescription, point, np.array([[0.0, slope, 1.0]]), vertices_mm=lens.vertices_mm)
+    assert traced.at(lens.film_mm)[0, 1] / slope == pytest.approx(lens.image_scale_mm, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("prescription", "words"),
+    [
+        (DISTAGON.prescription, "Distagon 35/1.4 is not complete: the clear diameter of surface 1 is missing"),
+        (PLANAR.prescription, "Planar 50/1.4 is not complete: the back focal distance is missing"),
+        (Prescription(()), "the lens is not complete"),
+    ],
+)
+def test_a_lens_that_lacks_something_is_not_focused(prescription: Prescription, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        focused(prescription, 2.0, 4.0)
+
+
+@given(distance_m=st.floats(0.3, 1e5), f_stop=st.floats(1.0, 32.0), scale=st.floats(0.2, 5.0))
+def test_a_scaled_lens_focused_at_a_scaled_distance_is_the_scaled_focused_lens(
+    distance_m: float, f_stop: float, scale: float
+) -> None:
+    lens = whole_planar()
+    one = focused(lens, distance_m, f_stop, by="paraxial")
+    other = focused(scaled(lens, scale), distance_m * scale, f_stop, by="paraxial")
+    assert other.vertices_mm == pytest.approx(one.vertices_mm * scale, abs=1e-6)
+    assert other.entrance_pupil_radius_mm == pytest.approx(one.entrance_pupil_radius_mm * scale)
+    assert other.f_stop == pytest.approx(one.f_stop)
+
+
+def test_the_nearer_the_object_the_farther_the_lens_moves_out() -> None:
+    lens = completed(PLANAR.prescription)
+    fronts = [focused(lens, distance, 4.0).vertices_mm[0] for distance in (np.inf, 20.0, 5.0, 1.0, 0.5, 0.2)]
+    assert (np.diff(fronts) < 0).all()
+
+
+def test_zero_distance_is_infinity_as_in_usd() -> None:
+    lens = completed(PLANAR.prescription)
+    assert focused(lens, 0.0, 4.0).vertices_mm[0] == focused(lens, np.inf, 4.0).vertices_mm[0]

@@ -32,7 +32,8 @@ class Draw:
         mirrored: whether its poses turn the triangles' winding around.
         double_sided: whether back faces are drawn.
         corners: ``(n, 3)`` of boxes around what it draws, world, metres.
-        may_be_clear: whether a fragment may be wholly transparent.
+        may_be_clear: whether a fragment may be wholly or partly transparent.
+        may_be_faded: whether a fragment may be partly transparent; cut-outs never are.
     """
 
     node: pyrender.Node
@@ -43,6 +44,7 @@ class Draw:
     double_sided: bool
     corners: DoubleArray
     may_be_clear: bool
+    may_be_faded: bool
 
 
 class SceneIndex:
@@ -74,9 +76,19 @@ class SceneIndex:
             for mirrored, instances in _by_handedness(batch.poses):
                 node = self._node(batch, instances, mirrored, kept)
                 corners = self.boxes.corners(batch)
-                clear = self._may_be_clear(batch)
+                clear, cut_out = self._may_be_clear(batch), batch.material.opacity_threshold > 0
                 self.draws.append(
-                    Draw(node, batch, instances, first_object, mirrored, batch.double_sided, corners, clear)
+                    Draw(
+                        node,
+                        batch,
+                        instances,
+                        first_object,
+                        mirrored,
+                        batch.double_sided,
+                        corners,
+                        may_be_clear=clear,
+                        may_be_faded=clear and not cut_out,
+                    )
                 )
                 first_object += len(instances)
         for key in self._nodes.keys() - kept.keys():

@@ -5,7 +5,8 @@ Lee, Eisemann & Seidel 2010, section 3.1; `render.layers.umbra` has the umbra an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,18 +14,21 @@ from render.errors import GraphicsError
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
-from render.layers.index import SceneIndex
+from render.layers.index import Draw, SceneIndex
 from render.layers.lighting import Lighting
 from render.layers.limits import MAX_LAYERS
 from render.layers.nearest import nearest_depth_m
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.shadows import Sphere, sphere_around
-from render.layers.targets import LayerTargets, SurfaceTargets, check_layer_size
+from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, Scene
 
-__all__ = ["HIDES_ALL", "Layers", "Peeler", "layers_needed", "umbra_reach"]
+__all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
+
+MAX_PINHOLE_LAYERS = 64
+"""Surfaces that are composited at most behind one pixel of a pinhole's picture."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,25 @@ class Layers:
     view: PinholeView
     targets: LayerTargets
     count: int
+
+
+@dataclass(frozen=True)
+class LayerGroup:
+    """Up to four layers of a pinhole's picture, near to far. Valid until the next group or peeling.
+
+    Attributes:
+        targets: the textures.
+        slot: of the targets in which the first of them is; a multiple of four.
+        count: how many hold something.
+        is_first: whether nothing is nearer.
+        is_last: whether nothing is farther.
+    """
+
+    targets: LayerTargets
+    slot: int
+    count: int
+    is_first: bool
+    is_last: bool
 
 
 class Peeler:
@@ -76,8 +99,8 @@ class Peeler:
 
     @property
     def is_opaque(self) -> bool:
-        """Whether no surface of the loaded scene can be seen through."""
-        return not any(draw.may_be_clear for draw in self.index.draws)
+        """Whether no surface of the loaded scene can be seen through; cut-outs, which are there or are not, cannot."""
+        return not _any_faded(self.index.draws)
 
     def nearest_w(self, view: PinholeView) -> float:
         """The largest inverse depth of anything in view, 1/m: at most ``1 / view.near_m``, 0 where nothing is.
@@ -99,28 +122,65 @@ class Peeler:
     ) -> Layers:
         """Peel the loaded scene.
 
+        Surfaces that are partly transparent hide nothing and are peeled one by one; the last layer skips them where something
+        opaque is behind, so that where they are more than the layers, some of them are lost and never what is solid.
+
         Args:
             view: the picture that the layers are drawn for, guard band included.
-            layers: at most this many, up to `MAX_LAYERS`.
+            layers: at most this many, up to `MAX_LAYERS`; fewer where the scene is opaque and `layers_needed` says so.
             umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`.
             unlit: take base colour for radiance.
             detail: how many times finer than the view's pixels the finished picture samples surfaces.
             picture_px: side of the finished picture's pixels, in the view's.
         """
         self._light(view)
+        draws = self._renderer.seen(view)
         layers = min(layers, MAX_LAYERS)
+        if not _any_faded(draws):
+            layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         targets = self._sized_targets(view, layers)
         self._lighting.draw_background(view, targets)
+        layer = LayerPass(view, draws, targets.slots[0], umbra, None, layers == 1, unlit, detail, picture_px)
         count = 0
-        for layer in range(layers):
-            previous = targets.stored(layer - 1) if layer else None
-            layer_pass = LayerPass(view, targets.slots[layer], umbra, previous, unlit, detail, picture_px)
-            if self._draw_counted(layer_pass) == 0:
+        while self._draw_counted(layer):
+            count += 1
+            if count == layers:
                 break
-            count = layer + 1
+            layer = replace(layer, slot=targets.slots[count], previous=layer.slot, solid_first=count + 1 == layers)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         self._ctx.memory_barrier()
         return Layers(view, targets, count)
+
+    def groups(self, view: PinholeView, *, unlit: bool = False, detail: float = 1.0) -> Iterator[LayerGroup]:
+        """Peel all that a pinhole sees of the loaded scene, four layers at a time, until nothing is left.
+
+        Where `MAX_PINHOLE_LAYERS` are not enough, the last one skips what is transparent, as in `peel`.
+
+        Args:
+            view: from the pinhole.
+            unlit: take base colour for radiance.
+            detail: how many times finer than the view's pixels the finished picture samples surfaces.
+        """
+        self._light(view)
+        draws = self._renderer.seen(view)
+        layers = MAX_PINHOLE_LAYERS if _any_faded(draws) else 1
+        targets = self._sized_targets(view, min(layers, 2 * LAYERS_PER_PACK))
+        self._lighting.draw_background(view, targets)
+        previous = None
+        for first in range(0, layers, LAYERS_PER_PACK):
+            count = 0
+            for number in range(first, min(first + LAYERS_PER_PACK, layers)):
+                slot = targets.slots[number % len(targets.slots)]
+                solid = number + 1 == layers
+                if not self._draw_counted(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, detail)):
+                    break
+                count, previous = count + 1, slot
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+            self._ctx.memory_barrier()
+            last = count < LAYERS_PER_PACK or first + LAYERS_PER_PACK >= layers
+            yield LayerGroup(targets, first % len(targets.slots), count, first == 0, last)
+            if last:
+                return
 
     def surfaces(self, view: PinholeView) -> SurfaceTargets:
         """Where and what the nearest surfaces are, at each pixel's centre. Valid until the next call."""
@@ -133,7 +193,7 @@ class Peeler:
                 self._surfaces = None
             targets = self._surfaces = SurfaceTargets.make(self._ctx, view.width, view.height)
         targets.clear_ids()
-        self._renderer.draw_layer(LayerPass(view, targets.slot, unlit=True))
+        self._renderer.draw_layer(LayerPass(view, self._renderer.seen(view), targets.slot, unlit=True))
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         return targets
 
@@ -154,7 +214,7 @@ class Peeler:
             raise GraphicsError("no scene is loaded: call load() first")
         self._lighting.bind(view)
 
-    def _draw_counted(self, layer: LayerPass) -> int:
+    def _draw_counted(self, layer: LayerPass) -> bool:
         """Draw a layer and say whether any pixel of it was filled (an occlusion query)."""
         query = GL.glGenQueries(1)
         name = int(np.ravel(query)[0])
@@ -165,7 +225,7 @@ class Peeler:
             GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
         passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
         GL.glDeleteQueries(1, [name])
-        return passed
+        return passed != 0
 
     def _sized_targets(self, view: PinholeView, layers: int) -> LayerTargets:
         """Targets of the view's size for so many layers, or for more where more were asked before."""
@@ -177,3 +237,7 @@ class Peeler:
                 self._targets = None
             targets = self._targets = LayerTargets.make(self._ctx, view.width, view.height, layers)
         return targets
+
+
+def _any_faded(draws: list[Draw]) -> bool:
+    return any(draw.may_be_faded for draw in draws)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import moderngl
 import numpy as np
 
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
@@ -21,9 +20,11 @@ from render.scene import DoubleArray, FloatArray
 
 OPAQUE = 0.999
 """Opacity from which a surface hides what is behind it."""
+_ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
-_PREVIOUS_UNIT, DOME_UNIT, SHADOW_UNIT = 8, 9, 10  # as the shaders bind them; materials use the units below
+DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
+_PREVIOUS_UNIT, _OWN_UNIT = 8, 11
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -58,9 +59,11 @@ class LayerPass:
 
     Attributes:
         view: where from.
+        draws: what there is to draw.
         slot: where to.
         umbra: how far behind an opaque surface its umbra reaches, in 1/m of inverse depth.
-        previous: the texture that holds the inverse depth of the layer before, and in which channel; None for the first.
+        previous: where the layer before is; None for the first.
+        solid_first: take the nearest opaque surface, and one that is partly transparent only where there is no opaque one.
         unlit: base colour for radiance.
         detail: how many times finer than this pass's pixels the finished picture samples surfaces: 1 for layers; more where
             many shifted views make one picture.
@@ -68,9 +71,11 @@ class LayerPass:
     """
 
     view: PinholeView
+    draws: list[Draw]
     slot: Slot
     umbra: float = 0.0
-    previous: tuple[moderngl.Texture, int] | None = None
+    previous: Slot | None = None
+    solid_first: bool = False
     unlit: bool = False
     detail: float = 1.0
     picture_px: float = 1.0
@@ -101,34 +106,43 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
 
+    def seen(self, view: PinholeView) -> list[Draw]:
+        """The draws that may reach into a view."""
+        return self._seen(view.projection_matrix() @ view.camera_from_world)
+
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
 
         Depth first, then colour where the depth is equal: shading costs more than anything before it, and this way each
         pixel is shaded once, however many surfaces lie behind.
         """
+        faded = [draw for draw in layer.draws if draw.may_be_faded] if layer.solid_first else []
+        self._draw_pass(layer, layer.draws, OPAQUE if faded else _ANY_OPACITY)
+        if faded:
+            self._draw_pass(layer, faded, _ANY_OPACITY, fill=True)
+
+    def _draw_pass(self, layer: LayerPass, draws: list[Draw], least_opacity: float, *, fill: bool = False) -> None:
+        """Draw what is no clearer than ``least_opacity``; ``fill`` keeps to the pixels in which the layer has nothing."""
         view = layer.view
         self._begin(view.width, view.height)
-        projection = view.projection_matrix()
-        clip = projection.astype(np.float32)
-        seen = self._seen(projection @ view.camera_from_world)
-        channel = 0
-        if layer.previous is not None:
-            previous_w, channel = layer.previous
-            previous_w.use(_PREVIOUS_UNIT)
+        clip = view.projection_matrix().astype(np.float32)
+        previous = layer.previous or layer.slot  # which the first layer's programs do not read
+        previous.w.use(_PREVIOUS_UNIT)
+        layer.slot.w.use(_OWN_UNIT)
         layer.slot.begin_depth()
-        for draw in seen:
-            program = self._depth_program(draw, peel=layer.previous is not None, clear_below=0.0)
+        for draw in draws:
+            program = self._depth_program(draw, least_opacity, peel=layer.previous is not None, fill=fill)
             GL.glUseProgram(program._program_id)
             GL.glUniform1f(program.location("umbra"), layer.umbra)
-            GL.glUniform1i(program.location("previous_channel"), channel)
+            GL.glUniform1i(program.location("previous_channel"), previous.channel)
+            GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.detail)
             self._draw(draw, program, view.camera_from_world, clip)
-        layer.slot.begin_colour()
+        layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
-        for draw in seen:
-            program = self._surface_program(draw, unlit=layer.unlit)
+        for draw in draws:
+            program = self._surface_program(draw, least_opacity, unlit=layer.unlit)
             GL.glUseProgram(program._program_id)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
@@ -143,7 +157,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
         for draw in self._seen(clip_from_world):
-            program = self._depth_program(draw, peel=False, clear_below=0.5)
+            program = self._depth_program(draw, 0.5, peel=False)
             GL.glUseProgram(program._program_id)
             GL.glUniform1f(program.location("detail"), 1.0)
             self._draw(draw, program, np.eye(4), clip, cull=False)
@@ -161,7 +175,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         """Nothing: pyrender's own would free names that may be another renderer's by now. `delete` is called by the owner."""
 
     def _seen(self, clip_from_world: DoubleArray) -> list[Draw]:
-        """The draws that may reach into a view."""
         return [draw for draw in self._index.draws if may_be_seen(draw.corners, clip_from_world)]
 
     def _draw(
@@ -189,17 +202,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
             texture._bind()
 
-    def _depth_program(self, draw: Draw, *, peel: bool, clear_below: float) -> SourceProgram:
+    def _depth_program(self, draw: Draw, least_opacity: float, *, peel: bool, fill: bool = False) -> SourceProgram:
         """The program that finds depths. Where nothing can be clear it reads no material, and the device tests depth early."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
+        if fill:
+            defines["FILL"] = 1
         if draw.may_be_clear:
-            defines |= {"MAY_BE_CLEAR": 1, "CLEAR_BELOW": clear_below}
+            defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
         return self._program("depth.frag", draw, defines)
 
-    def _surface_program(self, draw: Draw, *, unlit: bool) -> SourceProgram:
+    def _surface_program(self, draw: Draw, least_opacity: float, *, unlit: bool) -> SourceProgram:
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
         if draw.may_be_clear:
-            defines["MAY_BE_CLEAR"] = 1
+            defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
         return self._program("surface.frag", draw, defines)
 
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:

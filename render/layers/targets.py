@@ -31,11 +31,13 @@ class Slot:
     Attributes:
         depth_framebuffer: OpenGL name; depth alone.
         framebuffer: OpenGL name; the same depth, radiance at 0 and inverse depth at 1.
-        channel: of the inverse depth's texture that is the layer's.
+        w: the inverse depth's texture.
+        channel: of that texture that is the layer's.
     """
 
     depth_framebuffer: int
     framebuffer: int
+    w: moderngl.Texture
     channel: int
 
     def begin_depth(self) -> None:
@@ -44,11 +46,15 @@ class Slot:
         GL.glDepthMask(True)
         GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
 
-    def begin_colour(self) -> None:
-        """Bind what surfaces are drawn into. The first layer of a texture of inverse depths empties it for all four."""
+    def begin_colour(self, *, fill: bool = False) -> None:
+        """Bind what surfaces are drawn into. The first layer of a texture of inverse depths empties it for all four.
+
+        Args:
+            fill: keep what is there.
+        """
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.framebuffer)
         GL.glColorMask(True, True, True, True)
-        if self.channel == 0:
+        if self.channel == 0 and not fill:
             GL.glClearBufferfv(GL.GL_COLOR, 1, np.zeros(4, np.float32))
         GL.glColorMaski(1, *(channel == self.channel for channel in range(LAYERS_PER_PACK)))
 
@@ -99,16 +105,12 @@ class LayerTargets:
         for layer in range(layers):
             pack, channel = divmod(layer, LAYERS_PER_PACK)
             framebuffer = _framebuffer(depth, (radiance, layer), packed_w[pack])
-            slots.append(Slot(depth_framebuffer, framebuffer, channel))
+            slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
         return cls(width, height, radiance, packed_w, background, tuple(slots), depth)
 
     def hold(self, width: int, height: int, layers: int) -> bool:
         """Whether so many layers of this size can be drawn here."""
         return (self.width, self.height) == (width, height) and len(self.slots) >= layers
-
-    def stored(self, layer: int) -> tuple[moderngl.Texture, int]:
-        """The texture that holds a layer's inverse depth, and in which channel."""
-        return self.packed_w[layer // LAYERS_PER_PACK], layer % LAYERS_PER_PACK
 
     @property
     def bytes(self) -> int:
@@ -162,7 +164,7 @@ class SurfaceTargets:
         for texture in (w, ids):
             texture.filter = _NEAREST
         depth = _depth_buffer(width, height)
-        slot = Slot(_framebuffer(depth), _framebuffer(depth, None, w, ids), 0)
+        slot = Slot(_framebuffer(depth), _framebuffer(depth, None, w, ids), w, 0)
         return cls(width, height, w, ids, slot, depth)
 
     def clear_ids(self) -> None:

@@ -1,8 +1,8 @@
 """The accumulation buffer: one rendering of the scene for each lens sample. Slow and right (Haeberli & Akeley 1990).
 
-Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres (of the
-first four surfaces, where they are transparent: what lies behind a fourth is left out); the sensor offset of each sample
-anti-aliases. All pixels share one pattern, as the method demands.
+Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres, through up to
+`render.layers.peel.MAX_PINHOLE_LAYERS` surfaces that are partly transparent; the sensor offset of each sample anti-aliases.
+All pixels share one pattern, as the method demands.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.layers.peel import HIDES_ALL, Layers, Peeler
+from render.layers.peel import LayerGroup, Peeler
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 from render.scene import FloatArray
@@ -52,31 +52,35 @@ class Accumulator:
         Returns:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
         """
-        image = self._ctx.texture((view.width, view.height), 4, dtype="f4")
-        image.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
+        size = (view.width, view.height)
+        total, seen = (self._ctx.texture(size, 4, dtype="f4") for _ in range(2))
+        total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         try:
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
-                through = view.through(x, y, focus_w, (dx, dy))
-                layers = peeler.peel(through, layers=LAYERS_PER_PACK, umbra=HIDES_ALL, unlit=unlit, detail=detail)
-                self._add(layers, image, 1.0 / len(lens_points))
+                for group in peeler.groups(view.through(x, y, focus_w, (dx, dy)), unlit=unlit, detail=detail):
+                    self._composite(group, seen, total, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))
-            return np.frombuffer(image.read(), np.float32).reshape(view.height, view.width, 4).copy()
+            return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
         finally:
-            image.release()
+            total.release()
+            seen.release()
 
-    def _add(self, layers: Layers, image: moderngl.Texture, weight: float) -> None:
-        program, targets = self._program, layers.targets
+    def _composite(self, group: LayerGroup, seen: moderngl.Texture, total: moderngl.Texture, weight: float) -> None:
+        """Put a group behind what is seen of the view; behind the last, the background, and the view into the total."""
+        program, targets = self._program, group.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-            "packed_w": targets.packed_w[0],
+            "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],
             "radiance": targets.radiance,
             "background": targets.background,
         }
         for unit, (name, texture) in enumerate(textures.items()):
             texture.use(unit)
             program[name] = unit
-        program["count"] = layers.count
+        program["slice_of_first"], program["count"] = group.slot, group.count
+        program["is_first"], program["is_last"] = group.is_first, group.is_last
         program["weight"] = weight
-        image.bind_to_image(0, read=True, write=True)
-        program.run(-(-layers.view.width // 8), -(-layers.view.height // 8))
+        total.bind_to_image(0, read=True, write=True)
+        seen.bind_to_image(1, read=True, write=True)
+        program.run(-(-total.width // 8), -(-total.height // 8))
         self._ctx.memory_barrier()

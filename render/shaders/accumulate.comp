@@ -1,16 +1,22 @@
 #version 450 core
-// Adds one pinhole view, its transparent layers composited, to an accumulation image.
-// in:  the layers' w (1/m; 0 empty, negative partly transparent), radiance and background; the view's weight
-// out: radiance premultiplied by coverage (with the background behind) and coverage in `sum`, added
+// Composites one pinhole view front to back, four layers at a time, and adds it to an accumulation image.
+// in:  the layers' w (1/m; 0 empty, negative partly transparent), radiance and background; what is seen in front of them
+//      in `seen`; the view's weight
+// out: with the last layers, radiance premultiplied by coverage (with the background behind) and coverage, added to `sum`;
+//      else what is seen now in `seen`
 // Haeberli & Akeley 1990.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
+layout(rgba32f, binding = 1) uniform image2D seen;
 
 uniform sampler2D packed_w;
 uniform sampler2DArray radiance;
 uniform sampler2D background;
+uniform int slice_of_first;  // of radiance
 uniform int count;
+uniform bool is_first;
+uniform bool is_last;
 uniform float weight;
 
 void main()
@@ -18,11 +24,15 @@ void main()
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
     vec4 w = texelFetch(packed_w, pixel, 0);
-    vec4 seen = vec4(0.0);
-    for (int i = 0; i < count && w[i] != 0.0 && seen.a < 1.0; ++i) {
-        vec4 surface = texelFetch(radiance, ivec3(pixel, i), 0);
-        seen += (1.0 - seen.a) * (w[i] > 0.0 ? 1.0 : surface.a) * vec4(surface.rgb, 1.0);
+    vec4 total = is_first ? vec4(0.0) : imageLoad(seen, pixel);
+    for (int i = 0; i < count && w[i] != 0.0 && total.a < 1.0; ++i) {
+        vec4 surface = texelFetch(radiance, ivec3(pixel, slice_of_first + i), 0);
+        total += (1.0 - total.a) * (w[i] > 0.0 ? 1.0 : surface.a) * vec4(surface.rgb, 1.0);
     }
-    seen.rgb += (1.0 - seen.a) * texelFetch(background, pixel, 0).rgb;
-    imageStore(sum, pixel, imageLoad(sum, pixel) + weight * seen);
+    if (is_last) {
+        total.rgb += (1.0 - total.a) * texelFetch(background, pixel, 0).rgb;
+        imageStore(sum, pixel, imageLoad(sum, pixel) + weight * total);
+    } else {
+        imageStore(seen, pixel, total);
+    }
 }

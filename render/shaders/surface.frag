@@ -25,7 +25,7 @@ void main()
 {
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
 #ifdef MAY_BE_CLEAR
-    if (s.opacity <= 0.0) discard;  // it may share its depth with a surface that is there
+    if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with a surface that is there
 #endif
 #ifdef UNLIT
     vec3 radiance = s.base_color;

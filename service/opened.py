@@ -8,12 +8,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from render.errors import NotFoundError, PullfocusError
-from service.store import ShotRecord
+from service.store import ShotRecord, revision_of
 
 if TYPE_CHECKING:
     from render.shot import Shot
 
 MAX_OPEN = 4
+MAX_KEPT = 200
+"""Edit layers that can be gone back to, of all shots together; each is some kilobytes."""
 
 
 class OpenedShots:
@@ -24,6 +26,7 @@ class OpenedShots:
 
     def __init__(self) -> None:
         self._shots: OrderedDict[str, Shot] = OrderedDict()
+        self._kept: OrderedDict[tuple[str, str], str] = OrderedDict()
 
     @contextmanager
     def use(self, record: ShotRecord, edit_text: str = "") -> Iterator[Shot]:
@@ -49,14 +52,35 @@ class OpenedShots:
     def edit(self, record: ShotRecord) -> Iterator[Shot]:
         """Change a shot. What was changed is on disk when this ends, or else it is as if it had never been."""
         with self.use(record) as shot:
-            before = shot.export_edits()
+            before, revision = shot.export_edits(), revision_of(record.edit_text())
             try:
                 yield shot
                 shot.save_edits(record.edits)
+                self._keep(record, revision, before)
             except BaseException:
                 if shot.export_edits() != before:
                     shot.replace_edits(before)
                 raise
+
+    def kept(self, record: ShotRecord, revision: str) -> str:
+        """The edits as they were at a revision, as text.
+
+        Raises:
+            NotFoundError: it is too long ago, or the worker was started anew since.
+        """
+        if (record.id, revision) not in self._kept:
+            raise NotFoundError(
+                f"The edits of shot {record.id!r} at revision {revision!r} are not kept any more.",
+                code="revision_not_found",
+                path=revision,
+            )
+        return self._kept[record.id, revision]
+
+    def _keep(self, record: ShotRecord, revision: str, text: str) -> None:
+        self._kept[record.id, revision] = text
+        self._kept.move_to_end((record.id, revision))
+        if len(self._kept) > MAX_KEPT:
+            self._kept.popitem(last=False)
 
     def forget(self, shot_id: str) -> None:
         """Close a shot, if it is open."""

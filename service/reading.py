@@ -26,7 +26,7 @@ from usd_schemas import FocusPoint as AuthoredPoint
 
 # The one name that differs between REST and the schema: it carries its unit.
 FIELD_OF_NAME = {"blur_mm": "blur"}
-CAMERA_NAMES = set(CameraState.model_fields) - {"path", "time", "focus_mode"}
+CAMERA_NAMES = set(CameraState.model_fields) - {"path", "time", "focus_mode", "lens_name", "lens_model"}
 AUTHORED_NAMES = tuple(FocusPointEdit.model_fields)
 
 
@@ -108,7 +108,8 @@ def read_camera_state(shot: OpenShot, path: str | None, time: float) -> CameraSt
 def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str) -> CameraState:
     values = {name: getattr(camera, name) for name in CAMERA_NAMES}
     values["focus_distance_m"] = camera.focus_distance_m or math.inf  # a scene's camera may say 0 for infinity
-    return CameraState.model_validate(values | {"path": path, "time": time, "focus_mode": focus_mode})
+    lens = {"lens_name": camera.lens.name, "lens_model": camera.lens.model}
+    return CameraState.model_validate(values | lens | {"path": path, "time": time, "focus_mode": focus_mode})
 
 
 def read_points(shot: OpenShot, camera: str | None, time: float, aspect: float | None = None) -> list[FocusPoint]:

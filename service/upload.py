@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 from typing import IO
 
+from render.optics.lens_files import LENS_FILE_SUFFIXES
 from service.archive import unpack
 from service.errors import ServiceError
 from service.settings import MEBIBYTE, Settings
@@ -21,13 +22,30 @@ def file_name(sent: str | None) -> str:
     Raises:
         ServiceError: 415, it is neither a stage nor a zip archive by its ending.
     """
-    last = re.split(r"[/\\]", sent or "")[-1]
-    name = re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
+    name = _safe_name(sent)
     suffix = Path(name).suffix.lower()
     if suffix != ".zip" and suffix not in STAGE_SUFFIXES:
         detail = f"{name or 'The file'} was sent; expected .usda, .usdc, .usd, .usdz, or a .zip that holds one of them."
         raise ServiceError(415, "unsupported_type", detail, path=name or None)
     return name
+
+
+def lens_file_name(sent: str | None) -> str:
+    """The name of an uploaded lens file, for messages.
+
+    Raises:
+        ServiceError: 415, it is no lens file by its ending.
+    """
+    name = _safe_name(sent)
+    if Path(name).suffix.lower() not in LENS_FILE_SUFFIXES:
+        detail = f"{name or 'The file'} was sent; expected a lens file: {', '.join(LENS_FILE_SUFFIXES)}."
+        raise ServiceError(415, "unsupported_type", detail, path=name or None)
+    return name
+
+
+def _safe_name(sent: str | None) -> str:
+    last = re.split(r"[/\\]", sent or "")[-1]
+    return re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
 
 
 def place(file: IO[bytes], name: str, wanted_root: str | None, files: Path, settings: Settings) -> str:

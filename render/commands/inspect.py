@@ -81,8 +81,9 @@ def _lines(stage: str, found: Inspection) -> Iterator[str]:
 
 def _lens(readout: Readout) -> str:
     stop = f"f/{readout.f_stop:g}" if readout.f_stop > 0 else "pinhole"
+    glass = f"{readout.lens_name or readout.lens_model}  " if readout.lens_name or readout.lens_model != "thin" else ""
     return (
-        f"{readout.focal_length_mm:g} mm  {stop}  focus {_metres(readout.focus_distance_m)} ({readout.focus_mode}), "
+        f"{glass}{readout.focal_length_mm:g} mm  {stop}  focus {_metres(readout.focus_distance_m)} ({readout.focus_mode}), "
         f"sharp from {_metres(readout.near_m)} to {_metres(readout.far_m)}"
     )
 

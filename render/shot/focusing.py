@@ -115,6 +115,8 @@ class Readout:
         coc_limit_mm: largest diameter on the film of a circle of confusion that counts as sharp.
         source: whether ``points`` decided the focus or the ``camera``'s own distance was kept.
         reason: one sentence that says why.
+        lens_name: what is engraved on the lens; empty where it has no name.
+        lens_model: how light passes it: pinhole, thin, seidel, spherical, heightField or prescription.
     """
 
     camera: str
@@ -128,6 +130,8 @@ class Readout:
     coc_limit_mm: float
     source: str
     reason: str
+    lens_name: str = ""
+    lens_model: str = "thin"
 
 
 def focus_camera(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, time: float) -> Focused:
@@ -213,6 +217,8 @@ def read_out(focused: Focused) -> Readout:
         coc_limit_mm=focused.coc_limit_mm,
         source=focused.solution.source,
         reason=focused.solution.reason,
+        lens_name=camera.lens.name,
+        lens_model=camera.lens.model,
     )
 
 

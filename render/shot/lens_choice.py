@@ -12,7 +12,7 @@ from render.optics.completion import completed
 from render.optics.lens_files import LENS_FILE_SUFFIXES, parse_lens_file, read_lens_file
 from render.optics.paraxial import first_order
 from render.stage.lens_data import lens_data
-from usd_schemas import ApertureData, LensData, SchemaError, library_lens
+from usd_schemas import ApertureData, LensData, LibraryLens, SchemaError, library_lens
 
 
 @dataclass(frozen=True)
@@ -51,16 +51,25 @@ def choose_lens(name_or_file: str) -> LensChoice:
     return lens_of_prescription(read_lens_file(name_or_file)) if is_file else library_choice(name_or_file)
 
 
-def library_choice(name: str) -> LensChoice:
+def library_entry(name: str) -> LibraryLens:
     """A lens of the library.
 
     Raises:
         NotFoundError: there is none of that name; the message has the nearest names.
     """
     try:
-        entry = library_lens(name)
+        return library_lens(name)
     except SchemaError as error:
         raise NotFoundError(str(error), code="no_such_lens", path=name) from error
+
+
+def library_choice(name: str) -> LensChoice:
+    """A lens of the library, to be mounted.
+
+    Raises:
+        NotFoundError: there is none of that name; the message has the nearest names.
+    """
+    entry = library_entry(name)
     return LensChoice(entry.lens.name, entry.lens, entry.focal_length_mm, entry.f_stop, entry.aperture)
 
 

@@ -8,6 +8,7 @@ from pydantic import Field
 from pydantic.config import JsonDict
 
 from service.models.base import Distance, Finding, Model, TimeCode, shown_as
+from service.models.lenses import LensModel
 from service.models.shots import CameraChoice
 
 CAMERA_EXAMPLE: JsonDict = {
@@ -20,6 +21,8 @@ CAMERA_EXAMPLE: JsonDict = {
     "horizontalApertureMm": 24.89,
     "verticalApertureMm": 14.0,
     "exposureScale": 1.0,
+    "lensName": "Planar 50 mm f/1.4",
+    "lensModel": "prescription",
 }
 READOUT_EXAMPLE: JsonDict = {
     "camera": "/World/Camera",
@@ -34,6 +37,8 @@ READOUT_EXAMPLE: JsonDict = {
     "cocLimitMm": 0.019,
     "source": "points",
     "reason": "focused by driver",
+    "lensName": "Planar 50 mm f/1.4",
+    "lensModel": "prescription",
 }
 
 
@@ -54,6 +59,8 @@ class CameraState(Model):
     horizontal_aperture_mm: float
     vertical_aperture_mm: float
     exposure_scale: float = Field(description="What the camera's exposure attributes multiply radiance by.")
+    lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
+    lens_model: LensModel = Field(description="How light passes it.")
 
 
 class CameraList(Model):
@@ -86,6 +93,12 @@ class CameraEdit(Model):
         description="0 focuses at infinity. Without a `focusMode`, it sets that to `manual`.",
     )
     focus_mode: FocusMode | None = Field(default=None, description="`points` gives the focus back to the focus points.")
+    lens: str | None = Field(
+        default=None,
+        max_length=80,
+        description="Mounts a lens of the library by its name, null the thin lens. It brings its focal length, and raises "
+        "f-numbers that it has not; an `fStop` and a `focalLengthMm` beside it are set after that. Left out, the lens stays.",
+    )
     time: TimeCode | None = Field(
         default=None, description="USD time code of a key; without it, keys go and the values hold for all time."
     )
@@ -108,3 +121,5 @@ class Readout(Model):
     coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
     source: str = Field(description="Whether focus points decided, or the camera's own focus distance was kept.")
     reason: str = Field(description="One sentence that says why.")
+    lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
+    lens_model: LensModel = Field(description="How light passes it.")

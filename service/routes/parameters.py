@@ -20,10 +20,10 @@ CameraQuery = Annotated[
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI's description of the errors that a route answers with, beside 422."""
     said = {
-        404: "There is no such shot, camera, focus point or key.",
+        404: "There is no such shot, camera, lens, focus point, key or revision.",
         409: "`superseded`: a newer request of the same client took this one's place.",
         413: "More was sent, or unpacked, than is taken.",
-        415: "What was sent is neither USD nor a zip archive.",
+        415: "What was sent is no file of the kinds that are taken.",
         422: "The request, or the stage that it is about, cannot be used; says why.",
         503: "Too many wait, or a worker died on this request; try again after `Retry-After`.",
         504: "It took too long and was ended.",

@@ -24,6 +24,7 @@ GET /v1/shots/{shot}/focus-points, POST /v1/shots/{shot}/focus-points, GET /v1/s
 PATCH /v1/shots/{shot}/focus-points/{name}, DELETE /v1/shots/{shot}/focus-points/{name},
 PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{shot}/focus-points/{name}/keys/{attribute},
 GET /v1/shots/{shot}/focus-curve, GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
+PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GET /v1/lenses/{name},
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

@@ -64,6 +64,46 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/lenses": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Lenses
+         * @description The lens library; its names are what an edit of a camera takes as `lens`.
+         */
+        readonly get: operations["listLenses"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/lenses/{name}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Lens
+         * @description A lens of the library, and what it is made of.
+         */
+        readonly get: operations["getLens"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots": {
         readonly parameters: {
             readonly query?: never;
@@ -132,6 +172,26 @@ export interface paths {
         readonly patch: operations["editCamera"];
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/camera/lens": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        /**
+         * Mount Lens File
+         * @description Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has.
+         */
+        readonly put: operations["mountLensFile"];
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/cameras": {
         readonly parameters: {
             readonly query?: never;
@@ -164,7 +224,11 @@ export interface paths {
          * @description Every edit of a shot as one USD layer, to be sublayered over it.
          */
         readonly get: operations["getEdits"];
-        readonly put?: never;
+        /**
+         * Restore Edits
+         * @description Take back every edit since a revision: the edits are then what they were.
+         */
+        readonly put: operations["restoreEdits"];
         readonly post?: never;
         readonly delete?: never;
         readonly options?: never;
@@ -429,6 +493,14 @@ export interface components {
              */
             readonly root?: string | null;
         };
+        /** Body_mountLensFile */
+        readonly Body_mountLensFile: {
+            /**
+             * File
+             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.
+             */
+            readonly file: string;
+        };
         /**
          * CameraChoice
          * @description The camera that is taken when a request names none.
@@ -472,6 +544,11 @@ export interface components {
              */
             readonly fStop?: number | null;
             /**
+             * Lens
+             * @description Mounts a lens of the library by its name, null the thin lens. It brings its focal length, and raises f-numbers that it has not; an `fStop` and a `focalLengthMm` beside it are set after that. Left out, the lens stays.
+             */
+            readonly lens?: string | null;
+            /**
              * Time
              * @description USD time code of a key; without it, keys go and the values hold for all time.
              */
@@ -489,6 +566,8 @@ export interface components {
          *           "focusDistanceM": 3.42,
          *           "focusMode": "points",
          *           "horizontalApertureMm": 24.89,
+         *           "lensModel": "prescription",
+         *           "lensName": "Planar 50 mm f/1.4",
          *           "path": "/World/Camera",
          *           "time": 24,
          *           "verticalApertureMm": 14
@@ -524,6 +603,8 @@ export interface components {
          *       "focusDistanceM": 3.42,
          *       "focusMode": "points",
          *       "horizontalApertureMm": 24.89,
+         *       "lensModel": "prescription",
+         *       "lensName": "Planar 50 mm f/1.4",
          *       "path": "/World/Camera",
          *       "time": 24,
          *       "verticalApertureMm": 14
@@ -555,6 +636,17 @@ export interface components {
             readonly fStop: number;
             /** Horizontalaperturemm */
             readonly horizontalApertureMm: number;
+            /**
+             * Lensmodel
+             * @description How light passes it.
+             * @enum {string}
+             */
+            readonly lensModel: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
+            /**
+             * Lensname
+             * @description What is engraved on the lens, the `title` of one of the library; may be empty.
+             */
+            readonly lensName: string;
             /**
              * Path
              * @description Prim path; null for the camera that frames a shot which has none.
@@ -1149,6 +1241,8 @@ export interface components {
          *           "focusDistanceM": 3.42,
          *           "focusMode": "points",
          *           "hyperfocalM": 65.7,
+         *           "lensModel": "prescription",
+         *           "lensName": "Planar 50 mm f/1.4",
          *           "nearM": 3.28,
          *           "reason": "focused by driver",
          *           "source": "points",
@@ -1269,6 +1363,321 @@ export interface components {
              * @description For `enabled`: 0 or 1. For `blur`: mm.
              */
             readonly value: number;
+        };
+        /**
+         * Lens
+         * @description A lens of the library, and what it is made of.
+         * @example {
+         *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
+         *       "fStop": 2.8,
+         *       "focalLengthMm": 50,
+         *       "manufacturer": "",
+         *       "model": "spherical",
+         *       "name": "singlet_50",
+         *       "squeeze": 1,
+         *       "surfaces": [
+         *         {
+         *           "aspheric": [],
+         *           "clearDiameterMm": 17.8572,
+         *           "conic": 0,
+         *           "glass": {
+         *             "abbe": 64.17,
+         *             "index": 1.5168,
+         *             "name": "BK7",
+         *             "sellmeierB": [
+         *               1.03961212,
+         *               0.231792344,
+         *               1.01046945
+         *             ],
+         *             "sellmeierC": [
+         *               0.00600069867,
+         *               0.0200179144,
+         *               103.560653
+         *             ]
+         *           },
+         *           "isStop": true,
+         *           "radiusMm": 50.2792,
+         *           "thicknessMm": 8
+         *         },
+         *         {
+         *           "aspheric": [],
+         *           "clearDiameterMm": 17.8572,
+         *           "conic": 0,
+         *           "isStop": false,
+         *           "radiusMm": -50.2792,
+         *           "thicknessMm": 8
+         *         }
+         *       ],
+         *       "title": "Singlet 50 mm f/2.8"
+         *     }
+         */
+        readonly Lens: {
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /** @description Of the model `seidel`. */
+            readonly errors: components["schemas"]["LensErrors"] | null;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Focusgroup
+             * @description Indices of the surfaces that move to focus; null for all.
+             */
+            readonly focusGroup: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Fstop
+             * @description f-number wide open; 0 for a pinhole.
+             */
+            readonly fStop: number;
+            /** @description Null where the camera's own iris stays. */
+            readonly iris: components["schemas"]["LensIris"] | null;
+            /** Manufacturer */
+            readonly manufacturer: string;
+            /**
+             * Model
+             * @description How light passes it.
+             * @enum {string}
+             */
+            readonly model: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
+            /**
+             * Name
+             * @description Names the lens in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Squeeze
+             * @description Anamorphic squeeze; 1 is spherical.
+             */
+            readonly squeeze: number;
+            /**
+             * Surfaces
+             * @description Front to rear; empty for a lens that is not said by its surfaces.
+             */
+            readonly surfaces: readonly components["schemas"]["LensSurface"][];
+            /**
+             * Title
+             * @description What is engraved on it; a camera's `lensName`.
+             */
+            readonly title: string;
+        };
+        /**
+         * LensErrors
+         * @description Third-order wavefront errors of a thin lens, in wavelengths of the d line.
+         */
+        readonly LensErrors: {
+            /**
+             * Axialcolor
+             * @description Change of W020 from the C to the F line.
+             */
+            readonly axialColor: number;
+            /**
+             * Lateralcolor
+             * @description Change of W111 from the C to the F line.
+             */
+            readonly lateralColor: number;
+            /**
+             * Referencefstop
+             * @description At whose pupil's edge they hold.
+             */
+            readonly referenceFStop: number;
+            /**
+             * Referenceheight
+             * @description Image height for which they hold, mm.
+             */
+            readonly referenceHeight: number;
+            /**
+             * W040
+             * @description Spherical aberration.
+             */
+            readonly w040: number;
+            /**
+             * W131
+             * @description Coma.
+             */
+            readonly w131: number;
+            /**
+             * W220
+             * @description Field curvature.
+             */
+            readonly w220: number;
+            /**
+             * W222
+             * @description Astigmatism.
+             */
+            readonly w222: number;
+            /**
+             * W311
+             * @description Distortion.
+             */
+            readonly w311: number;
+        };
+        /**
+         * LensGlass
+         * @description An optical medium.
+         */
+        readonly LensGlass: {
+            /**
+             * Abbe
+             * @description Abbe number V_d; 0 for no dispersion.
+             */
+            readonly abbe: number;
+            /**
+             * Index
+             * @description At the d line, 587.56 nm; 1 is air.
+             */
+            readonly index: number;
+            /**
+             * Name
+             * @description Catalogue name; may be empty.
+             */
+            readonly name: string;
+            /**
+             * Sellmeierb
+             * @description Win over index and Abbe number.
+             */
+            readonly sellmeierB: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Sellmeierc
+             * @description In square micrometres.
+             */
+            readonly sellmeierC: readonly [
+                number,
+                number,
+                number
+            ] | null;
+        };
+        /**
+         * LensIris
+         * @description The lens's own iris.
+         */
+        readonly LensIris: {
+            /**
+             * Blades
+             * @description 0 is round.
+             */
+            readonly blades: number;
+            /**
+             * Radialweights
+             * @description Transmission from centre to edge; empty for even.
+             */
+            readonly radialWeights: readonly number[];
+            /**
+             * Rotation
+             * @description Degrees, counter-clockwise.
+             */
+            readonly rotation: number;
+            /**
+             * Roundness
+             * @description 0 straight blades to 1 round.
+             */
+            readonly roundness: number;
+        };
+        /**
+         * LensList
+         * @description The lens library.
+         * @example {
+         *       "lenses": [
+         *         {
+         *           "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
+         *           "fStop": 2.8,
+         *           "focalLengthMm": 50,
+         *           "manufacturer": "",
+         *           "model": "spherical",
+         *           "name": "singlet_50",
+         *           "title": "Singlet 50 mm f/2.8"
+         *         }
+         *       ]
+         *     }
+         */
+        readonly LensList: {
+            /** Lenses */
+            readonly lenses: readonly components["schemas"]["LensSummary"][];
+        };
+        /**
+         * LensSummary
+         * @description A lens of the library.
+         * @example {
+         *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
+         *       "fStop": 2.8,
+         *       "focalLengthMm": 50,
+         *       "manufacturer": "",
+         *       "model": "spherical",
+         *       "name": "singlet_50",
+         *       "title": "Singlet 50 mm f/2.8"
+         *     }
+         */
+        readonly LensSummary: {
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Fstop
+             * @description f-number wide open; 0 for a pinhole.
+             */
+            readonly fStop: number;
+            /** Manufacturer */
+            readonly manufacturer: string;
+            /**
+             * Model
+             * @description How light passes it.
+             * @enum {string}
+             */
+            readonly model: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
+            /**
+             * Name
+             * @description Names the lens in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Title
+             * @description What is engraved on it; a camera's `lensName`.
+             */
+            readonly title: string;
+        };
+        /**
+         * LensSurface
+         * @description One surface of a lens, or its stop.
+         */
+        readonly LensSurface: {
+            /**
+             * Aspheric
+             * @description Coefficients of r⁴, r⁶, ... with r in millimetres.
+             */
+            readonly aspheric: readonly number[];
+            /**
+             * Cleardiametermm
+             * @description 0 where it is unknown, to be solved for.
+             */
+            readonly clearDiameterMm: number;
+            /** Conic */
+            readonly conic: number;
+            /** @description The medium behind it; null is air. */
+            readonly glass: components["schemas"]["LensGlass"] | null;
+            /** Isstop */
+            readonly isStop: boolean;
+            /**
+             * Radiusmm
+             * @description Positive where the centre of curvature lies toward the film; 0 is a plane.
+             */
+            readonly radiusMm: number;
+            /**
+             * Thicknessmm
+             * @description To the next surface; of the last one to the film, 0 to be solved for.
+             */
+            readonly thicknessMm: number;
         };
         /**
          * Note
@@ -1425,6 +1834,8 @@ export interface components {
          *       "focusDistanceM": 3.42,
          *       "focusMode": "points",
          *       "hyperfocalM": 65.7,
+         *       "lensModel": "prescription",
+         *       "lensName": "Planar 50 mm f/1.4",
          *       "nearM": 3.28,
          *       "reason": "focused by driver",
          *       "source": "points",
@@ -1461,6 +1872,17 @@ export interface components {
             /** Hyperfocalm */
             readonly hyperfocalM: number | null;
             /**
+             * Lensmodel
+             * @description How light passes it.
+             * @enum {string}
+             */
+            readonly lensModel: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
+            /**
+             * Lensname
+             * @description What is engraved on the lens, the `title` of one of the library; may be empty.
+             */
+            readonly lensName: string;
+            /**
              * Nearm
              * @description Nearest depth that is sharp.
              */
@@ -1477,6 +1899,20 @@ export interface components {
             readonly source: string;
             /** Time */
             readonly time: number;
+        };
+        /**
+         * Restore
+         * @description Which state of the edits to go back to.
+         * @example {
+         *       "revision": "5f70bf18a0860070"
+         *     }
+         */
+        readonly Restore: {
+            /**
+             * Revision
+             * @description A `revision` that the shot has had since the service started; the newest are kept.
+             */
+            readonly revision: string;
         };
         /**
          * Shot
@@ -1738,6 +2174,112 @@ export interface operations {
             };
         };
     };
+    readonly listLenses: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["LensList"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getLens: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A lens's name. */
+                readonly name: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Lens"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly listShots: {
         readonly parameters: {
             readonly query?: never;
@@ -1789,7 +2331,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description What was sent is neither USD nor a zip archive. */
+            /** @description What was sent is no file of the kinds that are taken. */
             readonly 415: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -1848,7 +2390,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -1905,7 +2447,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -1953,8 +2495,92 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly mountLensFile: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "multipart/form-data": components["schemas"]["Body_mountLensFile"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["CameraState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description More was sent, or unpacked, than is taken. */
+            readonly 413: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was sent is no file of the kinds that are taken. */
+            readonly 415: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -2015,7 +2641,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraList"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2075,7 +2701,7 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2086,6 +2712,69 @@ export interface operations {
             };
             /** @description The request, or the stage that it is about, cannot be used; says why. */
             readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly restoreEdits: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["Restore"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Shot"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -2129,7 +2818,7 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2195,7 +2884,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPointList"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2263,7 +2952,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2329,7 +3018,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2391,7 +3080,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2461,7 +3150,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2531,7 +3220,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2599,7 +3288,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2694,7 +3383,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2762,7 +3451,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Inspection"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2825,7 +3514,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Pick"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -2889,7 +3578,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Readout"];
                 };
             };
-            /** @description There is no such shot, camera, focus point or key. */
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;

@@ -1,0 +1,68 @@
+"""From the lens library to models. Runs in the stage process, the one that imports USD."""
+
+from __future__ import annotations
+
+from render.lens import Surface
+from render.shot.lens_choice import library_entry
+from render.stage.lenses import lens_of
+from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface
+from usd_schemas import LibraryLens, library_lenses
+
+
+def list_lenses() -> LensList:
+    """All lenses of the library."""
+    return LensList(lenses=[_summary(entry) for entry in library_lenses()])
+
+
+def read_lens(name: str) -> Lens:
+    """One lens of the library.
+
+    Raises:
+        NotFoundError: there is none of that name.
+    """
+    entry = library_entry(name)
+    prescription = lens_of(entry.lens, entry.name).prescription
+    return Lens(
+        **_summary(entry).model_dump(),
+        squeeze=entry.lens.squeeze,
+        surfaces=[_surface(surface) for surface in prescription.surfaces] if prescription else [],
+        focus_group=prescription.focus_group if prescription else None,
+        errors=LensErrors.model_validate(entry.lens.seidel) if entry.lens.model == "seidel" else None,
+        iris=_iris(entry),
+    )
+
+
+def _summary(entry: LibraryLens) -> LensSummary:
+    return LensSummary(
+        name=entry.name,
+        title=entry.lens.name,
+        manufacturer=entry.lens.manufacturer,
+        model=entry.lens.model,
+        focal_length_mm=entry.focal_length_mm,
+        f_stop=entry.f_stop,
+        description=entry.description,
+    )
+
+
+def _surface(surface: Surface) -> LensSurface:
+    return LensSurface(
+        radius_mm=surface.radius_mm,
+        thickness_mm=surface.thickness_mm,
+        glass=None if surface.glass.index == 1 else LensGlass.model_validate(surface.glass),
+        clear_diameter_mm=2 * surface.semi_diameter_mm,
+        conic=surface.conic,
+        aspheric=list(surface.aspheric),
+        is_stop=surface.is_stop,
+    )
+
+
+def _iris(entry: LibraryLens) -> LensIris | None:
+    iris = entry.aperture
+    if iris is None:
+        return None
+    return LensIris(
+        blades=iris.blades,
+        roundness=iris.roundness,
+        rotation=iris.rotation,
+        radial_weights=list(iris.radial_weights),
+    )

@@ -1,0 +1,49 @@
+"""Lenses: what the library has, and a lens file for a shot's camera."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, File, Path, UploadFile
+
+from service.hub import HubDep
+from service.models.cameras import CameraState
+from service.models.lenses import Lens, LensList
+from service.routes.parameters import CameraQuery, ShotId, problems
+from service.stage_work import ListLenses, MountLensFile, ReadLibraryLens
+from service.upload import lens_file_name
+
+router = APIRouter(tags=["lenses"])
+
+LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
+
+
+@router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
+async def list_lenses(hub: HubDep) -> LensList:
+    """The lens library; its names are what an edit of a camera takes as `lens`."""
+    return await hub.ask_stage(ListLenses())
+
+
+@router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
+async def get_lens(hub: HubDep, name: LensName) -> Lens:
+    """A lens of the library, and what it is made of."""
+    return await hub.ask_stage(ReadLibraryLens(name))
+
+
+@router.put(
+    "/shots/{shot}/camera/lens",
+    operation_id="mountLensFile",
+    responses=problems(404, 413, 415, 503, 504),
+    tags=["cameras"],
+)
+async def mount_lens_file(
+    hub: HubDep,
+    shot: ShotId,
+    file: Annotated[
+        UploadFile, File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.")
+    ],
+    camera: CameraQuery = None,
+) -> CameraState:
+    """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
+    name = lens_file_name(file.filename)
+    return await hub.ask_stage(MountLensFile(hub.store.get(shot), camera, name, await file.read()))

@@ -30,7 +30,8 @@ class SurfaceShape:
 
     Attributes:
         surface: the surface.
-        extent_mm: distance from the axis where it ends: at its rim where rays are clipped, else where its formula does.
+        extent_mm: distance from the axis to which it is followed: to its rim where rays are clipped, else a little farther.
+        rim_mm: distance from the axis where it ends: its clear semi-diameter, or if that is unknown, where its formula ends.
         map: heights that are added, or None.
         lowest_mm: bound on S from below.
         highest_mm: bound on S from above.
@@ -39,6 +40,7 @@ class SurfaceShape:
 
     surface: Surface
     extent_mm: float
+    rim_mm: float
     map: _HeightMap | None
     lowest_mm: float
     highest_mm: float
@@ -47,11 +49,11 @@ class SurfaceShape:
     @classmethod
     def of(cls, surface: Surface, heights: DoubleArray | None, *, clip: bool) -> SurfaceShape:
         end = min(_formula_end_mm(surface), _MAX_EXTENT_MM)
-        if surface.semi_diameter_mm > 0:
-            end = min(end, surface.semi_diameter_mm * (1.0 if clip else _MARGIN))
+        rim = min(end, surface.semi_diameter_mm or np.inf)
+        end = rim if clip else min(end, rim * _MARGIN)
         added = None if heights is None else _HeightMap(np.asarray(heights, np.float64), surface.semi_diameter_mm)
         low, high, steepest = _bounds(surface, end, added)
-        return cls(surface, end, added, low, high, steepest)
+        return cls(surface, end, rim, added, low, high, steepest)
 
     def at(self, x: DoubleArray, y: DoubleArray) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """S, ∂S/∂x and ∂S/∂y."""
@@ -71,8 +73,8 @@ class SurfaceShape:
         return np.stack([-gx / length, -gy / length, 1 / length])
 
     def outside(self, points: DoubleArray) -> NDArray[np.bool_]:
-        """``(n,)`` whether points of the surface lie beyond its extent."""
-        return np.asarray(points[0] ** 2 + points[1] ** 2 > (self.extent_mm * _RIM_SLACK) ** 2)
+        """``(n,)`` whether points of the surface lie beyond its rim."""
+        return np.asarray(points[0] ** 2 + points[1] ** 2 > (self.rim_mm * _RIM_SLACK) ** 2)
 
     def meet(self, origins: DoubleArray, directions: DoubleArray) -> DoubleArray:
         """``(3, n)`` where rays first meet the surface within the slab that it fills.

@@ -32,12 +32,15 @@ class TracedRays:
     Attributes:
         positions: ``(n, 3)`` mm, where each ray met its last surface: the one that blocked it, if one did.
         directions: ``(n, 3)`` unit vectors behind it; of blocked rays, before it.
-        blocked_at: ``(n,)`` index of the surface that the ray did not pass, or `OPEN`: rim, stop or total reflection.
+        blocked_at: ``(n,)`` index of the surface that the ray did not pass, or `OPEN`: rim, stop, total reflection, or
+            refraction that turns it around.
+        beyond_rim: ``(n,)`` whether the ray met any surface beyond its rim; where rims do not block, it went on all the same.
     """
 
     positions: DoubleArray
     directions: DoubleArray
     blocked_at: IntArray
+    beyond_rim: NDArray[np.bool_]
 
     @property
     def passes(self) -> NDArray[np.bool_]:
@@ -94,8 +97,10 @@ def trace(
         _through(steps, origins[first : first + _AT_ONCE].T, directions[first : first + _AT_ONCE].T, clip=clip)
         for first in range(0, max(len(origins), 1), _AT_ONCE)
     ]
-    positions, headings, blocked_at = (np.concatenate([part[k] for part in parts], axis=-1) for k in range(3))
-    return TracedRays(positions.T, headings.T, blocked_at)
+    positions, headings, blocked_at, beyond_rim = (
+        np.concatenate([part[k] for part in parts], axis=-1) for k in range(4)
+    )
+    return TracedRays(positions.T, headings.T, blocked_at, beyond_rim)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,22 +122,27 @@ class _Step:
 
 def _through(
     steps: Sequence[_Step], origins: DoubleArray, directions: DoubleArray, *, clip: bool
-) -> tuple[DoubleArray, DoubleArray, IntArray]:
-    """Positions and directions, both ``(3, n)``, and the surface that blocked each ray; few rays, that fit a cache."""
+) -> tuple[DoubleArray, DoubleArray, IntArray, NDArray[np.bool_]]:
+    """What `TracedRays` holds, vectors as ``(3, n)``; for as few rays as fit a cache."""
     positions, headings = np.array(origins, np.float64), np.array(directions, np.float64)
     last, blocked_at = headings.copy(), np.full(positions.shape[1], OPEN, np.int32)
+    beyond_rim = np.zeros(len(blocked_at), bool)
     for step in steps:
         positions[2] -= step.vertex_mm
         met = step.shape.meet(positions, headings)
         bent, reflected = refract(headings, step.shape.normals(met), step.ratio)
-        lost = (reflected | step.shape.outside(met)) if clip else reflected
+        lost = reflected | (bent[2] * headings[2] <= 0)
+        outside = step.shape.outside(met)
+        beyond_rim |= outside
+        if clip:
+            lost |= outside
         blocked_at[lost & (blocked_at == OPEN)] = step.index
         went_on = blocked_at == OPEN
         positions = np.where(went_on | lost, met, positions)
         positions[2] += step.vertex_mm
         last = np.where(went_on, bent, last)
         headings = np.where(went_on, bent, np.nan)  # a ray that was stopped meets nothing more
-    return positions, last, blocked_at
+    return positions, last, blocked_at, beyond_rim
 
 
 def refract(directions: DoubleArray, normals: DoubleArray, ratio: float) -> tuple[DoubleArray, NDArray[np.bool_]]:

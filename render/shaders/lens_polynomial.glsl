@@ -32,18 +32,42 @@ float horner(int first, int degree, float x)
     return value;
 }
 
-// Polynomials that are even in y, by their total degree; those odd in y are y times an even one of a degree less.
+// Polynomials that are even in y; those odd in y are y times an even one of a degree less. A row has room for the highest degree
+// (7 for slopes, 5 for pupil points); where a lower one holds the lens, the terms above it are not there to be added.
 float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]; }
 float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
-float even5(int i, float x, float y2)
+
+#if SLOPE_DEGREE == 7
+float slope_t(float x, float y2)
 {
-    return horner(i, 5, x) + y2 * (horner(i + 6, 3, x) + y2 * horner(i + 10, 1, x));
-}
-float even6(int i, float x, float y2)
-{
-    return horner(i, 6, x) + y2 * (horner(i + 7, 4, x) + y2 * (horner(i + 12, 2, x) + y2 * row[i + 15]));
-}
-float even7(int i, float x, float y2)
-{
+    const int i = SLOPE_T;
     return horner(i, 7, x) + y2 * (horner(i + 8, 5, x) + y2 * (horner(i + 14, 3, x) + y2 * horner(i + 18, 1, x)));
 }
+float slope_s(float x, float y2)
+{
+    const int i = SLOPE_S;
+    return horner(i, 6, x) + y2 * (horner(i + 7, 4, x) + y2 * (horner(i + 12, 2, x) + y2 * row[i + 15]));
+}
+#else
+float slope_t(float x, float y2)
+{
+    const int i = SLOPE_T;
+    return horner(i, 5, x) + y2 * (horner(i + 8, 3, x) + y2 * horner(i + 14, 1, x));
+}
+float slope_s(float x, float y2)
+{
+    const int i = SLOPE_S;
+    return horner(i, 4, x) + y2 * (horner(i + 7, 2, x) + y2 * row[i + 12]);
+}
+#endif
+#if PUPIL_DEGREE == 5
+float pupil_t(float x, float y2)
+{
+    const int i = PUPIL_T;
+    return horner(i, 5, x) + y2 * (horner(i + 6, 3, x) + y2 * horner(i + 10, 1, x));
+}
+float pupil_s(float x, float y2) { return even4(PUPIL_S, x, y2); }
+#else
+float pupil_t(float x, float y2) { return horner(PUPIL_T, 3, x) + y2 * horner(PUPIL_T + 6, 1, x); }
+float pupil_s(float x, float y2) { return horner(PUPIL_S, 2, x) + y2 * row[PUPIL_S + 5]; }
+#endif

@@ -86,8 +86,8 @@ LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
         ray.weight *= textureLod(iris_image, 0.5 + 0.5 * on_stop, 0.0).r;
 #endif
     }
-    ray.a = even7(SLOPE_T, x, y2) * along + y * even6(SLOPE_S, x, y2) * across;
-    ray.b = even5(PUPIL_T, x, y2) * along + y * even4(PUPIL_S, x, y2) * across;
+    ray.a = slope_t(x, y2) * along + y * slope_s(x, y2) * across;
+    ray.b = pupil_t(x, y2) * along + y * pupil_s(x, y2) * across;
     return ray;
 }
 #endif

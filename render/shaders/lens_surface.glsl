@@ -2,7 +2,7 @@
 // Lengths in mm; z along the axis from the scene to the film, 0 at the surface's vertex. Rays here go from the film to the scene.
 
 struct LensSurface {
-    vec4 shape;         // curvature (1/mm), half clear diameter, conic constant, distance to the next vertex or the film
+    vec4 shape;         // curvature (1/mm), half clear diameter (negative at the stop), conic constant, distance to the next vertex or the film
     vec4 aspheric[3];   // coefficients of r^4, r^6, ... r^26
     vec4 kind;          // number of aspheric coefficients, 1 + its height map (0 for none), lowest and highest height
 };
@@ -36,7 +36,7 @@ bool sag_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
     gradient = at * (c / root + 2.0 * polynomial.y);
 #ifdef HEIGHT_FIELD
     if (s.kind.y > 0.0) {
-        vec2 place = 0.5 + 0.5 * vec2(at.x, -at.y) / s.shape.y;
+        vec2 place = 0.5 + 0.5 * vec2(at.x, -at.y) / abs(s.shape.y);
         int map = int(s.kind.y) - 1;
         vec2 texel = 1.0 / vec2(textureSize(heights[map], 0));
         sag += textureLod(heights[map], place, 0.0).r;
@@ -44,7 +44,7 @@ bool sag_at(LensSurface s, vec2 at, out float sag, out vec2 gradient)
                 - textureLod(heights[map], place - vec2(texel.x, 0.0), 0.0).r;
         float y = textureLod(heights[map], place - vec2(0.0, texel.y), 0.0).r
                 - textureLod(heights[map], place + vec2(0.0, texel.y), 0.0).r;
-        gradient += vec2(x, y) / (4.0 * s.shape.y * texel);
+        gradient += vec2(x, y) / (4.0 * abs(s.shape.y) * texel);
     }
 #endif
     return true;
@@ -75,7 +75,7 @@ float behind(LensSurface s, vec3 p)
 // March through the slab that holds the surface, then halve the step in which the ray goes through it.
 bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
 {
-    float rim = behind(s, vec3(s.shape.y, 0.0, 0.0)), top = max(0.0, -rim) + s.kind.w, bottom = min(0.0, -rim) + s.kind.z;
+    float rim = behind(s, vec3(abs(s.shape.y), 0.0, 0.0)), top = max(0.0, -rim) + s.kind.w, bottom = min(0.0, -rim) + s.kind.z;
     if (abs(rim) >= 1e8) return false;
     float first = (top + 1e-4 - o.z) / d.z, last = (bottom - 1e-4 - o.z) / d.z, step_t = (last - first) / float(MARCH_STEPS);
     float before = first;
@@ -121,7 +121,7 @@ bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, i
     if (!meet(s, o, d, t)) return false;
     o += t * d;
     if (!sag_at(s, o.xy, sag, gradient)) return false;
-    clearance = max(clearance, dot(o.xy, o.xy) / (s.shape.y * s.shape.y) - 1.0);
+    if (s.shape.y > 0.0) clearance = max(clearance, dot(o.xy, o.xy) / (s.shape.y * s.shape.y) - 1.0);
     if (from_index == to_index) return true;
     vec3 normal = normalize(vec3(-gradient, 1.0));
     d = refract(d, normal, from_index / to_index);

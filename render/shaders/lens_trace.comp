@@ -37,13 +37,13 @@ bool through(int first, int last, int wavelength, inout Path path)
     return true;
 }
 
-// From the film to the stop's plane, without refraction there.
-bool to_stop_plane(vec2 film, vec2 slope, int wavelength, out Path path)
+// From the film up to the stop; `at` is where the ray meets the plane of the stop's vertex.
+bool reach_stop(vec2 film, vec2 slope, int wavelength, out Path path, out vec2 at)
 {
     path = Path(vec3(film, 0.0), normalize(vec3(slope, -1.0)), -1.0);
+    at = vec2(0.0);
     if (!through(surface_count - 1, stop_index + 1, wavelength, path)) return false;
-    path.o.z += surfaces[stop_index].shape.w;
-    path.o -= path.d * (path.o.z / path.d.z);
+    at = path.o.xy - path.d.xy * ((path.o.z + surfaces[stop_index].shape.w) / path.d.z);
     return true;
 }
 
@@ -54,15 +54,16 @@ bool aim(vec2 film, vec2 stop, int wavelength, out vec2 slope, out float det, ou
     float h = 0.02 * stop_mm / near_axis.y;
     slope = (stop - near_axis.x * film) / near_axis.y;
     for (int i = 0; i < NEWTON_STEPS; ++i) {
-        Path px, py;
-        if (!to_stop_plane(film, slope, wavelength, path)) return false;
-        if (!to_stop_plane(film, slope + vec2(h, 0.0), wavelength, px)) return false;
-        if (!to_stop_plane(film, slope + vec2(0.0, h), wavelength, py)) return false;
-        vec2 dx = (px.o.xy - path.o.xy) / h, dy = (py.o.xy - path.o.xy) / h, off = stop - path.o.xy;
+        vec2 at, at_x, at_y;
+        if (!reach_stop(film, slope, wavelength, path, at)) return false;
+        if (!reach_stop(film, slope + vec2(h, 0.0), wavelength, path, at_x)) return false;
+        if (!reach_stop(film, slope + vec2(0.0, h), wavelength, path, at_y)) return false;
+        vec2 dx = (at_x - at) / h, dy = (at_y - at) / h, off = stop - at;
         det = dx.x * dy.y - dx.y * dy.x;
         slope += vec2(off.x * dy.y - off.y * dy.x, dx.x * off.y - dx.y * off.x) / det;
     }
-    return to_stop_plane(film, slope, wavelength, path) && distance(path.o.xy, stop) < 1e-3 * stop_mm;
+    vec2 at;
+    return reach_stop(film, slope, wavelength, path, at) && distance(at, stop) < 1e-3 * stop_mm;
 }
 
 void main()
@@ -77,7 +78,7 @@ void main()
     if (aim(asked.xy, asked.zw, wavelength, slope, det, path)) {
         float rear = path.clearance;
         path.clearance = -1.0;
-        if (through(stop_index - 1, 0, wavelength, path)) {
+        if (through(stop_index, 0, wavelength, path)) {  // the stop may be a surface that refracts
             vec2 out_slope = -path.d.xy / path.d.z;
             vec2 pupil = path.o.xy - out_slope * (entrance_mm - path.o.z);
             float cos2 = 1.0 / (1.0 + dot(slope, slope));

@@ -10,6 +10,7 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 #include "march.glsl"
 #include "lens_rays.glsl"
 
+uniform int first_line;         // of the picture's lines that this dispatch works on
 uniform vec2 offset;            // of the picture's corner in the layers
 uniform vec2 axis;              // where the view axis meets the layers
 uniform vec3 focus;             // w_f at the picture's pixel (x, y) is focus.x + focus.y·x + focus.z·y
@@ -72,7 +73,7 @@ vec2 bound_footprint(PixelRays rays, float reach)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_line);
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
     vec2 place = vec2(pixel) + 0.5;
     PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focus.x + dot(focus.yz, place));

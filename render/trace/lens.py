@@ -21,7 +21,7 @@ from render.trace.aovs import measured
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view
 from render.trace.rays import RayPattern, plane_of_focus, ray_pattern
-from render.trace.tracer import Tracer
+from render.trace.tracer import RAYS_PER_PASS, SHOWN_RAYS_PER_PASS, Tracer
 
 OnPass = Callable[[FloatArray, int], None]
 """Called with the mean picture over the rays so far, and how many they are."""
@@ -89,11 +89,14 @@ class LensEngine:
         umbra = umbra_reach(pupil_px)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=wide.fx / view.fx)
         nbuffers = self._nbuffers.build(peeled)
-        for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view):
+        rays_per_pass = RAYS_PER_PASS if on_pass is None else SHOWN_RAYS_PER_PASS
+        shown = 0
+        for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view, rays_per_pass=rays_per_pass):
             if on_progress is not None:
                 on_progress(done.share)
-            if on_pass is not None:
-                on_pass(self._tracer.picture(done.share), done.rays)
+            if on_pass is not None and done.rays > shown:
+                shown = done.rays
+                on_pass(self._tracer.picture(done.share), shown)
         return TracedPicture(self._tracer.picture(), peeled)
 
     def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.scene import DoubleArray, FloatArray
+from render.scene import DoubleArray, IntArray
 from render.trace.lens_table import (
     BOUND,
     FRONT_RIM,
@@ -28,7 +28,19 @@ from render.trace.lens_table import (
 
 BOUND_MARGIN = 1.03
 """Bounds are taken over the nodes and enlarged by this, since rays pass between them."""
-_SLOPE_DEGREE, _PUPIL_DEGREE, _RIM_DEGREE, _WEIGHT_DEGREE = 7, 5, 4, 2
+_RIM_DEGREE, _WEIGHT_DEGREE = 4, 2
+
+
+@dataclass(frozen=True)
+class Degrees:
+    """Total degrees of the polynomials of slope errors and pupil points."""
+
+    slope: int
+    pupil: int
+
+
+FULL = Degrees(7, 5)
+LOW = Degrees(5, 3)
 
 
 @dataclass(frozen=True)
@@ -81,26 +93,25 @@ class NodeRays:
 class PupilFit:
     """Fits rows to rays at fixed nodes of the unit disc."""
 
-    def __init__(self, nodes: DoubleArray) -> None:
-        """``nodes``: ``(n, 2)`` on the half disc y >= 0."""
-        self.nodes = nodes
-        bases = {
-            SLOPE_T: even_basis(nodes, _SLOPE_DEGREE),
-            SLOPE_S: odd_basis(nodes, _SLOPE_DEGREE),
-            PUPIL_T: even_basis(nodes, _PUPIL_DEGREE),
-            PUPIL_S: odd_basis(nodes, _PUPIL_DEGREE),
-            FRONT_RIM: even_basis(nodes, _RIM_DEGREE),
-            WEIGHT: even_basis(nodes, _WEIGHT_DEGREE),
+    def __init__(self, nodes: DoubleArray, degrees: Degrees = FULL) -> None:
+        """``nodes``: ``(n, 2)`` on the half disc y >= 0; ``degrees`` of the polynomials."""
+        self.nodes, self.degrees = nodes, degrees
+        even, odd = even_basis, odd_basis
+        self._parts = {
+            SLOPE_T: _Part(even(nodes, degrees.slope), _places(degrees.slope, FULL.slope)),
+            SLOPE_S: _Part(odd(nodes, degrees.slope), _places(degrees.slope - 1, FULL.slope - 1)),
+            PUPIL_T: _Part(even(nodes, degrees.pupil), _places(degrees.pupil, FULL.pupil)),
+            PUPIL_S: _Part(odd(nodes, degrees.pupil), _places(degrees.pupil - 1, FULL.pupil - 1)),
+            FRONT_RIM: _Part(even(nodes, _RIM_DEGREE), _places(_RIM_DEGREE, _RIM_DEGREE)),
+            WEIGHT: _Part(even(nodes, _WEIGHT_DEGREE), _places(_WEIGHT_DEGREE, _WEIGHT_DEGREE)),
         }
-        bases[REAR_RIM] = bases[FRONT_RIM]
-        self._bases = bases
-        self._inverses = {place: np.linalg.pinv(basis) for place, basis in bases.items()}
+        self._parts[REAR_RIM] = self._parts[FRONT_RIM]
 
-    def row(self, rays: NodeRays, region: Region) -> FloatArray:
+    def row(self, rays: NodeRays, region: Region) -> DoubleArray:
         """``(ROW_LENGTH,)`` of a field height; dark where too few rays get through to say anything."""
         row = np.zeros(ROW_LENGTH)
-        if rays.passed.sum() < len(self.nodes) // 2:
-            return row.astype(np.float32)
+        if not self.is_lit(rays):
+            return row
         values = {
             SLOPE_T: rays.slope[:, 0],
             SLOPE_S: rays.slope[:, 1],
@@ -111,16 +122,29 @@ class PupilFit:
             WEIGHT: rays.weight,
         }
         for place, value in values.items():
-            coefficients = self._solved(place, value, rays.passed)
-            row[place : place + len(coefficients)] = coefficients
+            part = self._parts[place]
+            row[place + part.places] = part.solved(value, rays.passed)
         row[REGION : REGION + 4] = [region.centre, region.along, region.across, float(region.clipped)]
         row[BOUND : BOUND + 4] = self._bounds(rays, region)
-        return row.astype(np.float32)
+        return row
 
-    def _solved(self, place: int, value: DoubleArray, passed: NDArray[np.bool_]) -> DoubleArray:
-        if passed.all():
-            return np.asarray(self._inverses[place] @ value)
-        return np.asarray(np.linalg.lstsq(self._bases[place][passed], value[passed], rcond=None)[0])
+    def is_lit(self, rays: NodeRays) -> bool:
+        """Whether enough rays get through, rims apart, for a row."""
+        return int(rays.passed.sum()) >= len(self.nodes) // 2
+
+    def residual(self, rays: NodeRays) -> tuple[float, float]:
+        """Largest error of the fitted slopes, and of the fitted pupil points in metres, of rays that no rim blocks."""
+        seen = rays.passed & (rays.front <= 0) & (rays.rear <= 0)
+        if not self.is_lit(rays) or not seen.any():
+            return 0.0, 0.0
+        errors = []
+        for (tangential, sagittal), values in (((SLOPE_T, SLOPE_S), rays.slope), ((PUPIL_T, PUPIL_S), rays.pupil_m)):
+            t, s = (
+                self._parts[place].basis @ self._parts[place].solved(values[:, axis], rays.passed) - values[:, axis]
+                for axis, place in enumerate((tangential, sagittal))
+            )
+            errors.append(float(np.hypot(t, s)[seen].max()))
+        return errors[0], errors[1]
 
     def _bounds(self, rays: NodeRays, region: Region) -> list[float]:
         """Centre and radius of the slope errors, and of the pupil points, of the rays that pass."""
@@ -132,6 +156,26 @@ class PupilFit:
             centre = (points[:, 0].min() + points[:, 0].max()) / 2
             bounds += [centre, BOUND_MARGIN * np.hypot(points[:, 0] - centre, points[:, 1]).max()]
         return bounds
+
+
+class _Part:
+    """One quantity's polynomial: its basis at the nodes, and where its coefficients stand in the row."""
+
+    def __init__(self, basis: DoubleArray, places: IntArray) -> None:
+        self.basis, self.places = basis, places
+        self._inverse = np.linalg.pinv(basis)
+
+    def solved(self, values: DoubleArray, passed: NDArray[np.bool_]) -> DoubleArray:
+        """Least-squares coefficients over the rays that pass."""
+        if passed.all():
+            return np.asarray(self._inverse @ values)
+        return np.asarray(np.linalg.lstsq(self.basis[passed], values[passed], rcond=None)[0])
+
+
+def _places(degree: int, full: int) -> IntArray:
+    """Where the terms of an even basis of the degree stand among those of the full one."""
+    everything = even_powers_of(full)
+    return np.array([everything.index(power) for power in even_powers_of(degree)], np.int32)
 
 
 def even_basis(points: DoubleArray, degree: int) -> DoubleArray:

@@ -16,15 +16,20 @@ from numpy.typing import NDArray
 from render.lens import AberrationScales
 from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
-from render.scene import DoubleArray, FloatArray
+from render.scene import DoubleArray
 from render.trace.aberration_scales import defocus, scaled_errors
-from render.trace.lens_fit import NodeRays, PupilFit, Region, pupil_nodes
+from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, pupil_nodes
 from render.trace.lens_table import BOUND, PolynomialTable
 from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
 HEIGHTS = 48
 MAX_SLOPE = 4.5
 """Beyond 77 degrees from the axis a picture from one point cannot be drawn; the lens is dark there."""
+FILM_ERROR_MM = 0.004
+"""How far off, on the film, a ray of the fitted lens may land for polynomials of a lower degree to be good enough: a fifth of a
+pixel of 36 mm over 1920."""
+PUPIL_ERROR = 1.5e-3
+"""Likewise on the entrance pupil, over its radius: by as much a circle of confusion is off at its edge."""
 _GRID = 41
 _PADDING = 1.0 / _GRID
 
@@ -49,36 +54,42 @@ def prescription_table(
     """
     slopes = np.linspace(0.0, last_slope, HEIGHTS)
     regions, light = _open_regions(tracer, lens, slopes)
-    fit = PupilFit(pupil_nodes())
+    nodes = pupil_nodes()
     reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
-    traced = _trace_nodes(tracer, lens, slopes, regions, fit.nodes, (*wavelengths_nm, *reference))
+    traced = _trace_nodes(tracer, lens, slopes, regions, nodes, (*wavelengths_nm, *reference))
     rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2 / light[0])
     if reference:
         rays = _chromatic(rays, scales.chromatic)
     rays = [
-        [_scaled(r, part[0], region, fit.nodes, scales) for r, region in zip(part, regions, strict=True)]
-        for part in rays
+        [_scaled(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)] for part in rays
     ]
     dimming = np.maximum(light / light[0], 1e-6) ** (scales.vignetting - 1)
-    rows = np.stack(
-        [
-            [
-                fit.row(replace(r, weight=r.weight * dim), region)
-                for r, region, dim in zip(part, regions, dimming, strict=True)
-            ]
-            for part in rays
-        ]
-    )
-    return _table(rows, last_slope)
+    rays = [[replace(r, weight=r.weight * dim) for r, dim in zip(part, dimming, strict=True)] for part in rays]
+    fit = _sufficient_fit(rays, lens)
+    rows = [[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays]
+    return _table(np.array(rows), last_slope, fit.degrees)
 
 
-def _table(rows: FloatArray, last_slope: float) -> PolynomialTable:
+def _sufficient_fit(rays: list[list[NodeRays]], lens: FocusedLens) -> PupilFit:
+    """The lowest degrees that hold the lens well enough: each term costs every ray of the picture."""
+    low = PupilFit(pupil_nodes(), LOW)
+    residuals = np.array([low.residual(r) for part in rays for r in part])
+    slope_error, pupil_error = residuals.max(axis=0)
+    slope_holds = slope_error * lens.image_scale_mm <= FILM_ERROR_MM
+    pupil_holds = pupil_error * 1000 <= PUPIL_ERROR * lens.entrance_pupil_radius_mm
+    slope = LOW.slope if slope_holds else FULL.slope
+    return PupilFit(low.nodes, Degrees(slope, LOW.pupil if pupil_holds else FULL.pupil))
+
+
+def _table(rows: DoubleArray, last_slope: float, degrees: Degrees) -> PolynomialTable:
     bounds = np.abs(rows[..., BOUND : BOUND + 4])
     return PolynomialTable(
-        rows,
+        rows.astype(np.float32),
         last_slope,
         pupil_reach_m=float((bounds[..., 2] + bounds[..., 3]).max()),
         slope_reach=float((bounds[..., 0] + bounds[..., 1]).max()),
+        slope_degree=degrees.slope,
+        pupil_degree=degrees.pupil,
     )
 
 

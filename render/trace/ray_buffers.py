@@ -36,6 +36,7 @@ class RayBuffers:
         defines: Defines = {"SHAPED_IRIS": 1} if bundle.pattern.iris_points is not None else {}
         if isinstance(bundle.table, PolynomialTable):
             defines |= {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES}
+            defines |= {"SLOPE_DEGREE": bundle.table.slope_degree, "PUPIL_DEGREE": bundle.table.pupil_degree}
         elif bundle.table is not None:
             side = bundle.table.rays.shape[3]
             defines |= {"GRID_LENS": 1, "BOUND_BY_RAYS": 1, "GRID_INSET": f"{(side - 1) / side:.9f}"}

@@ -133,7 +133,9 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
     table = np.zeros((len(surfaces), _ROW), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
-        row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, surface.semi_diameter_mm, surface.conic, gap]
+        # negative: the iris is no rim, who asks for a stop point knows whether it is open
+        rim = -surface.semi_diameter_mm if surface.is_stop else surface.semi_diameter_mm
+        row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, rim, surface.conic, gap]
         row[4 : 4 + len(surface.aspheric)] = surface.aspheric
         row[16] = len(surface.aspheric)
     if field is not None:

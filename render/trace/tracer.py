@@ -20,8 +20,14 @@ SLOPE_SLACK = 0.005
 """Share of w by which a surface may slope away within a pixel and still be hit."""
 HALF_PIXEL_SHARE = 0.5
 """How far, in pixels, a pixel's surface reaches beyond the pixel: to its neighbours' centres, as the umbra assumed."""
-RAYS_PER_PASS = 32
+RAYS_PER_PASS = 128
+"""What is worked out for a pixel before its rays, its footprint's bounds and its row of the lens table, is done once a pass."""
+SHOWN_RAYS_PER_PASS = 32
+"""Rays of a pass where someone looks at the picture as it becomes finer."""
+_RAYS_PER_DISPATCH = 1 << 24
+"""A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
+_TILE = 8  # side of the shader's work groups
 
 Progress = Callable[[float], None]
 
@@ -31,8 +37,8 @@ class TracePass:
     """How far a picture is.
 
     Attributes:
-        rays: how many rays each pixel has had.
-        share: of all that it will have.
+        rays: how many rays each pixel has had, in whole passes.
+        share: of all rays of all pixels.
     """
 
     rays: int
@@ -56,9 +62,10 @@ class Tracer:
         surface: FocalSurface,
         view: PinholeView,
         *,
+        rays_per_pass: int = RAYS_PER_PASS,
         bound_by_rays: bool = False,
     ) -> Iterator[TracePass]:
-        """Trace a picture pass by pass; each adds rays, and `picture` has the mean of those so far.
+        """Trace a picture pass by pass; each adds rays, and `picture` has the mean over those of whole passes.
 
         Args:
             layers: peeled from the picture's own eye, at any resolution and with any margin.
@@ -66,6 +73,7 @@ class Tracer:
             bundle: the lens.
             surface: where it is focused.
             view: the picture.
+            rays_per_pass: at most.
             bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form.
         """
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
@@ -73,28 +81,35 @@ class Tracer:
         self._bind(program, layers, nbuffers)
         self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + 5)
         self._set_uniforms(program, layers, nbuffers, surface, view)
-        for first in range(0, bundle.count, RAYS_PER_PASS):
-            count = min(RAYS_PER_PASS, bundle.count - first)
-            program["first_ray"], program["ray_count"] = first, count
-            for number, rgb in enumerate(bundle.rgb):
-                light = np.append(rgb, rgb.mean()) * (
-                    bundle.transmittance,
-                    bundle.transmittance,
-                    bundle.transmittance,
-                    1,
-                )
-                program["light"] = tuple(light / bundle.count)
+        for first in range(0, bundle.count, rays_per_pass):
+            count = min(rays_per_pass, bundle.count - first)
+            set_uniforms(program, first_ray=first, ray_count=count)
+            for share in self._bands(program, bundle, view, count):
+                yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
+
+    def _bands(
+        self, program: moderngl.ComputeShader, bundle: RayBundle, view: PinholeView, rays: int
+    ) -> Iterator[float]:
+        """Work on the picture band by band, and tell the share that is done."""
+        lines = max(_TILE, _RAYS_PER_DISPATCH // (rays * len(bundle.rgb) * view.width) // _TILE * _TILE)
+        light = (
+            np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
+        )
+        for first in range(0, view.height, lines):
+            set_uniforms(program, first_line=first)
+            for number in range(len(bundle.rgb)):
+                set_uniforms(program, light=tuple(light[number]))
                 self._buffers.choose_wavelength(program, bundle, number)
-                program.run(-(-view.width // 8), -(-view.height // 8))
+                program.run(-(-view.width // _TILE), -(-min(lines, view.height - first) // _TILE))
                 self._ctx.memory_barrier()
             self._ctx.finish()
-            yield TracePass(first + count, (first + count) / bundle.count)
+            yield min(1.0, (first + lines) / view.height)
 
     def picture(self, share: float = 1.0) -> FloatArray:
         """Mean over the rays so far.
 
         Args:
-            share: of the picture's rays that are traced.
+            share: of the picture's rays that are traced; all bands of a pass must be done.
 
         Returns:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.

@@ -12,7 +12,7 @@ import numpy as np
 
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers
-from render.layers.targets import LAYERS_PER_PACK
+from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
 BLOCK_PX = 4
 EMPTY_MIN = 3.0e38
@@ -30,6 +30,11 @@ class NBuffers:
 
     ranges: moderngl.TextureArray
     levels: int
+
+    @property
+    def bytes(self) -> int:
+        """Memory of the device that they take."""
+        return texture_bytes(self.ranges)
 
 
 class NBufferBuilder:

@@ -11,7 +11,6 @@ import pytest
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
-from render.layers.nbuffers import BLOCK_PX, EMPTY_MIN, NBufferBuilder
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
 from render.optics.view import PinholeView
 from render.reference.scenes import posts_before_wall, rectangle, sphere, spheres_over_checkerboard
@@ -91,33 +90,6 @@ def test_a_cut_out_is_a_hole(renderer: FrameRenderer) -> None:
     solid = replace(scene.batches[1], material=replace(scene.batches[1].material, opacity=1.0))
     frame = renderer.render(replace(scene, batches=(cut, solid)), Camera(np.eye(4)), FrameSettings(*SIZE, rays=1))
     np.testing.assert_allclose(frame.color[60, 80], [2, 2, 2, 1])
-
-
-def test_ranges_hold_every_filled_pixel_and_nothing_else(renderer: FrameRenderer, peeler: Peeler) -> None:
-    scene, camera = spheres_over_checkerboard()
-    peeler.load(replace(scene, batches=scene.batches[1:]))  # no floor, so that much is empty
-    layers = peeler.peel(PinholeView.from_camera(camera, *SIZE), layers=4, umbra=0.02)
-    builder = NBufferBuilder(renderer.graphics.ctx, ProgramCache(renderer.graphics.ctx))
-    buffers = builder.build(layers)
-    w = depths_of(layers, layers.count)
-    columns, rows, _ = buffers.ranges.size
-    stored = np.frombuffer(buffers.ranges.read(), np.float32).reshape(buffers.levels, rows, columns, 2)
-    rng = np.random.default_rng(1)
-    empties = 0
-    for _ in range(200):
-        level = rng.integers(0, buffers.levels)
-        x, y = rng.integers(0, columns), rng.integers(0, rows)
-        side = BLOCK_PX << int(level)
-        block = w[:, y * BLOCK_PX :, x * BLOCK_PX :][:, :side, :side]
-        low, high = stored[level, y, x]
-        if (block > 0).any():
-            assert (low, high) == (block[block > 0].min(), block.max())
-        else:
-            empties += 1
-            assert low > 0.99 * EMPTY_MIN
-            assert high == 0
-    assert empties > 5
-    builder.release()
 
 
 def test_a_pick_is_the_exact_point_of_the_surface(renderer: FrameRenderer) -> None:

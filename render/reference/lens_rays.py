@@ -47,6 +47,11 @@ def lens_rays(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -
     Raises:
         SettingsError: the lens has something that this reference does not know.
     """
+    plain = _unsqueezed(camera, pupil, corner)
+    return plain if camera.lens.squeeze == 1 else _Squeezed(plain, camera.lens.squeeze)
+
+
+def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -> LensRays:
     lens = camera.lens
     if camera.f_stop > 0 and lens.model == "seidel" and lens.seidel is not None:
         return _Seidel(camera, pupil, lens.seidel)
@@ -70,6 +75,18 @@ class _Thin:
     def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
         point = self._points_m[sample]
         return SceneRays(np.broadcast_to(point, ideal.shape), ideal - point * self._focus_w, np.ones(ideal.shape[:2]))
+
+
+class _Squeezed:
+    """An anamorphic lens, its picture stretched back: pupil and errors are as many times narrower from side to side."""
+
+    def __init__(self, lens: LensRays, squeeze: float) -> None:
+        self._lens, self._narrowing, self.has_colours = lens, np.array([1 / squeeze, 1.0]), lens.has_colours
+
+    def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
+        rays = self._lens.rays(sample, ideal, wavelength_nm)
+        slopes = ideal + (rays.slopes - ideal) * self._narrowing
+        return SceneRays(rays.offsets * self._narrowing, slopes, rays.weights)
 
 
 class _Seidel:

@@ -53,15 +53,13 @@ def ray_by_ray_picture(
     samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
     lens = lens_rays(camera, samples.pupil[0], _corner(view))
     seen_by = UnlitScene(scene, view.camera_from_world, near_m=view.near_m, far_m=view.far_m)
-    squeeze = np.array([1 / camera.lens.squeeze, 1.0])
     picture = np.zeros((height, width, 4))
     groups = _groups(wavelengths_nm if lens.has_colours else (wavelengths_nm[0],) * 3)
     for sample in range(rays):
         ideal = _ideal_slopes(view, samples.pixel[0, sample])
         for wavelength, channels in groups:
             through = lens.rays(sample, ideal, wavelength)
-            slopes = ideal + (through.slopes - ideal) * squeeze
-            packets = seen_by.seen(in_packets(through.offsets * squeeze), in_packets(slopes))
+            packets = seen_by.seen(in_packets(through.offsets), in_packets(through.slopes))
             seen = through.weights[..., None] * from_packets(packets, height, width)
             picture[..., channels] += seen[..., channels] * camera.lens.transmittance
             picture[..., 3] += seen[..., 3] * len(channels) / 3

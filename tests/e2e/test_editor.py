@@ -193,6 +193,32 @@ def test_a_smaller_stop_holds_more_sharp_and_undo_takes_it_back(page: Page) -> N
     assert (reading(page, "near"), reading(page, "far")) == (near, far)
 
 
+def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_path: Path) -> None:
+    settled(page, time=1)
+    focal_length = page.get_by_label("Focal length").first
+    chooser, before = page.get_by_label("Lens on the camera"), focal_length.input_value()
+    expect(chooser).to_have_value("")
+
+    revision = revision_of(page)
+    chooser.select_option("telephoto_250")
+    revision = edited(page, revision)
+    expect(chooser).to_have_value("telephoto_250")
+    expect(focal_length).to_have_value("249.6 mm")
+
+    file = tmp_path / "plano-convex.dat"
+    file.write_text("30 4 1.5168 20\n0 0 1 20\n")
+    page.get_by_label("Lens file").set_input_files(file)
+    revision = edited(page, revision)
+    expect(chooser.locator("option:checked")).to_have_text("plano-convex")
+
+    page.get_by_role("button", name="Undo: Mount plano-convex.dat").click()
+    revision = edited(page, revision)
+    page.get_by_role("button", name="Undo: Mount Telephoto 250 mm f/5.4").click()
+    edited(page, revision)
+    expect(chooser).to_have_value("")
+    expect(focal_length).to_have_value(before)
+
+
 def test_a_drag_on_a_slider_is_one_edit(page: Page) -> None:
     settled(page)
     revision = revision_of(page)

@@ -63,6 +63,26 @@ describe("edits", () => {
   });
 });
 
+describe("edits of more than can be told", () => {
+  it("are undone by going back to what was before them", async () => {
+    const { fake, document } = opened();
+    const mount: Command = { do: "mountLens", lens: "planar_50" };
+    // What is on its way already belongs to what was before.
+    await Promise.all([document.edit("a", toStop(4)), document.editWhole("mount", mount)]);
+    await document.undo();
+    await document.redo();
+    expect(fake.performed).toEqual([setStop(4), mount, { do: "restoreEdits", revision: "1" }, mount]);
+  });
+
+  it("are not in the history where the service refuses them", async () => {
+    const { fake, document, failed } = opened();
+    fake.failing = "mountLens";
+    expect(await document.editWhole("mount", { do: "mountLens", lens: "planar_50" })).toBe(false);
+    expect(failed).toHaveLength(1);
+    expect(document.history.value.edits).toEqual([]);
+  });
+});
+
 describe("a drag", () => {
   it("is one edit, from where it began to where it ended", async () => {
     const { fake, document } = opened();

@@ -14,6 +14,8 @@ const readout: Readout = {
   source: "points",
   reason: "",
   focusMode: "points",
+  lensName: "",
+  lensModel: "thin",
 };
 
 function curve(...samples: Partial<CurveSample>[]): Curve {

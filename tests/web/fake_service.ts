@@ -25,6 +25,8 @@ const READOUT: Readout = {
   source: "camera",
   reason: "",
   focusMode: "manual",
+  lensName: "",
+  lensModel: "thin",
 };
 
 export class FakeService implements Partial<Service> {
@@ -55,6 +57,11 @@ export class FakeService implements Partial<Service> {
 
   focusPoints(): Promise<[]> {
     return Promise.resolve([]);
+  }
+
+  /** How many commands there were: another one after every edit. */
+  revision(): Promise<string> {
+    return Promise.resolve(this.performed.length.toString());
   }
 
   readout(): Promise<Readout> {

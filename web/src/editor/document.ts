@@ -127,6 +127,18 @@ export class ShotDocument {
     return made;
   }
 
+  /** Makes an edit of more than can be told one by one: undone, all edits are what they were before it. */
+  async editWhole(label: string, command: Command): Promise<boolean> {
+    let revision = "";
+    const remember = async (): Promise<void> => {
+      revision = await this.#service.revision(this.shot.id);
+    };
+    const made = await this.#send([command], [], remember);
+    const undo: Command = { do: "restoreEdits", revision };
+    if (made) this.history.value = pushed(this.history.value, { label, redo: [command], undo: [undo] });
+    return made;
+  }
+
   async undo(): Promise<void> {
     const edit = undoable(this.history.value);
     if (edit) await this.#replay(-1, edit.undo, edit);
@@ -194,12 +206,21 @@ export class ShotDocument {
     }
   }
 
-  /** Sends commands after all that were sent before; if one fails, sends those that take them back. */
-  #send(commands: readonly Command[], takeBack: readonly Command[] = []): Promise<boolean> {
+  /**
+   * Sends commands after all that were sent before; if one fails, sends those that take them back.
+   *
+   * @param first what to do right before.
+   */
+  #send(
+    commands: readonly Command[],
+    takeBack: readonly Command[] = [],
+    first: () => Promise<void> = () => Promise.resolve(),
+  ): Promise<boolean> {
     const time = this.#time.peek();
     this.pending.value += 1;
     const sent = this.#queue.then(async () => {
       try {
+        await first();
         for (const command of commands) await this.#service.perform(this.view, command, time);
         return true;
       } catch (error) {

@@ -1,6 +1,7 @@
 /** The whole editor: the shots, the open one, what is remembered, and what went wrong last. */
 
 import { signal } from "@preact/signals";
+import type { LensSummary } from "../model/lens";
 import { complaintOf, isAbort, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
 import { Library } from "./library";
@@ -11,6 +12,8 @@ export class Editor {
   readonly library: Library;
   readonly remembered = new Remembered();
   readonly session = signal<Session | null>(null);
+  /** The lens library; empty until it is there. */
+  readonly lenses = signal<readonly LensSummary[]>([]);
   /** The shot that is being opened. */
   readonly opening = signal<string | null>(null);
   readonly complaint = signal<Complaint | null>(null);
@@ -32,6 +35,7 @@ export class Editor {
 
   /** Lists the shots and opens one: the asked, else the first. */
   async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
+    void this.#readLenses();
     await this.library.refresh();
     const shots = this.library.shots.value ?? [];
     const chosen = shots.find((candidate) => candidate.id === shot) ?? shots[0];
@@ -82,6 +86,14 @@ export class Editor {
     this.session.value = null;
     const next = this.library.shots.value?.[0];
     if (next) await this.open(next.id);
+  }
+
+  async #readLenses(): Promise<void> {
+    try {
+      this.lenses.value = await this.service.lenses();
+    } catch (error) {
+      this.fail(error);
+    }
   }
 
   /** Makes something for download and hands it to `save`. */

@@ -13,6 +13,7 @@ import {
   type Change,
   type SimpleAttribute,
 } from "../model/command";
+import type { LensSummary } from "../model/lens";
 import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
 import {
@@ -198,6 +199,18 @@ export class Session {
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
     const [time, curve] = [this.playhead.time.value, this.document.curve.value];
     return this.document.drag(label, before[name], (value) => setLens(name, value, time, before, curve));
+  }
+
+  /** Puts a lens of the library on the camera, or with null the thin lens. */
+  mountLens(lens: LensSummary | null): void {
+    void this.document.editWhole(`Mount ${lens?.title ?? "the thin lens"}`, {
+      do: "mountLens",
+      lens: lens?.name ?? null,
+    });
+  }
+
+  mountLensFile(file: File): void {
+    void this.document.editWhole(`Mount ${file.name}`, { do: "mountLensFile", file });
   }
 
   downloadCurve(format: CurveFormat): Promise<Download> {

@@ -31,7 +31,12 @@ export type Command =
   | { readonly do: "changePoint"; readonly name: string; readonly change: PointChange }
   | { readonly do: "removePoint"; readonly name: string }
   | { readonly do: "setKey"; readonly name: string; readonly attribute: KeyedAttribute; readonly key: Key }
-  | { readonly do: "removeKey"; readonly name: string; readonly attribute: KeyedAttribute; readonly time: number };
+  | { readonly do: "removeKey"; readonly name: string; readonly attribute: KeyedAttribute; readonly time: number }
+  /** A lens of the library by its name, or null for the thin lens. */
+  | { readonly do: "mountLens"; readonly lens: string | null }
+  | { readonly do: "mountLensFile"; readonly file: File }
+  /** Takes back every edit since a revision of the shot. */
+  | { readonly do: "restoreEdits"; readonly revision: string };
 
 export type ShotEdit = Edit<Command>;
 

@@ -57,6 +57,10 @@ export interface LensSample extends Lens {
 export interface Readout extends LensSample {
   /** For the whole shot. */
   readonly focusMode: FocusMode;
+  /** What is engraved on the lens; may be empty. */
+  readonly lensName: string;
+  /** How light passes it. */
+  readonly lensModel: string;
 }
 
 /** `auto` eases in and out of its neighbours without overshooting them. */

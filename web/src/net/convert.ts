@@ -1,6 +1,7 @@
 /** From what travels as JSON to the model and back: `null` distances are infinite, keys ride with their points. */
 
 import type { Curve } from "../model/curve";
+import type { LensSummary } from "../model/lens";
 import {
   KEYED_ATTRIBUTES,
   type Anchor,
@@ -42,7 +43,13 @@ function toCamera(json: Json["CameraState"]): CameraSummary[] {
 
 export function toReadout(json: Json["Readout"]): Readout {
   // Tilted planes and focal surfaces are driven by points too.
-  return { ...toLensSample(json), focusMode: json.focusMode === "manual" ? "manual" : "points" };
+  const focusMode = json.focusMode === "manual" ? "manual" : "points";
+  return { ...toLensSample(json), focusMode, lensName: json.lensName, lensModel: json.lensModel };
+}
+
+export function toLens(json: Json["LensSummary"]): LensSummary {
+  const { name, title, model, focalLengthMm, fStop, description } = json;
+  return { name, title, model, focalLengthMm, fStop, description };
 }
 
 function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {

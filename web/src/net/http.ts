@@ -3,9 +3,10 @@
 import createClient, { type Client } from "openapi-fetch";
 import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
+import type { LensSummary } from "../model/lens";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
-import { toCurve, toPick, toPoint, toReadout, toShot, toSummary, type Json } from "./convert";
+import { toCurve, toLens, toPick, toPoint, toReadout, toShot, toSummary, type Json } from "./convert";
 import { errorOf, isAbort, UnreachableError } from "./errors";
 import type { paths } from "./schema";
 import type { CurveFormat, Download, PictureFormat, Service, View } from "./service";
@@ -46,6 +47,16 @@ export class HttpService implements Service {
     const json = await result(this.#client.GET("/v1/shots/{shot}", { params: { path } }));
     const query = { time: json.frameRange.start };
     return toShot(json, await result(this.#client.GET("/v1/shots/{shot}/cameras", { params: { path, query } })));
+  }
+
+  async lenses(): Promise<readonly LensSummary[]> {
+    const { lenses } = await result(this.#client.GET("/v1/lenses"));
+    return lenses.map(toLens);
+  }
+
+  async revision(shot: string): Promise<string> {
+    const asked = this.#client.GET("/v1/shots/{shot}", { params: { path: { shot } } });
+    return (await result(asked)).revision;
   }
 
   async notes(shot: string): Promise<readonly Note[]> {
@@ -108,6 +119,19 @@ export class HttpService implements Service {
       case "setKey":
       case "removeKey":
         return this.#performKey(view, command);
+      case "mountLens":
+        return done(this.#client.PATCH("/v1/shots/{shot}/camera", { ...at(view, {}), body: { lens: command.lens } }));
+      case "mountLensFile": {
+        const body = new FormData();
+        body.append("file", command.file);
+        // The document has the file as text; what travels is the form.
+        const options = { ...at(view, {}), body: body as unknown as { file: string } };
+        return done(this.#client.PUT("/v1/shots/{shot}/camera/lens", options));
+      }
+      case "restoreEdits": {
+        const params = { path: { shot: view.shot } };
+        return done(this.#client.PUT("/v1/shots/{shot}/edits", { params, body: { revision: command.revision } }));
+      }
     }
   }
 

@@ -2,6 +2,7 @@
 
 import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
+import type { LensSummary } from "../model/lens";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 
@@ -24,6 +25,10 @@ export interface Service {
   upload(file: File, onProgress: (fraction: number) => void, signal: AbortSignal): Promise<ShotSummary>;
   removeShot(shot: string): Promise<void>;
   open(shot: string): Promise<Shot>;
+  /** The lens library. */
+  lenses(): Promise<readonly LensSummary[]>;
+  /** A word for the state of the shot's edits, to go back to. */
+  revision(shot: string): Promise<string>;
   /** What of the shot is not shown as it says. */
   notes(shot: string): Promise<readonly Note[]>;
   /** A graded picture. */

@@ -17,7 +17,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
         </p>
       ) : session ? (
         <>
-          <LensPanel session={session} unit={unit} />
+          <LensPanel session={session} unit={unit} lenses={editor.lenses.value} />
           <FocusPoints session={session} unit={unit} />
         </>
       ) : (

@@ -3,12 +3,20 @@
 import type { JSX } from "preact";
 import type { Session } from "../editor/session";
 import { formatDistance, parseDistance, type LengthUnit } from "../model/distance";
+import type { LensSummary } from "../model/lens";
 import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../model/scale";
 import type { Readout } from "../model/shot";
 import { DepthStrip } from "./DepthStrip";
 import { Field } from "./Field";
+import { LensChooser } from "./LensChooser";
 
-export function LensPanel({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
+interface LensPanelProps {
+  readonly session: Session;
+  readonly unit: LengthUnit;
+  readonly lenses: readonly LensSummary[];
+}
+
+export function LensPanel({ session, unit, lenses }: LensPanelProps): JSX.Element {
   const readout = session.document.readout.value;
   return (
     <section aria-labelledby="lens-title">
@@ -17,6 +25,7 @@ export function LensPanel({ session, unit }: { session: Session; unit: LengthUni
       </div>
       {readout ? (
         <>
+          <LensChooser session={session} readout={readout} lenses={lenses} />
           <LensFields session={session} readout={readout} unit={unit} />
           <DepthOfField session={session} readout={readout} unit={unit} />
         </>

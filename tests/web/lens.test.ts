@@ -1,0 +1,42 @@
+import { grouped, mountedLens, type LensSummary } from "@/model/lens";
+import { toReadout } from "@/net/convert";
+
+function lens(name: string, model: string): LensSummary {
+  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "" };
+}
+
+const READOUT = toReadout({
+  camera: "/cam",
+  time: 1,
+  fStop: 2,
+  focalLengthMm: 50,
+  focusDistanceM: null,
+  focusMode: "tiltPlane",
+  nearM: 3,
+  farM: null,
+  hyperfocalM: null,
+  cocLimitMm: 0.03,
+  source: "camera",
+  reason: "",
+  lensName: "",
+  lensModel: "thin",
+});
+const LENSES = [lens("planar", "prescription"), lens("soft", "seidel")];
+
+describe("the lens on the camera", () => {
+  it("is one of the library where both its name and its model are", () => {
+    const planar = { ...READOUT, lensName: "planar 50 mm", lensModel: "prescription" };
+    expect(mountedLens(planar, LENSES)).toEqual({ kind: "library", lens: LENSES[0] });
+    expect(mountedLens({ ...planar, lensModel: "seidel" }, LENSES).kind).toBe("other");
+  });
+
+  it("without a name is the thin lens, or one of the shot's own", () => {
+    expect(mountedLens(READOUT, LENSES)).toEqual({ kind: "thin" });
+    const unnamed = { ...READOUT, lensModel: "prescription" };
+    expect(mountedLens(unnamed, LENSES)).toEqual({ kind: "other", title: "A prescription lens" });
+  });
+
+  it("is listed among those of glass, or among the others", () => {
+    expect(grouped(LENSES).map(([, members]) => members.map(({ name }) => name))).toEqual([["planar"], ["soft"]]);
+  });
+});

@@ -1,0 +1,77 @@
+/** Which lens is on the camera: one of the library, the thin lens, or one of a lens file. */
+
+import type { JSX } from "preact";
+import { useRef } from "preact/hooks";
+import type { Session } from "../editor/session";
+import { grouped, mountedLens, type LensSummary, type MountedLens } from "../model/lens";
+import type { Readout } from "../model/shot";
+
+const THIN = "";
+const OTHER = "*";
+
+interface LensChooserProps {
+  readonly session: Session;
+  readonly readout: Readout;
+  readonly lenses: readonly LensSummary[];
+}
+
+export function LensChooser({ session, readout, lenses }: LensChooserProps): JSX.Element {
+  const mounted = mountedLens(readout, lenses);
+  const file = useRef<HTMLInputElement>(null);
+  return (
+    <div class="lens-choice">
+      <select
+        aria-label="Lens on the camera"
+        value={valueOf(mounted)}
+        onChange={(event) => {
+          session.mountLens(lenses.find(({ name }) => name === event.currentTarget.value) ?? null);
+        }}
+      >
+        {mounted.kind === "other" && <option value={OTHER}>{mounted.title}</option>}
+        <option value={THIN}>Thin lens</option>
+        {grouped(lenses).map(([label, members]) => (
+          <optgroup key={label} label={label}>
+            {members.map(({ name, title }) => (
+              <option key={name} value={name}>
+                {title}
+              </option>
+            ))}
+          </optgroup>
+        ))}
+      </select>
+      <button
+        type="button"
+        class="button"
+        title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq or Optical Bench .txt"
+        onClick={() => file.current?.click()}
+      >
+        File…
+      </button>
+      <input
+        ref={file}
+        type="file"
+        hidden
+        aria-label="Lens file"
+        accept=".dat,.zmx,.seq,.txt"
+        onChange={({ currentTarget }) => {
+          const chosen = currentTarget.files?.[0];
+          if (chosen) session.mountLensFile(chosen);
+          currentTarget.value = "";
+        }}
+      />
+      <p class="muted">{descriptionOf(mounted)}</p>
+    </div>
+  );
+}
+
+function valueOf(mounted: MountedLens): string {
+  if (mounted.kind === "library") return mounted.lens.name;
+  return mounted.kind === "thin" ? THIN : OTHER;
+}
+
+function descriptionOf(mounted: MountedLens): string {
+  if (mounted.kind === "library") return mounted.lens.description;
+  return mounted.kind === "thin"
+    ? "No errors: the ideal lens of the numbers below."
+    : "Of the shot, or of a lens file.";
+}

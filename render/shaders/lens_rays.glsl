@@ -57,6 +57,9 @@ PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f)
     rays.turn = vec2(cos(angle), sin(angle));
 #ifdef POLYNOMIAL_LENS
     load_row(height);
+    // from here on the pattern stands in the plane of the pixel and the axis
+    rays.turn = vec2(rays.turn.x * rays.outward.x - rays.turn.y * rays.outward.y,
+                     rays.turn.x * rays.outward.y + rays.turn.y * rays.outward.x);
 #endif
     return rays;
 }
@@ -70,13 +73,14 @@ vec2 disc_point(PixelRays rays, BaseRay ray)
 }
 
 #ifdef POLYNOMIAL_LENS
+// `disc` is a point of the whole disc, `stop` one of the iris's opening, both along and across the plane of pixel and axis.
 LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 {
     LensRay ray;
     vec2 along = rays.outward, across = vec2(-along.y, along.x);
     bool clipped = row[REGION + 3] > 0.0;  // by a rim other than the stop's
     if (!clipped) disc = stop;
-    float x = dot(disc, along), y = dot(disc, across), y2 = y * y;
+    float x = disc.x, y = disc.y, y2 = y * y;
     ray.weight = even2(WEIGHT, x, y2);
     if (clipped) {
         vec2 at = vec2(row[REGION] + row[REGION + 1] * x, row[REGION + 2] * y);
@@ -113,6 +117,9 @@ LensRay lens_ray(PixelRays rays, int i)
     vec2 disc = disc_point(rays, base), stop = disc;
 #ifdef SHAPED_IRIS
     stop = iris_points[rays.pattern * pattern_rays + i];
+#ifdef POLYNOMIAL_LENS
+    stop = vec2(dot(stop, rays.outward), dot(stop, vec2(-rays.outward.y, rays.outward.x)));
+#endif
 #endif
     vec2 jitter = spread * (fract(base.pixel.xy + rays.shift.zw) - 0.5);
 #if defined(POLYNOMIAL_LENS)

@@ -27,7 +27,7 @@ class SceneRays:
 
     Attributes:
         offsets: ``(h, w, 2)`` where they pass the plane of the entrance pupil, metres to the right and up of its centre.
-        slopes: ``(h, w, 2)`` metres to the right and up for a metre of depth; NaN for blocked rays.
+        slopes: ``(h, w, 2)`` metres to the right and up for a metre of depth; NaN for blocked rays, whose offsets mean nothing.
         weights: ``(h, w)`` light of each, over the mean on the axis; 0 for blocked rays.
     """
 

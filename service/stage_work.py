@@ -10,19 +10,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from render.errors import NotFoundError, SettingsError
+from render.errors import SettingsError
+from service.lens_work import lens_to_mount
 from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, KeyEdit
 from service.models.inspection import Inspection
-from service.models.lenses import Lens, LensList
 from service.models.shots import Shot
 from service.opened import OpenedShots
 from service.store import ShotRecord
-
-if TYPE_CHECKING:
-    from render.shot.lens_choice import LensChoice
 
 
 @dataclass(frozen=True)
@@ -107,7 +104,7 @@ class EditCamera:
         edit = self.edit
         with opened.edit(self.record) as shot:
             if "lens" in edit.model_fields_set:
-                shot.mount_lens(self.camera, _lens_to_mount(edit.lens))
+                shot.mount_lens(self.camera, lens_to_mount(edit.lens))
             shot.set_camera(
                 self.camera,
                 f_stop=edit.f_stop,
@@ -117,59 +114,6 @@ class EditCamera:
                 time=edit.time,
             )
             return read_camera_state(shot, self.camera, shot.frame_range.start if edit.time is None else edit.time)
-
-
-def _lens_to_mount(name: str | None) -> LensChoice:
-    from render.shot.lens_choice import THIN, library_choice
-
-    try:
-        return THIN if name is None else library_choice(name)
-    except NotFoundError as error:  # the address was right, what was sent to it is not
-        raise SettingsError(error.detail, code=error.code, path="lens") from error
-
-
-@dataclass(frozen=True)
-class MountLensFile:
-    """Mount the lens of a file that was sent."""
-
-    record: ShotRecord
-    camera: str | None
-    name: str
-    data: bytes
-
-    def run(self, opened: OpenedShots) -> CameraState:
-        """The camera as it is then. Raises `InputError`: it is no lens file, or no lens."""
-        from render.shot.lens_choice import file_choice
-        from service.reading import read_camera_state
-
-        choice = file_choice(self.data, self.name)
-        with opened.edit(self.record) as shot:
-            shot.mount_lens(self.camera, choice)
-            return read_camera_state(shot, self.camera, shot.frame_range.start)
-
-
-@dataclass(frozen=True)
-class ListLenses:
-    """The lens library."""
-
-    def run(self, opened: OpenedShots) -> LensList:
-        """All of it."""
-        from service.reading_lenses import list_lenses
-
-        return list_lenses()
-
-
-@dataclass(frozen=True)
-class ReadLibraryLens:
-    """One lens of the library."""
-
-    name: str
-
-    def run(self, opened: OpenedShots) -> Lens:
-        """Raises `NotFoundError`."""
-        from service.reading_lenses import read_lens
-
-        return read_lens(self.name)
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import Annotated
 from fastapi import APIRouter, File, Path, UploadFile
 
 from service.hub import HubDep
+from service.lens_work import ListLenses, MountLensFile, ReadLibraryLens
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
 from service.routes.parameters import CameraQuery, ShotId, problems
-from service.stage_work import ListLenses, MountLensFile, ReadLibraryLens
 from service.upload import lens_file_name
 
 router = APIRouter(tags=["lenses"])

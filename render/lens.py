@@ -129,7 +129,8 @@ class HeightField:
     """Heights that are added to the two surfaces of a thick lens, over the square that circumscribes the clear aperture.
 
     Attributes:
-        front: ``(h, w)`` float64, row 0 at the top as seen from the scene; mm toward the film are positive. None for none.
+        front: ``(h, w)`` float64, row 0 at the top and column 0 on the left as seen from the film, through the lens; mm toward
+            the film are positive, and stay so many mm whatever the camera's focal length. None for none.
         back: likewise, of the second surface.
     """
 

@@ -71,6 +71,19 @@ vec2 bound_footprint(PixelRays rays, float reach)
     return range;
 }
 
+// How much light passes the lens for this pixel is known better than a few rays tell that pass or are blocked: what they see is
+// brought to that. Not where the iris is shaped and clipped, which the table does not know.
+float known_light(float weights, float count)
+{
+#ifdef POLYNOMIAL_LENS
+#ifdef SHAPED_IRIS
+    if (row[REGION + 3] > 0.0) return 1.0;
+#endif
+    if (weights > 0.0) return row[LIGHT] * count / weights;
+#endif
+    return 1.0;
+}
+
 void main()
 {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_line);
@@ -79,10 +92,13 @@ void main()
     PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focus.x + dot(focus.yz, place));
     vec2 range = bound_footprint(rays, 0.5 * scale + 1.0);
     vec4 total = vec4(0.0);
+    float weights = 0.0;
     for (int i = 0; i < ray_count; ++i) {
         LensRay ray = lens_ray(rays, first_ray + i);
         if (ray.weight <= 0.0) continue;
+        weights += ray.weight;
         total += ray.weight * march(ray.a, ray.b, range);
     }
+    total *= known_light(weights, float(ray_count));
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);
 }

@@ -59,6 +59,7 @@ class LensEngine:
         layers: int,
         supersample: int,
         unlit: bool = False,
+        bound_by_rays: bool = False,
         on_progress: Callable[[float], None] | None = None,
         on_pass: OnPass | None = None,
     ) -> TracedPicture:
@@ -73,6 +74,7 @@ class LensEngine:
             layers: at most this many layers.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take base colour for radiance.
+            bound_by_rays: see `Tracer.passes`.
             on_progress: called with the share of the tracing that is done.
             on_pass: called after each pass with the picture so far and the number of rays in it.
         """
@@ -91,7 +93,9 @@ class LensEngine:
         nbuffers = self._nbuffers.build(peeled)
         rays_per_pass = RAYS_PER_PASS if on_pass is None else SHOWN_RAYS_PER_PASS
         shown = 0
-        for done in self._tracer.passes(peeled, nbuffers, bundle, surface, view, rays_per_pass=rays_per_pass):
+        for done in self._tracer.passes(
+            peeled, nbuffers, bundle, surface, view, rays_per_pass=rays_per_pass, bound_by_rays=bound_by_rays
+        ):
             if on_progress is not None:
                 on_progress(done.share)
             if on_pass is not None and done.rays > shown:

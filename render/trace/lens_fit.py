@@ -29,6 +29,7 @@ from render.trace.lens_table import (
 BOUND_MARGIN = 1.03
 """Bounds are taken over the nodes and enlarged by this, since rays pass between them."""
 _RIM_DEGREE, _WEIGHT_DEGREE = 4, 2
+_LIGHT_NODES = 4096
 
 
 @dataclass(frozen=True)
@@ -156,6 +157,18 @@ class PupilFit:
             centre = (points[:, 0].min() + points[:, 0].max()) / 2
             bounds += [centre, BOUND_MARGIN * np.hypot(points[:, 0] - centre, points[:, 1]).max()]
         return bounds
+
+
+def mean_light(rows: DoubleArray) -> DoubleArray:
+    """``(heights,)`` mean weight of each row's rays over its whole disc, blocked ones as 0."""
+    nodes = pupil_nodes(_LIGHT_NODES, rim=0)
+    weight = rows[:, WEIGHT : WEIGHT + 4] @ even_basis(nodes, _WEIGHT_DEGREE).T
+    rims = even_basis(nodes, _RIM_DEGREE).T
+    clearance = np.maximum(rows[:, FRONT_RIM:REAR_RIM] @ rims, rows[:, REAR_RIM:WEIGHT] @ rims)
+    along = rows[:, REGION, None] + rows[:, REGION + 1, None] * nodes[:, 0]
+    clearance = np.maximum(clearance, np.hypot(along, rows[:, REGION + 2, None] * nodes[:, 1]) - 1)
+    is_open = (clearance <= 0) | (rows[:, REGION + 3, None] == 0)
+    return np.asarray(np.where(is_open, np.maximum(weight, 0.0), 0.0).mean(axis=1))
 
 
 class _Part:

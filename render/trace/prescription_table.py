@@ -18,8 +18,8 @@ from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.scene import DoubleArray
 from render.trace.aberration_scales import defocus, scaled_errors
-from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, pupil_nodes
-from render.trace.lens_table import BOUND, PolynomialTable
+from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
+from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable
 from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
 HEIGHTS = 48
@@ -53,21 +53,33 @@ def prescription_table(
         scales: factors on its errors.
     """
     slopes = np.linspace(0.0, last_slope, HEIGHTS)
-    regions, light = _open_regions(tracer, lens, slopes)
+    regions = _open_regions(tracer, lens, slopes)
     nodes = pupil_nodes()
     reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
     traced = _trace_nodes(tracer, lens, slopes, regions, nodes, (*wavelengths_nm, *reference))
-    rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2 / light[0])
+    rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2)
     if reference:
         rays = _chromatic(rays, scales.chromatic)
     rays = [
         [_scaled(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)] for part in rays
     ]
-    dimming = np.maximum(light / light[0], 1e-6) ** (scales.vignetting - 1)
-    rays = [[replace(r, weight=r.weight * dim) for r, dim in zip(part, dimming, strict=True)] for part in rays]
     fit = _sufficient_fit(rays, lens)
-    rows = [[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays]
-    return _table(np.array(rows), last_slope, fit.degrees)
+    rows = np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
+    return _table(_lit(rows, scales.vignetting), last_slope, fit.degrees)
+
+
+def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
+    """The rows with their weights relative to the light on the axis; ``vignetting`` is how much of its loss is kept.
+
+    All wavelengths get the light of the middle one, so that white stays neutral.
+    """
+    middle = rows[len(rows) // 2]
+    light = mean_light(middle)
+    kept = np.maximum(light / light[0], 1e-6) ** (vignetting - 1) / light[0]
+    rows = rows.copy()
+    rows[..., WEIGHT:REGION] *= kept[:, None]
+    rows[..., LIGHT] = light * kept
+    return rows
 
 
 def _sufficient_fit(rays: list[list[NodeRays]], lens: FocusedLens) -> PupilFit:
@@ -93,22 +105,15 @@ def _table(rows: DoubleArray, last_slope: float, degrees: Degrees) -> Polynomial
     )
 
 
-def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray) -> tuple[list[Region], DoubleArray]:
-    """What of the stop is open for each field height, and how much light comes through it, ``(heights,)``, in mm² · 1/mm²."""
+def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray) -> list[Region]:
+    """What of the stop is open for each field height."""
     line = np.linspace(-1, 1, _GRID)
     disc = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1).reshape(-1, 2)
     disc = disc[np.hypot(*disc.T) <= 1 + 1e-9]
     stops = np.tile(disc, (len(slopes), 1))
     traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), stops, (D_LINE_NM,))
-    shape = (len(slopes), len(disc))
-    clearance = np.maximum(traced.front[0], traced.rear[0]).reshape(shape)
-    passed = traced.passed[0].reshape(shape) & _drawable(traced)[0].reshape(shape)
-    # a rim's edge is soft by a cell of the grid, so that the light does not jump from height to height
-    share = np.where(passed, np.clip(0.5 - clearance * _GRID / 4, 0.0, 1.0), 0.0)
-    half = np.where(disc[:, 1] < 1e-9, 0.5, 1.0)
-    light = (share * traced.weight[0].reshape(shape) * half).sum(axis=1) / half.sum() * lens.stop_radius_mm**2
-    regions = [_region(disc[is_open], len(disc)) for is_open in passed & (clearance <= 0)]
-    return regions, light
+    is_open = traced.passed & _drawable(traced) & (traced.front <= 0) & (traced.rear <= 0)
+    return [_region(disc[row], len(disc)) for row in is_open[0].reshape(len(slopes), len(disc))]
 
 
 def _region(is_open: DoubleArray, all_points: int) -> Region:
@@ -153,9 +158,9 @@ def _trace(
 
 
 def _node_rays(
-    traced: TracedLens, slopes: DoubleArray, regions: list[Region], focus_w: float, light: float
+    traced: TracedLens, slopes: DoubleArray, regions: list[Region], focus_w: float, stop_mm2: float
 ) -> list[list[NodeRays]]:
-    """By wavelength and field height; ``light`` turns a weight and a region's area into the share of the light on the axis."""
+    """By wavelength and field height; a weight is that of ``stop_mm2`` of the stop, spread over the region's disc."""
     wavelengths = len(traced.slope)
     pupil_m = traced.pupil_mm / 1000
     at_focus = traced.slope + pupil_m * focus_w
@@ -171,7 +176,7 @@ def _node_rays(
                 pupil_m=part(pupil_m, k, h),
                 front=part(traced.front, k, h),
                 rear=part(traced.rear, k, h),
-                weight=part(traced.weight, k, h) * light * region.area,
+                weight=part(traced.weight, k, h) * stop_mm2 * region.area,
                 passed=part(drawable, k, h),
             )
             for h, region in enumerate(regions)

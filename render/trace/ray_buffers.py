@@ -15,7 +15,18 @@ from render.trace.rays import RayBundle
 _BASE, _ROWS, _SHIFTS, _MASK, _IRIS = 4, 5, 6, 7, 8  # as the shader binds them
 _ROW_DEFINES = {
     name: getattr(lens_table, name)
-    for name in ("SLOPE_T", "SLOPE_S", "PUPIL_T", "PUPIL_S", "FRONT_RIM", "REAR_RIM", "WEIGHT", "REGION", "BOUND")
+    for name in (
+        "SLOPE_T",
+        "SLOPE_S",
+        "PUPIL_T",
+        "PUPIL_S",
+        "FRONT_RIM",
+        "REAR_RIM",
+        "WEIGHT",
+        "REGION",
+        "BOUND",
+        "LIGHT",
+    )
 } | {"ROW_VEC4": ROW_LENGTH // 4}
 _LINEAR = (moderngl.LINEAR, moderngl.LINEAR)
 

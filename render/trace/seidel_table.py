@@ -18,6 +18,7 @@ from render.trace.lens_fit import even_powers_of
 from render.trace.lens_table import (
     BOUND,
     FRONT_RIM,
+    LIGHT,
     PUPIL_S,
     PUPIL_T,
     REAR_RIM,
@@ -94,7 +95,7 @@ def _finished(rows: DoubleArray, pupil_radius_m: float, last_slope: float) -> Po
     rows[..., PUPIL_T + 1] = pupil_radius_m
     rows[..., PUPIL_S] = pupil_radius_m
     rows[..., FRONT_RIM] = rows[..., REAR_RIM] = -1.0
-    rows[..., WEIGHT] = 1.0
+    rows[..., WEIGHT] = rows[..., LIGHT] = 1.0
     rows[..., REGION + 1] = rows[..., REGION + 2] = 1.0
     # on the unit disc no term exceeds its coefficient
     tangential = np.abs(rows[..., SLOPE_T + 1 : SLOPE_S]).sum(-1)

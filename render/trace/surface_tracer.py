@@ -64,7 +64,7 @@ class SurfaceTracer:
             film_mm: ``(n, 2)`` on the film.
             stop_mm: ``(n, 2)`` on the stop, in the same frame.
             wavelengths_nm: up to `MAX_WAVELENGTHS`.
-            height_field: heights on the first and the last surface.
+            height_field: heights on the first and the last surface of glass.
         """
         count = len(film_mm)
         program = self._program(height_field)
@@ -139,7 +139,8 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
         row[4 : 4 + len(surface.aspheric)] = surface.aspheric
         row[16] = len(surface.aspheric)
     if field is not None:
-        for index, (place, heights) in enumerate(zip((0, -1), (field.front, field.back), strict=True)):
+        glass = [place for place, surface in enumerate(surfaces) if surface.radius_mm or not surface.is_stop]
+        for index, (place, heights) in enumerate(zip((glass[0], glass[-1]), (field.front, field.back), strict=True)):
             if heights is not None:
                 table[place, 17:20] = [1 + index, heights.min(), heights.max()]
     return table

@@ -95,7 +95,9 @@ def _bladed(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) -> tuple[D
 def _fill_image(square: DoubleArray, light: DoubleArray) -> DoubleArray:
     """Invert the image's distribution: the second coordinate picks the row, the first the place in it."""
     if not np.isfinite(light).all() or (light < 0).any() or light.max(initial=0.0) <= 0:
-        raise SettingsError("an iris mask must hold numbers of 0 or more, and let light through somewhere within the iris")
+        raise SettingsError(
+            "an iris mask must hold numbers of 0 or more, and let light through somewhere within the iris"
+        )
     rows = np.concatenate([[0.0], np.cumsum(light.sum(axis=1))])
     rows /= rows[-1]
     row = np.clip(np.searchsorted(rows, square[..., 1], side="right") - 1, 0, len(light) - 1)

@@ -15,13 +15,12 @@ from render.lens import SeidelErrors
 from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import has_surfaces, mounted
+from render.optics.principal_rays import principal_rays
 from render.optics.thin_lens import focus_w
-from render.optics.tracing import trace_backward, trace_forward
 from render.optics.view import PinholeView
 from render.scene import Camera, DoubleArray
 
 _SAMPLES = 257
-_STEEPEST = np.radians(80)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,27 +66,9 @@ def chief_rays(camera: Camera) -> ChiefRays | None:
 
 @lru_cache(maxsize=32)
 def _through_surfaces(lens: FocusedLens, focus_w_per_m: float) -> ChiefRays:
-    """From the stop's centre to the film and to the scene; steeper rays until one is lost, or the picture would fold over."""
-    slope = np.tan(np.linspace(0.0, _STEEPEST, _SAMPLES))
-    directions = np.stack([slope, 0 * slope, 1 + 0 * slope], axis=1) / np.sqrt(1 + slope**2)[:, None]
-    points = np.tile([0.0, 0.0, float(lens.vertices_mm[lens.stop])], (_SAMPLES, 1))
-    count, placed = len(lens.vertices_mm), lens.vertices_mm
-    glass = lens.prescription
-    forward = trace_forward(
-        glass, points, directions, D_LINE_NM, vertices_mm=placed, clip=False, between=(lens.stop, count)
-    )
-    backward = trace_backward(
-        glass, points, -directions, D_LINE_NM, vertices_mm=placed, clip=False, between=(0, lens.stop + 1)
-    )
-    ideal = np.abs(forward.at(lens.film_mm)[:, 0]) / lens.image_scale_mm
-    pupil_m = backward.at(lens.entrance_pupil_mm)[:, 0] / 1000
-    # stop, film and scene stand on one line through the axis: only a lens that turns the picture around twice has other signs
-    out = backward.directions[:, 0] / backward.directions[:, 2]
-    seen = np.abs(out - pupil_m * focus_w_per_m)
-    good = np.isfinite(ideal) & np.isfinite(seen)
-    good[1:] &= (np.diff(ideal) > 0) & (np.diff(seen) > 0)
-    last = len(good) if good.all() else int(np.argmin(good))
-    return ChiefRays(ideal[:last], seen[:last])
+    rays = principal_rays(lens)
+    seen = rays.slopes + rays.pupil_mm / 1000 * focus_w_per_m
+    return ChiefRays(rays.heights_mm / lens.image_scale_mm, np.maximum.accumulate(seen))
 
 
 def _through_thin_lens(errors: SeidelErrors, focal_length_mm: float) -> ChiefRays:

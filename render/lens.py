@@ -191,7 +191,7 @@ class Lens:
         scales: factors on the errors of whatever model it is.
         squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
         transmittance: share of the light that passes, 0 to 1.
-        close_focus_m: nearest distance that it focuses at; 0 for no limit but its own geometry.
+        close_focus_m: nearest distance from the film that is marked on it; 0 where none is. Its geometry may reach nearer.
     """
 
     model: LensModel = "thin"

@@ -18,6 +18,7 @@ from render.scene import Camera
 
 PRESCRIBED = ("spherical", "heightField", "prescription")
 """Models that have surfaces."""
+_MARK_WIDTH = 1e-3  # of the distance: who focuses on the mark is not beyond it
 
 
 def has_surfaces(camera: Camera) -> bool:
@@ -43,6 +44,34 @@ def mounted(camera: Camera) -> FocusedLens:
 def breathing_ratio(camera: Camera) -> float:
     """Image scale of the mounted lens over its focal length: how much larger its picture is than focused at infinity."""
     return mounted(camera).image_scale_mm / camera.focal_length_mm
+
+
+def distance_from_film_m(camera: Camera) -> float:
+    """How far before the film the plane of focus is, as makers engrave distances; the camera's own is from the entrance pupil.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    distance_m = camera.focus_distance_m
+    if not 0 < distance_m < np.inf:
+        return float("inf")
+    if has_surfaces(camera):
+        lens = mounted(camera)
+        return distance_m + (lens.film_mm - lens.entrance_pupil_mm) / 1000
+    focal_m = camera.focal_length_mm / 1000
+    return distance_m + 1 / max(1 / focal_m - 1 / distance_m, 1e-9)
+
+
+def nearer_than_marked(camera: Camera) -> bool:
+    """Whether the camera is focused nearer than the close focus that is engraved on its lens.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    marked_m = camera.lens.close_focus_m
+    return marked_m > 0 and distance_from_film_m(camera) < marked_m * (1 - _MARK_WIDTH)
 
 
 @lru_cache(maxsize=64)

@@ -1,0 +1,5 @@
+"""What can be said of a lens on its own, in numbers: `lens_report`. Drawings of it are `render.drawing`'s."""
+
+from render.optics.report.lens_report import LensReport, lens_report
+
+__all__ = ["LensReport", "lens_report"]

@@ -1,0 +1,134 @@
+"""What a small bright light far behind the subject looks like in the picture, at places of the frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.lens import DoubleArray, IrisShape
+from render.optics.iris import transmission
+from render.optics.report.field import WAVELENGTHS_NM
+from render.optics.report.film_rays import FilmRays
+
+_PUPIL_SIDE = 192
+_SIDE_PX = 128
+_SOFTENING_PX = 0.9  # hides the lattice of rays
+_ROOM = 1.12  # around the largest disc
+_ESSENTIAL = 0.997  # share of the light that a stamp has to show
+
+PLACES = (
+    ("centre", 0.0, 0.0),
+    ("mid", 0.5, 0.0),
+    ("edge", 1.0, 0.0),
+    ("corner", -1.0, 1.0),
+    ("opposite corner", 1.0, -1.0),
+)
+"""Where it is looked at: name, and place in half widths and half heights of the gate, right and up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bokeh:
+    """A highlight out of focus.
+
+    Attributes:
+        name: of the place.
+        place: in half widths and half heights of the gate, right and up from the middle.
+        light: ``(side, side, 3)`` of red, green and blue, row 0 at the top; 1 is the ideal disc in the middle of the frame.
+        share: of the light that the lens passes in the middle of the frame.
+    """
+
+    name: str
+    place: tuple[float, float]
+    light: DoubleArray
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class BokehSheet:
+    """Highlights at infinity, over the frame.
+
+    Attributes:
+        focus_distance_m: that the lens is focused at.
+        disc_mm: diameter on the film of the disc that an ideal lens draws.
+        width_mm: of what each picture shows, on the film.
+        places: the pictures, at one scale.
+    """
+
+    focus_distance_m: float
+    disc_mm: float
+    width_mm: float
+    places: tuple[Bokeh, ...]
+
+
+def bokeh_sheet(
+    rays: FilmRays, iris: IrisShape, gate_mm: tuple[float, float], focus_distance_m: float, disc_mm: float
+) -> BokehSheet:
+    """The bokeh of a lens that is focused nearer than infinity.
+
+    Args:
+        rays: the lens.
+        iris: its opening.
+        gate_mm: width and height of the film gate.
+        focus_distance_m: for the record.
+        disc_mm: diameter that an ideal lens's disc has on the film.
+    """
+    line = (np.arange(_PUPIL_SIDE) + 0.5) / _PUPIL_SIDE * 2 - 1
+    grid = np.stack(np.meshgrid(line, -line), axis=-1).reshape(-1, 2)
+    weights = transmission(iris, side=_PUPIL_SIDE).ravel()
+    pupil, weights = grid[weights > 0], weights[weights > 0]
+    places = np.array([(x * gate_mm[0] / 2, y * gate_mm[1] / 2) for _, x, y in PLACES])
+    inside = np.hypot(*places.T) <= rays.last_height_mm
+    beams = [rays.many_beams(places, pupil, wavelength, 0.0) for wavelength in WAVELENGTHS_NM]
+    light = np.array([np.where(beam.open, beam.light, 0.0) * weights for beam in beams]) * inside[:, None]
+    off = np.array([np.where(np.isfinite(beam.landing_mm), beam.landing_mm, 0.0) for beam in beams])
+    off -= places[:, None, :]
+    width = _width_mm(off, light, disc_mm)
+    scale = 1 / (light[:, 0].sum(axis=1) / (np.pi / 4 * (disc_mm / width * _SIDE_PX) ** 2))
+    stamps = [
+        np.stack([_picture(off[c, i], light[c, i], width) * scale[c] for c in range(len(beams))], axis=-1)
+        for i in range(len(places))
+    ]
+    share = light.sum(axis=(0, 2)) / light[:, 0].sum()
+    return BokehSheet(
+        focus_distance_m,
+        disc_mm,
+        width,
+        tuple(Bokeh(name, (x, y), stamps[i], float(share[i])) for i, (name, x, y) in enumerate(PLACES)),
+    )
+
+
+def _width_mm(off: DoubleArray, light: DoubleArray, disc_mm: float) -> float:
+    """Width that shows nearly all light at each place, though no more than twice the ideal disc."""
+    reach = disc_mm / 8
+    for i in range(light.shape[1]):
+        farthest = np.abs(off[:, i]).max(axis=-1).ravel()
+        shares = light[:, i].ravel()
+        if shares.sum() > 0:
+            order = np.argsort(farthest)
+            grown = np.cumsum(shares[order])
+            reach = max(reach, float(farthest[order][np.searchsorted(grown, _ESSENTIAL * grown[-1])]))
+    return 2 * _ROOM * min(reach, disc_mm)
+
+
+def _picture(off_mm: DoubleArray, light: DoubleArray, width_mm: float) -> DoubleArray:
+    """``(side, side)`` light per pixel, each ray shared among the four pixels around it."""
+    at = (off_mm * [1, -1] / width_mm + 0.5) * _SIDE_PX - 0.5
+    corner = np.floor(at).astype(int)
+    part = at - corner
+    picture = np.zeros(_SIDE_PX * _SIDE_PX)
+    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        x, y = corner[:, 0] + dx, corner[:, 1] + dy
+        share = light * np.abs(1 - dx - part[:, 0]) * np.abs(1 - dy - part[:, 1])
+        inside = (x >= 0) & (x < _SIDE_PX) & (y >= 0) & (y < _SIDE_PX)
+        picture += np.bincount((y * _SIDE_PX + x)[inside], share[inside], _SIDE_PX * _SIDE_PX)
+    return _softened(picture.reshape(_SIDE_PX, _SIDE_PX))
+
+
+def _softened(picture: DoubleArray) -> DoubleArray:
+    steps = np.arange(-3, 4)
+    kernel = np.exp(-0.5 * (steps / _SOFTENING_PX) ** 2)
+    kernel /= kernel.sum()
+    for axis in (0, 1):
+        picture = sum(weight * np.roll(picture, int(step), axis) for weight, step in zip(kernel, steps, strict=True))
+    return np.asarray(picture)

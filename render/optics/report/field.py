@@ -1,0 +1,151 @@
+"""How a lens changes over its field: spots, the curvature of its focus, distortion and illumination."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.lens import DoubleArray, IrisShape
+from render.optics.glass import D_LINE_NM
+from render.optics.iris import fill_iris
+from render.optics.report.film_rays import FilmRays
+from render.optics.sampling import base_points
+from render.optics.spectrum import THREE_LINES
+
+WAVELENGTHS_NM = THREE_LINES.wavelengths_nm
+_SPOT_RAYS = 500
+_LIGHT_RAYS = 1600
+_NARROW = 0.02  # of the pupil: the beam whose two foci are looked for
+_DARK = 2e-3  # of the light on the axis
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """Where light from a point in the plane of focus lands.
+
+    Attributes:
+        height_mm: of the image.
+        points_um: for each of `WAVELENGTHS_NM` ``(n, 2)`` on the film, right and up in the upright picture, from the centre of
+            the light of all three; up is away from the middle of the picture.
+        rms_um: root-mean-square distance from that centre; NaN where no light comes through.
+    """
+
+    height_mm: float
+    points_um: tuple[DoubleArray, ...]
+    rms_um: float
+
+
+@dataclass(frozen=True, eq=False)
+class FieldCurves:
+    """What changes with the image height; NaN where the lens is dark.
+
+    Attributes:
+        heights_mm: ``(n,)`` from the axis to the corner of the gate.
+        tangential_mm: where the narrow beam around the chief ray focuses in the plane through the axis, behind the film.
+        sagittal_mm: likewise across that plane.
+        distortion: share by which the image is farther out than an ideal lens's: negative is barrel-shaped.
+        illumination: of the film, 1 on the axis.
+        geometric: the same if no rim blocked any light.
+        cos4: fourth power of the cosine of the field angle.
+    """
+
+    heights_mm: DoubleArray
+    tangential_mm: DoubleArray
+    sagittal_mm: DoubleArray
+    distortion: DoubleArray
+    illumination: DoubleArray
+    geometric: DoubleArray
+    cos4: DoubleArray
+
+
+def spots(rays: FilmRays, heights_mm: DoubleArray, iris: IrisShape) -> tuple[Spot, ...]:
+    """Spot diagrams, exact rays that fill the iris evenly.
+
+    Args:
+        rays: the lens.
+        heights_mm: ``(k,)`` of the images.
+        iris: its opening.
+    """
+    places = radial(heights_mm)
+    pupil = fill_iris(base_points(_SPOT_RAYS, 0)[:, :2], iris)
+    beams = [rays.beams(places, pupil, wavelength) for wavelength in WAVELENGTHS_NM]
+    found = []
+    for i, height in enumerate(heights_mm):
+        lit = [beam.landing_mm[i][beam.open[i]] for beam in beams]
+        if height > rays.last_height_mm or min(map(len, lit)) == 0:
+            found.append(Spot(float(height), tuple(np.zeros((0, 2)) for _ in lit), float("nan")))
+            continue
+        centre = np.mean([points.mean(axis=0) for points in lit], axis=0)
+        points_um = tuple(1000 * (points - centre) for points in lit)
+        rms_um = np.sqrt(np.mean([(points**2).sum(axis=1).mean() for points in points_um]))
+        found.append(Spot(float(height), points_um, float(rms_um)))
+    return tuple(found)
+
+
+def field_curves(rays: FilmRays, corner_mm: float, count: int = 29) -> FieldCurves:
+    """Curves over the image height at the d line.
+
+    Args:
+        rays: the lens.
+        corner_mm: the largest height.
+        count: of heights.
+    """
+    heights = np.linspace(0.0, corner_mm, count)
+    illumination, geometric = relative_light(rays, heights)
+    lit = (heights <= rays.last_height_mm) & (illumination > _DARK)
+    narrow = rays.beams(radial(heights), np.array([[0, 0], [_NARROW, 0], [0, _NARROW]]), D_LINE_NM)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = -(narrow.landing_mm[:, 1:] - narrow.landing_mm[:, :1]) / (narrow.slopes[:, 1:] - narrow.slopes[:, :1])
+        distortion = heights / rays.paraxial_height_mm(heights) - 1
+    distortion[0] = 0.0
+
+    def where_lit(values: DoubleArray) -> DoubleArray:
+        return np.where(lit, values, np.nan)
+
+    return FieldCurves(
+        heights,
+        where_lit(depth[:, 1, 1]),
+        where_lit(depth[:, 0, 0]),
+        where_lit(distortion),
+        np.where(heights <= rays.last_height_mm, illumination, 0.0),
+        np.where(heights <= rays.last_height_mm, geometric, np.nan),
+        (1 + rays.seen(heights) ** 2) ** -2.0,
+    )
+
+
+def relative_light(rays: FilmRays, heights_mm: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Illumination of the film through a round iris, over that on the axis: as it is, and if no rim blocked any light.
+
+    Args:
+        rays: the lens.
+        heights_mm: ``(k,)``.
+    """
+    beams = rays.many_beams(radial(np.concatenate([[0.0], heights_mm])), _even_disc(_LIGHT_RAYS), D_LINE_NM)
+    passed, whole = (beams.light * beams.open).mean(axis=1), beams.light.mean(axis=1)
+    return passed[1:] / passed[0], whole[1:] / whole[0]
+
+
+def image_circle_mm(rays: FilmRays, farthest_mm: float) -> float:
+    """Diameter of the circle on the film beyond which there is no light; infinite where it reaches past the farthest height.
+
+    Args:
+        rays: the lens.
+        farthest_mm: height to look out to.
+    """
+    heights = np.linspace(0.0, min(farthest_mm, rays.last_height_mm), 25)
+    lit = relative_light(rays, heights)[0] > _DARK
+    if lit.all():
+        return 2 * rays.last_height_mm if rays.last_height_mm < farthest_mm else float("inf")
+    outer = int(np.argmin(lit))
+    finer = np.linspace(heights[max(outer - 1, 0)], heights[outer], 13)
+    return 2 * float(finer[relative_light(rays, finer)[0] > _DARK][-1])
+
+
+def radial(heights_mm: DoubleArray) -> DoubleArray:
+    """``(k, 2)`` places of the picture straight above its middle."""
+    return np.stack([0.0 * heights_mm, heights_mm], axis=1)
+
+
+def _even_disc(count: int) -> DoubleArray:
+    return fill_iris(base_points(count, 0)[:, :2], IrisShape())

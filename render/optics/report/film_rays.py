@@ -1,0 +1,105 @@
+"""What a lens makes of light from points of the scene, on its film: one account of it for every lens model.
+
+Places are millimetres on the film as the upright picture has them, right and up; depth along the light, from the film's plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.lens import DoubleArray
+
+
+@dataclass(frozen=True, eq=False)
+class Beams:
+    """Light from a row of objects, through given points of the pupil.
+
+    Attributes:
+        landing_mm: ``(f, n, 2)`` where it meets the film; NaN where no ray gets there.
+        slopes: ``(f, n, 2)`` change of that for a step along the light: converging light has them toward the pupil's other side.
+        light: ``(f, n)`` illumination of the film that an even share of the stop gives, in units of the lens's own.
+        open: ``(f, n)`` whether no rim blocks the ray.
+    """
+
+    landing_mm: DoubleArray
+    slopes: DoubleArray
+    light: DoubleArray
+    open: NDArray[np.bool_]
+
+
+class FilmRays(Protocol):
+    """A lens at one focus and f-number."""
+
+    @property
+    def last_height_mm(self) -> float:
+        """Beyond this height of the picture the lens shows nothing."""
+        ...
+
+    def seen(self, heights_mm: DoubleArray) -> DoubleArray:
+        """``(k,)`` slope in object space of the chief ray to heights of the picture."""
+        ...
+
+    def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
+        """``(k,)`` where an ideal lens would have in the picture what this one has at the heights."""
+        ...
+
+    def beams(
+        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
+    ) -> Beams:
+        """Exact rays.
+
+        Args:
+            places_mm: ``(f, 2)`` of the picture; the objects stand where the chief ray at the d line from there leads.
+            pupil: ``(n, 2)`` points of the unit pupil, right and up.
+            wavelength_nm: of the light.
+            nearness_per_m: 1 over the objects' depth; by default in the plane of focus.
+        """
+        ...
+
+    def many_beams(
+        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
+    ) -> Beams:
+        """As `beams`, for pupil points by the ten thousand, from polynomials through a few hundred exact rays."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Squeezed:
+    """An anamorphic lens, its picture stretched back: the pupil and the errors are as many times narrower from side to side."""
+
+    rays: FilmRays
+    squeeze: float
+
+    @property
+    def last_height_mm(self) -> float:
+        """As without the squeeze."""
+        return self.rays.last_height_mm
+
+    def seen(self, heights_mm: DoubleArray) -> DoubleArray:
+        """As without the squeeze."""
+        return self.rays.seen(heights_mm)
+
+    def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
+        """As without the squeeze."""
+        return self.rays.paraxial_height_mm(heights_mm)
+
+    def beams(
+        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
+    ) -> Beams:
+        """As `FilmRays.beams`."""
+        return self._narrowed(places_mm, self.rays.beams(places_mm, pupil, wavelength_nm, nearness_per_m))
+
+    def many_beams(
+        self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
+    ) -> Beams:
+        """As `FilmRays.many_beams`."""
+        return self._narrowed(places_mm, self.rays.many_beams(places_mm, pupil, wavelength_nm, nearness_per_m))
+
+    def _narrowed(self, places_mm: DoubleArray, beams: Beams) -> Beams:
+        narrowing = np.array([1 / self.squeeze, 1.0])
+        place = places_mm[:, None, :]
+        return Beams(place + (beams.landing_mm - place) * narrowing, beams.slopes * narrowing, beams.light, beams.open)

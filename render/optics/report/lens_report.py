@@ -1,0 +1,190 @@
+"""All that can be said of a lens on its own: numbers, curves, spots and bokeh, for any lens model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.optics.focusing import FocusedLens
+from render.optics.glass import D_LINE_NM
+from render.optics.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
+from render.optics.report.bokeh import BokehSheet, bokeh_sheet
+from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, spots
+from render.optics.report.film_rays import FilmRays, Squeezed
+from render.optics.report.glass_rays import GlassRays
+from render.optics.report.ideal_rays import ThinRays
+from render.optics.report.numbers import (
+    Barrel,
+    ThirdOrder,
+    barrel,
+    nearest_m,
+    third_order_of_errors,
+    third_order_of_glass,
+)
+from render.optics.thin_lens import focus_w
+from render.scene import Camera
+
+SPOT_FIELDS = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Image heights of the spot diagrams, over that of the gate's corner."""
+_BOKEH_FOCUS = 40  # focal lengths
+_WITHOUT_GLASS = {
+    "pinhole": "It has no glass: everything is sharp, and diffraction is left out.",
+    "thin": "It has no glass: an ideal lens without errors, whose picture is even.",
+    "seidel": "It has no glass: a thin lens with third-order errors, whose picture is even.",
+}
+_FARTHEST = 2.5  # corners of the gate: light farther out is of no use
+
+
+@dataclass(frozen=True, eq=False)
+class LensReport:
+    """A lens as it is set.
+
+    Attributes:
+        camera: the lens, its f-number and focus, and the gate behind it.
+        focused: its surfaces as they stand; None for a lens that has none.
+        f_stop: as reached; 0 for a pinhole.
+        wide_open: f-number; 0 for a pinhole, or where any goes.
+        nearest_m: distance from the entrance pupil that its glass and its mount reach, whatever is engraved on it; 0 for no
+            limit, infinite for a fixed focus.
+        field_of_view_deg: across, up, and from corner to corner, as far as there is light.
+        image_circle_mm: diameter beyond which there is no light; infinite where it does not end.
+        airy_um: diameter of the disc that diffraction makes of a point, at the d line; 0 for a pinhole, which is left out.
+        barrel: None for a lens without surfaces.
+        third_order: None for a lens without errors.
+        spots: over the field, in the plane of focus.
+        curves: over the field.
+        bokeh: None for a pinhole.
+        notes: what was solved for or is left out, one sentence each.
+    """
+
+    camera: Camera
+    focused: FocusedLens | None
+    f_stop: float
+    wide_open: float
+    nearest_m: float
+    field_of_view_deg: tuple[float, float, float]
+    image_circle_mm: float
+    airy_um: float
+    barrel: Barrel | None
+    third_order: ThirdOrder | None
+    spots: tuple[Spot, ...]
+    curves: FieldCurves
+    bokeh: BokehSheet | None
+    notes: tuple[str, ...]
+
+    @property
+    def corner_mm(self) -> float:
+        """Image height of the gate's corner."""
+        return corner_mm(self.camera)
+
+
+def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
+    """Look at a camera's lens from all sides.
+
+    Args:
+        camera: with its lens, f-number, focus and gate. The factors on a lens's errors are left at 1: it is shown as it is made.
+        wide_open: f-number of a lens whose surfaces do not say it.
+
+    Raises:
+        InputError: the lens is none.
+        SettingsError: it does not reach the focus distance.
+    """
+    lens = mounted(camera) if has_surfaces(camera) else None
+    rays, corner = film_rays(camera), corner_mm(camera)
+    f_stop = lens.f_stop if lens else camera.f_stop
+    circle = image_circle_mm(rays, _FARTHEST * corner) if lens else float("inf")
+    lit = np.minimum([camera.horizontal_aperture_mm / 2, camera.vertical_aperture_mm / 2, corner], circle / 2)
+    view = 2 * np.degrees(np.arctan(rays.seen(lit)))
+    return LensReport(
+        camera=camera,
+        focused=lens,
+        f_stop=f_stop,
+        wide_open=lens.prescription.f_stop if lens else wide_open,
+        nearest_m=_nearest_m(camera),
+        field_of_view_deg=(float(view[0]), float(view[1]), float(view[2])),
+        image_circle_mm=circle,
+        airy_um=2.44 * D_LINE_NM * 1e-3 * f_stop,
+        barrel=barrel(lens) if lens else None,
+        third_order=_third_order(camera, lens),
+        spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
+        curves=field_curves(rays, corner),
+        bokeh=lens_bokeh(camera),
+        notes=_notes(camera, lens),
+    )
+
+
+def film_rays(camera: Camera) -> FilmRays:
+    """The camera's lens on its film, at its focus and f-number."""
+    lens, nearness = camera.lens, focus_w(camera)
+    rays: FilmRays
+    if has_surfaces(camera):
+        rays = GlassRays(mounted(camera), nearness)
+    else:
+        errors = lens.seidel if lens.model == "seidel" else None
+        rays = ThinRays(camera.focal_length_mm, camera.f_stop, nearness, errors)
+    return rays if lens.squeeze == 1 else Squeezed(rays, lens.squeeze)
+
+
+def corner_mm(camera: Camera) -> float:
+    """Image height of the gate's corner."""
+    return float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)) / 2
+
+
+def _nearest_m(camera: Camera) -> float:
+    if not has_surfaces(camera):
+        return 0.0
+    return nearest_m(mounted(replace(camera, focus_distance_m=0.0)).prescription)
+
+
+def _third_order(camera: Camera, lens: FocusedLens | None) -> ThirdOrder | None:
+    if lens is not None:
+        return third_order_of_glass(lens.prescription, lens.f_stop, corner_mm(camera))
+    if camera.lens.seidel is not None and camera.f_stop:
+        return third_order_of_errors(camera.lens.seidel, camera.f_stop, corner_mm(camera))
+    return None
+
+
+def lens_bokeh(camera: Camera) -> BokehSheet | None:
+    """The bokeh of a camera's lens, focused as it is, or instead of infinity at the portrait distance of its focal length.
+
+    None for a pinhole, and for a lens of fixed focus, which has infinity in focus.
+    """
+    if not camera.f_stop:
+        return None
+    if not focus_w(camera):
+        nearest = max(_BOKEH_FOCUS * camera.focal_length_mm / 1000, 1.5 * camera.lens.close_focus_m)
+        camera = replace(camera, focus_distance_m=_round(nearest))
+    try:
+        rays = film_rays(camera)
+    except SettingsError:
+        return None
+    scale_mm = mounted(camera).image_scale_mm if has_surfaces(camera) else camera.focal_length_mm
+    pupil_mm = camera.focal_length_mm / camera.f_stop
+    disc_mm = scale_mm * pupil_mm * focus_w(camera) / 1000
+    gate = (camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
+    return bokeh_sheet(rays, camera.iris, gate, camera.focus_distance_m, disc_mm)
+
+
+def _round(distance_m: float) -> float:
+    """To one significant digit, as people say distances."""
+    return float(f"{distance_m:.1g}")
+
+
+def _notes(camera: Camera, lens: FocusedLens | None) -> tuple[str, ...]:
+    notes = lens.prescription.notes if lens else ()
+    if lens is None:
+        notes += (_WITHOUT_GLASS[camera.lens.model],)
+    if nearer_than_marked(camera):
+        notes += (
+            f"Focused {distance_from_film_m(camera):.3g} m before the film, nearer than the {camera.lens.close_focus_m:g} m"
+            " that are marked on it: as if on an extension tube.",
+        )
+    if camera.lens.model == "heightField":
+        notes += ("Its height field is left out here: the numbers and drawings are of the surfaces without it.",)
+    if camera.lens.squeeze != 1:
+        notes += (
+            f"Its picture is shown stretched back: the squeeze of {camera.lens.squeeze:g} narrows pupil and bokeh.",
+        )
+    return notes

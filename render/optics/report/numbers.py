@@ -1,0 +1,137 @@
+"""The numbers of a lens as it is set: what a data sheet says, and what follows from its surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.lens import Prescription, SeidelErrors
+from render.optics.focusing import FocusedLens, focused
+from render.optics.glass import D_LINE_NM
+from render.optics.seidel_sums import seidel_sums
+
+_BISECTIONS = 30
+_NEAREST_LOOKED_AT_M = 1e-3
+
+
+@dataclass(frozen=True)
+class Barrel:
+    """Places and sizes of what is in the barrel, the lens set as asked for. Lengths are mm.
+
+    Attributes:
+        length: from the front vertex to the rear one.
+        back_focus: from the rear vertex to the focal point.
+        film: from the rear vertex to the film: as focused.
+        front_principal: behind the front vertex.
+        rear_principal: behind the rear vertex: negative inside the lens.
+        entrance_pupil: behind the front vertex.
+        entrance_pupil_diameter: at the f-number.
+        exit_pupil: before the film; infinite for a telecentric lens.
+        exit_pupil_diameter: at the f-number.
+        stop_diameter: at the f-number.
+        petzval_radius: of the surface that the image would lie on without astigmatism; infinite where it is flat.
+        surfaces: how many.
+    """
+
+    length: float
+    back_focus: float
+    film: float
+    front_principal: float
+    rear_principal: float
+    entrance_pupil: float
+    entrance_pupil_diameter: float
+    exit_pupil: float
+    exit_pupil_diameter: float
+    stop_diameter: float
+    petzval_radius: float
+    surfaces: int
+
+
+@dataclass(frozen=True)
+class ThirdOrder:
+    """Third-order errors as wavefront coefficients, in wavelengths of the d line, at the f-number and the gate's corner.
+
+    Attributes:
+        w040: spherical aberration.
+        w131: coma.
+        w222: astigmatism.
+        w220: field curvature, measured from the sagittal focus.
+        w311: distortion.
+        axial_colour: of the lines F and C.
+        lateral_colour: likewise.
+    """
+
+    w040: float
+    w131: float
+    w222: float
+    w220: float
+    w311: float
+    axial_colour: float | None = None
+    lateral_colour: float | None = None
+
+
+def barrel(lens: FocusedLens) -> Barrel:
+    """Places and sizes of a focused lens."""
+    first, front, rear = lens.first, float(lens.vertices_mm[0]), float(lens.vertices_mm[-1])
+    return Barrel(
+        length=first.length_mm,
+        back_focus=first.back_focal_mm,
+        film=lens.film_mm - rear,
+        front_principal=first.front_principal_mm,
+        rear_principal=first.rear_principal_mm - first.length_mm,
+        entrance_pupil=lens.entrance_pupil_mm - front,
+        entrance_pupil_diameter=2 * lens.entrance_pupil_radius_mm,
+        exit_pupil=lens.film_mm - lens.exit_pupil_mm,
+        exit_pupil_diameter=2 * lens.exit_pupil_radius_mm,
+        stop_diameter=2 * lens.stop_radius_mm,
+        petzval_radius=-1 / first.petzval_sum if first.petzval_sum else float("inf"),
+        surfaces=sum(not surface.is_stop or surface.radius_mm != 0 for surface in lens.prescription.surfaces),
+    )
+
+
+def third_order_of_glass(prescription: Prescription, f_stop: float, corner_mm: float) -> ThirdOrder:
+    """From the Seidel sums: W040 = S_I/8, W131 = S_II/2, W222 = S_III/2, W220 = (S_III + S_IV)/4, W311 = S_V/2 (Welford 1986)."""
+    sums = seidel_sums(prescription, f_stop, corner_mm)
+    total = {name: float(values.sum()) / (D_LINE_NM * 1e-6) for name, values in vars(sums).items()}
+    return ThirdOrder(
+        total["spherical"] / 8,
+        total["coma"] / 2,
+        total["astigmatism"] / 2,
+        (total["astigmatism"] + total["petzval"]) / 4,
+        total["distortion"] / 2,
+        total["axial_colour"] / 2,
+        total["lateral_colour"],
+    )
+
+
+def third_order_of_errors(errors: SeidelErrors, f_stop: float, corner_mm: float) -> ThirdOrder:
+    """Coefficients at another aperture and image height than those that they are given for."""
+    rho, eta = errors.reference_f_stop / f_stop, corner_mm / errors.reference_height_mm
+    return ThirdOrder(
+        errors.w040 * rho**4,
+        errors.w131 * rho**3 * eta,
+        errors.w222 * rho**2 * eta**2,
+        errors.w220 * rho**2 * eta**2,
+        errors.w311 * rho * eta**3,
+    )
+
+
+def nearest_m(prescription: Prescription) -> float:
+    """The nearest distance from the entrance pupil that the lens or its focusing group reaches; infinite for a fixed focus."""
+
+    def reaches(nearness_per_m: float) -> bool:
+        try:
+            focused(prescription, 1 / nearness_per_m, 22.0, by="paraxial")
+        except SettingsError:
+            return False
+        return True
+
+    far, near = 1e-4, 1 / _NEAREST_LOOKED_AT_M
+    if not reaches(far):
+        return float("inf")
+    for _ in range(_BISECTIONS):
+        middle = float(np.sqrt(far * near))
+        far, near = (middle, near) if reaches(middle) else (far, middle)
+    return 1 / far

@@ -1,0 +1,157 @@
+"""A lens cut along its axis, with the rays of three beams: what a section drawing shows, in the lens's own millimetres.
+
+z grows from the scene to the film, 0 at the front vertex of the lens focused at infinity (or at an ideal lens); y is up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.lens import DoubleArray, Surface
+from render.optics.focusing import FocusedLens
+from render.optics.glass import D_LINE_NM
+from render.optics.mounting import has_surfaces, mounted
+from render.optics.report.aiming import through
+from render.optics.report.field import image_circle_mm, radial
+from render.optics.report.glass_rays import GlassRays
+from render.optics.surface_shape import sag_mm
+from render.optics.thin_lens import focus_w
+from render.optics.tracing import PASSES
+from render.scene import Camera
+
+BEAM_FIELDS = (0.0, 0.7, 1.0)
+"""Image heights of the beams, over that of the gate's corner, or of the last light where that ends before."""
+_FAN = np.linspace(-1.0, 1.0, 9)
+_PROFILE = np.linspace(-1.0, 1.0, 65)
+_LEAD = 0.3  # of the distance from front vertex to film: where rays begin before the lens
+_LAST_LIGHT = 0.97
+
+
+@dataclass(frozen=True, eq=False)
+class SectionRay:
+    """A ray in the plane of the section.
+
+    Attributes:
+        points_mm: ``(m, 2)`` z and y of where it is bent, from before the lens to the film or to the rim that blocks it.
+        blocked: whether a rim does.
+    """
+
+    points_mm: DoubleArray
+    blocked: bool
+
+
+@dataclass(frozen=True, eq=False)
+class SectionBeam:
+    """The rays of one point in the plane of focus.
+
+    Attributes:
+        height_mm: of the image.
+        angle_deg: of the chief ray in object space.
+        rays: evenly over the stop.
+    """
+
+    height_mm: float
+    angle_deg: float
+    rays: tuple[SectionRay, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LensSection:
+    """A lens cut along its axis.
+
+    Attributes:
+        glasses: outline of each element, ``(m, 2)`` z and y, closed, and its refractive index; none for an ideal lens.
+        stop_mm: z and radius of the opening.
+        film_mm: z and half the height that light reaches on it.
+        beams: of `BEAM_FIELDS`.
+        rim_mm: largest radius of the lens.
+    """
+
+    glasses: tuple[tuple[DoubleArray, float], ...]
+    stop_mm: tuple[float, float]
+    film_mm: tuple[float, float]
+    beams: tuple[SectionBeam, ...]
+    rim_mm: float
+
+
+def lens_section(camera: Camera) -> LensSection:
+    """The section of a camera's lens, focused and stopped down as it is.
+
+    Raises:
+        InputError: the lens is none.
+        SettingsError: it does not reach the focus distance.
+    """
+    corner = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)) / 2
+    return _of_glass(camera, corner) if has_surfaces(camera) else _of_ideal(camera, corner)
+
+
+def _of_glass(camera: Camera, corner: float) -> LensSection:
+    lens = mounted(camera)
+    rays = GlassRays(lens, focus_w(camera))
+    lit = min(corner, _LAST_LIGHT * image_circle_mm(rays, 1.05 * corner) / 2)
+    heights = np.array(BEAM_FIELDS) * lit
+    surfaces = lens.prescription.surfaces
+    return LensSection(
+        tuple(
+            (_outline(lens, i), surface.glass.index)
+            for i, surface in enumerate(surfaces[:-1])
+            if surface.glass.index != 1
+        ),
+        (float(lens.vertices_mm[lens.stop]), lens.stop_radius_mm),
+        (lens.film_mm, lit),
+        tuple(
+            SectionBeam(float(height), float(np.degrees(np.arctan(slope))), fan)
+            for height, slope, fan in zip(heights, rays.seen(heights), _fans(rays, lens, heights, camera), strict=True)
+        ),
+        max(surface.semi_diameter_mm for surface in surfaces),
+    )
+
+
+def _outline(lens: FocusedLens, i: int) -> DoubleArray:
+    """The element behind surface i: both profiles, joined along the wider one's rim."""
+    front, rear = (_profile(lens.prescription.surfaces[k], float(lens.vertices_mm[k])) for k in (i, i + 1))
+    rim = max(front[-1, 1], rear[-1, 1])
+    top = np.array([[front[-1, 0], rim], [rear[-1, 0], rim]])
+    return np.concatenate([front, top, rear[::-1], top[::-1] * [1, -1]])
+
+
+def _profile(surface: Surface, vertex_mm: float) -> DoubleArray:
+    """``(m, 2)`` z and y of a surface within its clear diameter, upward."""
+    y = _PROFILE * surface.semi_diameter_mm
+    return np.stack([vertex_mm + sag_mm(surface, y**2), y], axis=1)
+
+
+def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Camera) -> list[tuple[SectionRay, ...]]:
+    pupil = np.stack([0 * _FAN, _FAN], axis=1)
+    aimed, wavelengths, _ = rays.aimed(radial(heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
+    traced = through(lens, aimed, wavelengths, clip=True)
+    before = float(lens.vertices_mm[0]) - _LEAD * (lens.film_mm - float(lens.vertices_mm[0]))
+    start = aimed.points_mm + ((before - aimed.points_mm[:, 2]) / aimed.directions[:, 2])[:, None] * aimed.directions
+    film = traced.at(lens.film_mm)
+    found: list[tuple[SectionRay, ...]] = []
+    for field in np.arange(len(heights) * len(_FAN)).reshape(len(heights), -1):
+        fan = []
+        for k in field[aimed.solved[field]]:
+            blocker = int(traced.stopped_by[k])
+            met = traced.points_mm[: blocker + 1 if blocker != PASSES else None, k]
+            points = np.concatenate([start[k : k + 1], met])[:, [2, 1]]
+            if blocker == PASSES:
+                points = np.concatenate([points, [[lens.film_mm, film[k, 1]]]])
+            fan.append(SectionRay(points[np.isfinite(points).all(axis=1)], blocker != PASSES))
+        found.append(tuple(fan))
+    return found
+
+
+def _of_ideal(camera: Camera, corner: float) -> LensSection:
+    """Straight to the pupil, and straight to the image."""
+    focal, radius = camera.focal_length_mm, camera.focal_length_mm / (2 * camera.f_stop) if camera.f_stop else 0.0
+    beams = []
+    for height in np.array(BEAM_FIELDS) * corner:
+        slope, rays = height / focal, []
+        for y in _FAN * radius if radius else np.zeros(1):
+            before = y + _LEAD * focal * (slope - y * focus_w(camera) / 1000)
+            rays.append(SectionRay(np.array([[-_LEAD * focal, before], [0.0, y], [focal, -height]]), False))
+        beams.append(SectionBeam(float(height), float(np.degrees(np.arctan(slope))), tuple(rays)))
+    return LensSection((), (0.0, radius), (focal, corner), tuple(beams), max(radius, 0.3 * corner))

@@ -1,6 +1,8 @@
-"""Ranges of inverse depth over any rectangle of the layers, in four look-ups: N-buffers over 4x4 blocks.
+"""What any rectangle of the layers holds, in four look-ups: N-buffers over 4x4 blocks.
 
-Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values"; Decoret 2005.
+Beside the range of inverse depth (Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values"; Decoret 2005) they hold
+which of 64 even bins between the picture's nearest and farthest surface are filled: a lamp in the foreground widens a range
+over all that is empty between it and the wall behind, and rays need not look there.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.gl.shaders import ProgramCache
+from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
@@ -25,60 +27,74 @@ class NBuffers:
 
     Attributes:
         ranges: RG32F array, ``levels`` slices at a quarter of the layers' resolution: (min, max) of w in 1/m.
+        bins: RG32UI array of the same size: 64 bits, the lowest the farthest bin between the ends of the range of everything.
         levels: how many; the first texel of the last one covers everything.
     """
 
     ranges: moderngl.TextureArray
+    bins: moderngl.TextureArray
     levels: int
 
     @property
     def bytes(self) -> int:
         """Memory of the device that they take."""
-        return texture_bytes(self.ranges)
+        return texture_bytes(self.ranges) + texture_bytes(self.bins)
 
 
 class NBufferBuilder:
-    """Builds N-buffers, keeping the texture for the next layers of the same size."""
+    """Builds N-buffers, keeping the textures for the next layers of the same size."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._ranges: moderngl.TextureArray | None = None
+        self._held: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
 
     def build(self, layers: Layers) -> NBuffers:
-        """Build the ranges over all layers."""
+        """Build the ranges and bins over all layers."""
         width, height = (-(-side // BLOCK_PX) for side in (layers.view.width, layers.view.height))
         levels = int(np.ceil(np.log2(max(width, height)))) + 1
-        ranges = self._sized(width, height, levels)
-        self._fill_blocks(layers, ranges)
-        program = self._programs.compute("nbuffer.comp")
-        ranges.bind_to_image(0, read=True, write=True)
-        for level in range(1, levels):
-            self._ctx.memory_barrier()
-            program["level"] = level
-            program.run(-(-width // 8), -(-height // 8))
-        self._ctx.memory_barrier()
-        return NBuffers(ranges, levels)
+        ranges, bins = self._sized(width, height, levels)
+        self._fill(self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN}), layers, ranges)
+        self._raise("nbuffer.comp", ranges)
+        program = self._programs.compute("bins.comp")
+        ranges.use(2)
+        set_uniforms(program, ranges=2, last_level=levels - 1)
+        self._fill(program, layers, bins)
+        self._raise("bins_level.comp", bins)
+        return NBuffers(ranges, bins, levels)
 
     def release(self) -> None:
         """Give the memory back."""
-        if self._ranges is not None:
-            self._ranges.release()
+        for texture in self._held or ():
+            texture.release()
+        self._held = None
 
-    def _fill_blocks(self, layers: Layers, ranges: moderngl.TextureArray) -> None:
-        program = self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN})
+    def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
+        """Take what each block holds into the texture's first slice."""
         packs = layers.targets.packed_w
         for unit, name in enumerate(("near_w", "far_w")):
             packs[min(unit, len(packs) - 1)].use(unit)
             program[name] = unit
         program["two_packs"] = layers.count > LAYERS_PER_PACK
-        ranges.bind_to_image(0, read=False, write=True)
-        program.run(-(-ranges.width // 8), -(-ranges.height // 8))
+        texture.bind_to_image(0, read=False, write=True)
+        program.run(-(-texture.width // 8), -(-texture.height // 8))
+        self._ctx.memory_barrier()
 
-    def _sized(self, width: int, height: int, levels: int) -> moderngl.TextureArray:
-        if self._ranges is None or self._ranges.size != (width, height, levels):
+    def _raise(self, shader: str, texture: moderngl.TextureArray) -> None:
+        """Build all levels from the first."""
+        program = self._programs.compute(shader)
+        texture.bind_to_image(0, read=True, write=True)
+        for level in range(1, texture.layers):
+            program["level"] = level
+            program.run(-(-texture.width // 8), -(-texture.height // 8))
+            self._ctx.memory_barrier()
+
+    def _sized(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
+        if self._held is None or self._held[0].size != (width, height, levels):
             self.release()
-            self._ranges = None
-            self._ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
-            self._ranges.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        return self._ranges
+            ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
+            bins = self._ctx.texture_array((width, height, levels), 2, dtype="u4")
+            self._held = ranges, bins
+            for texture in self._held:
+                texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        return self._held

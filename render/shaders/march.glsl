@@ -8,27 +8,47 @@ uniform sampler2D packed_w_far; // of layers 4 to 7
 #endif
 uniform sampler2DArray radiance;
 uniform sampler2DArray ranges;  // N-buffers
+uniform usampler2DArray bins;
 uniform sampler2D background;
 
 uniform int last_level;         // of the N-buffers
 uniform float slope_slack;      // share of w by which a surface may slope within a pixel
 
+#include "bins.glsl"
+
 const int BLOCK = 4;
+const int MAX_RUNS = 8;         // stretches of w with surfaces that a pixel's rays look into; more are joined
 const int MAX_STEPS = 160;      // a ray that crosses more pixels strides over some; where it lands is looked at again
 
-// Range of w over the layer pixels from `low` to `high`, in four look-ups of overlapping squares.
-vec2 range_over(ivec2 low, ivec2 high)
+struct Corners { ivec2 a; ivec2 c; int level; };
+
+// The four overlapping squares of an N-buffer that cover the layer pixels from `low` to `high`.
+Corners corners_over(ivec2 low, ivec2 high)
 {
     ivec2 last = textureSize(ranges, 0).xy - 1;
     ivec2 a = clamp(low / BLOCK, ivec2(0), last), b = clamp(high / BLOCK, ivec2(0), last);
     ivec2 extent = b - a + 1;
     int level = min(findMSB(max(extent.x, extent.y)), last_level);
-    ivec2 c = max(b - (1 << level) + 1, a);
-    vec2 r0 = texelFetch(ranges, ivec3(a, level), 0).xy;
-    vec2 r1 = texelFetch(ranges, ivec3(c.x, a.y, level), 0).xy;
-    vec2 r2 = texelFetch(ranges, ivec3(a.x, c.y, level), 0).xy;
-    vec2 r3 = texelFetch(ranges, ivec3(c, level), 0).xy;
+    return Corners(a, max(b - (1 << level) + 1, a), level);
+}
+
+// Range of w over the layer pixels from `low` to `high`.
+vec2 range_over(ivec2 low, ivec2 high)
+{
+    Corners s = corners_over(low, high);
+    vec2 r0 = texelFetch(ranges, ivec3(s.a, s.level), 0).xy;
+    vec2 r1 = texelFetch(ranges, ivec3(s.c.x, s.a.y, s.level), 0).xy;
+    vec2 r2 = texelFetch(ranges, ivec3(s.a.x, s.c.y, s.level), 0).xy;
+    vec2 r3 = texelFetch(ranges, ivec3(s.c, s.level), 0).xy;
     return vec2(min(min(r0.x, r1.x), min(r2.x, r3.x)), max(max(r0.y, r1.y), max(r2.y, r3.y)));
+}
+
+// Bins of w that hold a surface of those pixels.
+uvec2 bins_over(ivec2 low, ivec2 high)
+{
+    Corners s = corners_over(low, high);
+    return texelFetch(bins, ivec3(s.a, s.level), 0).xy | texelFetch(bins, ivec3(s.c.x, s.a.y, s.level), 0).xy
+         | texelFetch(bins, ivec3(s.a.x, s.c.y, s.level), 0).xy | texelFetch(bins, ivec3(s.c, s.level), 0).xy;
 }
 
 vec2 range_of_all()
@@ -86,17 +106,40 @@ ivec2 exact_pixel(ivec2 found, ivec2 at, Hit hit, float tolerance)
     return abs(abs(w) - hit.w) <= tolerance && (w > 0.0) == hit.opaque ? at : found;
 }
 
+// The stretches of w, near to far, that a pixel's rays look into.
+vec2 runs[MAX_RUNS];
+int run_count;
+
+// Runs of filled bins within `range`. A run ends with its bin and a little more, since a surface reaches beyond its own w.
+void find_runs(uvec2 held, vec2 range)
+{
+    vec2 all = range_of_all();
+    float width = (all.y - all.x) / float(BINS);
+    run_count = 0;
+    int above = BINS;  // bins from here on are done
+    while (true) {
+        uvec2 left = above > 0 ? held & bits_between(0, above - 1) : uvec2(0u);
+        int top = left.y != 0u ? 32 + findMSB(left.y) : findMSB(left.x);
+        if (top < 0) break;
+        uvec2 empty = top > 0 ? ~held & bits_between(0, top - 1) : uvec2(0u);
+        above = 1 + (empty.y != 0u ? 32 + findMSB(empty.y) : findMSB(empty.x));
+        vec2 run = vec2(max(all.x + float(above) * width, range.x), min(all.x + float(top + 1) * width, range.y));
+        if (run_count < MAX_RUNS) runs[run_count++] = run;
+        else runs[MAX_RUNS - 1].x = run.x;
+    }
+}
+
 // What a ray sees: premultiplied radiance and coverage, composited front to back.
-vec4 march(vec2 a, vec2 b, vec2 range)
+vec4 march(vec2 a, vec2 b)
 {
     ivec2 last = textureSize(packed_w, 0) - 1;
     vec4 seen = vec4(0.0);
-    if (range.y > 0.0) {
-        vec2 span = abs(b) * (range.y - range.x);
-        int steps = clamp(int(ceil(max(span.x, span.y))), 1, MAX_STEPS);
+    float limit = 1e30, rate = max(max(abs(b.x), abs(b.y)), 1e-12);
+    for (int i = 0; i < run_count; ++i) {
+        vec2 range = runs[i];
+        int steps = clamp(int(ceil(rate * (range.y - range.x))), 1, MAX_STEPS);
         float dw = (range.y - range.x) / float(steps);
-        float pad = min(0.5 * dw, HALF_PIXEL_SHARE / max(max(abs(b.x), abs(b.y)), 1e-12));
-        float limit = 1e30;
+        float pad = min(0.5 * dw, HALF_PIXEL_SHARE / rate);
         for (int k = 0; k < steps; ++k) {
             float high = range.y - dw * float(k), low = high - dw;
             ivec2 pixel = clamp(ivec2(floor(a + b * (0.5 * (high + low)))), ivec2(0), last);

@@ -19,6 +19,11 @@ uniform int ray_count;
 uniform vec4 light;             // of this wavelength in red, green, blue and coverage, over the number of rays
 
 const int ROUNDS = 3;
+#ifdef BOUND_BY_RAYS
+const int SLABS = 4;    // each asks every ray
+#else
+const int SLABS = 16;
+#endif
 
 #if defined(POLYNOMIAL_LENS) || !defined(BOUND_BY_RAYS)
 // Closed form: all rays of the pixel pass within `radius` of `centre` at inverse depth w.
@@ -48,27 +53,53 @@ void rays_quad(PixelRays rays, vec2 range, inout vec2 low, inout vec2 high)
 }
 #endif
 
+// Where the pixel's rays can be between two inverse depths: layer pixels, `reach` around them included.
+void footprint_between(PixelRays rays, vec2 range, float reach, out ivec2 from, out ivec2 to)
+{
+    vec2 low = vec2(1e9), high = vec2(-1e9);
+#ifdef BOUND_BY_RAYS
+    rays_quad(rays, range, low, high);
+    low -= 1.0;
+    high += 1.0;
+#else
+    vec2 centre, radius;
+    for (int end = 0; end < 2; ++end) {
+        footprint(rays, range[end], centre, radius);
+        low = min(low, centre - radius - reach);
+        high = max(high, centre + radius + reach);
+    }
+#endif
+    from = ivec2(floor(low));
+    to = ivec2(floor(high));
+}
+
 // Narrow the range of w in which any ray of the pixel can meet a surface: the footprint of the range before bounds the next.
 vec2 bound_footprint(PixelRays rays, float reach)
 {
     vec2 range = range_of_all();
+    ivec2 from, to;
     for (int i = 0; i < ROUNDS && range.y > 0.0; ++i) {
-        vec2 low = vec2(1e9), high = vec2(-1e9);
-#ifdef BOUND_BY_RAYS
-        rays_quad(rays, range, low, high);
-        low -= 1.0;
-        high += 1.0;
-#else
-        vec2 centre, radius;
-        for (int end = 0; end < 2; ++end) {
-            footprint(rays, range[end], centre, radius);
-            low = min(low, centre - radius - reach);
-            high = max(high, centre + radius + reach);
-        }
-#endif
-        range = range_over(ivec2(floor(low)), ivec2(floor(high)));
+        footprint_between(rays, range, reach, from, to);
+        range = range_over(from, to);
     }
     return range;
+}
+
+// Which bins within the range hold anything where the rays are at that depth: slab by slab, each with its own footprint.
+uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
+{
+    vec2 all = range_of_all();
+    int last = bin_of(range.y, all), first = bin_of(range.x, all);
+    int slab = max(1, (last - first + SLABS) / SLABS);
+    float width = (all.y - all.x) / float(BINS);
+    uvec2 held = uvec2(0u);
+    for (int low = first; low <= last; low += slab) {
+        int high = min(low + slab - 1, last);
+        ivec2 from, to;
+        footprint_between(rays, all.x + width * vec2(low, high + 1), reach, from, to);
+        held |= bins_over(from, to) & bits_between(low, high);
+    }
+    return held;
 }
 
 // How much light passes the lens for this pixel is known better than a few rays tell that pass or are blocked: what they see is
@@ -90,14 +121,17 @@ void main()
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
     vec2 place = vec2(pixel) + 0.5;
     PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focus.x + dot(focus.yz, place));
-    vec2 range = bound_footprint(rays, 0.5 * scale + 1.0);
+    float reach = 0.5 * scale + 1.0;
+    vec2 range = bound_footprint(rays, reach);
+    run_count = 0;
+    if (range.y > 0.0) find_runs(reachable_bins(rays, range, reach), range);
     vec4 total = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < ray_count; ++i) {
         LensRay ray = lens_ray(rays, first_ray + i);
         if (ray.weight <= 0.0) continue;
         weights += ray.weight;
-        total += ray.weight * march(ray.a, ray.b, range);
+        total += ray.weight * march(ray.a, ray.b);
     }
     total *= known_light(weights, float(ray_count));
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);

@@ -79,7 +79,7 @@ class Tracer:
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         program = self._program(layers, bundle, bound_by_rays=bound_by_rays)
         self._bind(program, layers, nbuffers)
-        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + 5)
+        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + 6)
         self._set_uniforms(program, layers, nbuffers, surface, view)
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
@@ -140,6 +140,7 @@ class Tracer:
             "packed_w": targets.packed_w[0],
             "radiance": targets.radiance,
             "ranges": nbuffers.ranges,
+            "bins": nbuffers.bins,
             "background": targets.background,
         }
         if layers.count > 4:

@@ -1,9 +1,9 @@
 """The lens engine against pictures made ray by ray: every ray through the glass in float64, to the scene's own triangles.
 
 At least 40 dB. What is left is what the layers hold of a scene, as against the accumulation buffer; the scene is unlit, since
-the slow picture does not shade. The prescription covers a small gate, where its rims clip little: of 64 rays in one pattern for all
-pixels, how many a rim blocks is a matter of chance, which shifts the slow picture's brightness; the engine knows how much light
-comes through.
+the slow picture does not shade. The prescription covers a small gate, where its rims clip little: of 64 rays in one pattern for
+all pixels, how many a rim blocks is a matter of chance, which shifts the slow picture's brightness; the engine knows how much
+light comes through.
 """
 
 from __future__ import annotations

@@ -87,11 +87,36 @@ def test_ranges_hold_every_filled_pixel_and_nothing_else(built: Built) -> None:
     assert tuple(stored[-1, 0, 0]) == range_of(w)
 
 
+def bins_of(w: FloatArray, all_w: FloatArray) -> int:
+    """Bits of the bins that a patch of layers fills, of 64 over the range of the whole."""
+    low, high = range_of(all_w)
+    filled = np.unique(((w[w > 0] - np.float32(low)) / np.float32(high - low) * np.float32(64)).astype(int).clip(0, 63))
+    return sum(1 << int(number) for number in filled)
+
+
+def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
+    """Sixty-four bins of w, for the square of 2^i blocks that begins at a texel of level i."""
+    _, buffers, w = built
+    columns, rows, levels = buffers.bins.size
+    assert buffers.bins.size == buffers.ranges.size
+    stored = np.frombuffer(buffers.bins.read(), np.uint64).reshape(levels, rows, columns)
+    sparse = 0
+    for level in range(levels):
+        side = BLOCK_PX << level
+        for y, x in np.random.default_rng(level).integers(0, (rows, columns), (40, 2)):
+            found = int(stored[level, y, x])
+            assert found == bins_of(w[y * BLOCK_PX :, x * BLOCK_PX :][:side, :side], w)
+            sparse += 0 < found.bit_count() < 10
+    assert sparse > 20
+    assert int(stored[-1, 0, 0]).bit_count() > 10
+
+
 def ask(ctx: moderngl.Context, buffers: NBuffers, rectangles: NDArray[np.int32]) -> FloatArray:
     """``(n, 2)`` ranges that the tracer's shader finds in ``(n, 4)`` rectangles."""
     source = Path(__file__).with_name("range_queries.comp").read_text(encoding="utf-8")
-    march = (SHADER_DIR / "march.glsl").read_text(encoding="utf-8")
-    program = ctx.compute_shader(source.replace('#include "march.glsl"', "#define HALF_PIXEL_SHARE 0.5\n" + march))
+    for name in ("march.glsl", "bins.glsl"):
+        source = source.replace(f'#include "{name}"', (SHADER_DIR / name).read_text(encoding="utf-8"))
+    program = ctx.compute_shader("#version 450 core\n#define HALF_PIXEL_SHARE 0.5\n" + source.partition("\n")[2])
     asked, found = ctx.buffer(rectangles.tobytes()), ctx.buffer(reserve=8 * len(rectangles))
     try:
         buffers.ranges.use(0)
@@ -161,7 +186,7 @@ def test_four_layers_of_1024_by_768_take_at_most_64_megabytes(ctx: moderngl.Cont
         depth = 4 * 1024 * 768
         textures = [targets.background, *targets.packed_w]
         assert targets.bytes == gl_bytes(targets.radiance) + sum(map(gl_bytes, textures)) + depth
-        assert buffers.bytes == gl_bytes(buffers.ranges)
+        assert buffers.bytes == gl_bytes(buffers.ranges) + gl_bytes(buffers.bins)
         held[count] = targets.bytes + buffers.bytes
         builder.release()
     assert held[4] <= 64 * MEGABYTE

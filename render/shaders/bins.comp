@@ -1,0 +1,41 @@
+#version 450 core
+// Which bins of inverse depth hold a surface of a 4x4 block, in any layer.
+// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent); the N-buffers, for the picture's range
+// out: 64 bits in slice 0
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rg32ui, binding = 0) writeonly uniform uimage2DArray bins;
+
+#include "bins.glsl"
+
+uniform sampler2D near_w;  // layers 0 to 3
+uniform sampler2D far_w;   // layers 4 to 7, where there are so many
+uniform bool two_packs;
+uniform sampler2DArray ranges;
+uniform int last_level;
+
+uvec2 joined(uvec2 held, vec4 stored, vec2 all)
+{
+    for (int i = 0; i < 4; ++i) {
+        if (stored[i] == 0.0) break;  // once a pixel is empty, it stays empty
+        int bin = bin_of(abs(stored[i]), all);
+        held |= bits_between(bin, bin);
+    }
+    return held;
+}
+
+void main()
+{
+    ivec2 block = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(block, imageSize(bins).xy))) return;
+    ivec2 size = textureSize(near_w, 0);
+    vec2 all = texelFetch(ranges, ivec3(0, 0, last_level), 0).xy;
+    uvec2 held = uvec2(0u);
+    for (int i = 0; i < 16; ++i) {
+        ivec2 pixel = block * 4 + ivec2(i & 3, i >> 2);
+        if (any(greaterThanEqual(pixel, size))) continue;
+        held = joined(held, texelFetch(near_w, pixel, 0), all);
+        if (two_packs) held = joined(held, texelFetch(far_w, pixel, 0), all);
+    }
+    imageStore(bins, ivec3(block, 0), uvec4(held, 0u, 0u));
+}

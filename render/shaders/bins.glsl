@@ -1,0 +1,17 @@
+// Even bins of inverse depth over the range of a whole picture, 64 of them, as bits of a uvec2: bit 0 is farthest.
+
+const int BINS = 64;
+
+// The bin of w in a picture whose surfaces lie between `all.x` and `all.y`.
+int bin_of(float w, vec2 all)
+{
+    return clamp(int((w - all.x) / max(all.y - all.x, 1e-9 * all.y) * float(BINS)), 0, BINS - 1);
+}
+
+// Bits from `low` to `high`, both included.
+uvec2 bits_between(int low, int high)
+{
+    uvec2 from = low < 32 ? uvec2(0xffffffffu << low, 0xffffffffu) : uvec2(0u, 0xffffffffu << (low - 32));
+    uvec2 to = high < 32 ? uvec2(0xffffffffu >> (31 - high), 0u) : uvec2(0xffffffffu, 0xffffffffu >> (63 - high));
+    return from & to;
+}

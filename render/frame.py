@@ -27,10 +27,9 @@ from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import Sphere
 from render.optics.distortion import seen_at
-from render.optics.sampling import lens_samples
-from render.optics.thin_lens import focus_w, pupil_radius_m
+from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
-from render.reference.accumulation import Accumulator
+from render.reference.accumulation import Accumulator, accumulated_rays
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.aovs import MEASURED
 from render.trace.lens import LensEngine, OnPass
@@ -204,9 +203,7 @@ class FrameRenderer:
     ) -> FloatArray:
         """The accumulation buffer; it has no passes to show, since it draws view by view."""
         del on_pass
-        samples = lens_samples(settings.rays, camera.iris, seed=settings.seed, tiled=False)
-        pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
-        points = np.concatenate([pupil, samples.pixel[0]], axis=1)
+        points = accumulated_rays(camera, settings.rays, settings.seed)
         detail = float(settings.supersample)
         return self._accumulator.accumulate(
             self._peeler, view, points, focus_w(camera), unlit=unlit, detail=detail, on_progress=on_progress

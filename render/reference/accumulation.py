@@ -15,8 +15,17 @@ import numpy as np
 from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
 from render.layers.targets import LAYERS_PER_PACK
+from render.optics.sampling import lens_samples
+from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
-from render.scene import FloatArray
+from render.scene import Camera, DoubleArray, FloatArray
+
+
+def accumulated_rays(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
+    """The rays that the lens engine traces where its pattern is not tiled, as `Accumulator.accumulate` takes them."""
+    samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
+    pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
+    return np.concatenate([pupil, samples.pixel[0]], axis=1)
 
 
 class Accumulator:
@@ -30,7 +39,7 @@ class Accumulator:
         self,
         peeler: Peeler,
         view: PinholeView,
-        lens_points: FloatArray,
+        lens_points: FloatArray | DoubleArray,
         focus_w: float,
         *,
         unlit: bool = False,

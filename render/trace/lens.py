@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, get_args
 
 import moderngl
 from numpy.typing import NDArray
 
 from render.gl.shaders import ProgramCache
-from render.layers.nbuffers import NBufferBuilder
+from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.layers.umbra import layers_needed, umbra_reach
 from render.lens import IrisShape
@@ -26,6 +26,10 @@ from render.trace.tracer import RAYS_PER_PASS, SHOWN_RAYS_PER_PASS, Tracer
 OnPass = Callable[[FloatArray, int], None]
 """Called with the mean picture over the rays so far, and how many they are."""
 
+Stage = Literal["rays", "peel", "nbuffers", "trace"]
+STAGES: tuple[Stage, ...] = get_args(Stage)
+"""What a picture is made of, in order: the lens's table, the layers, what bounds them, the rays through them."""
+
 
 @dataclass(frozen=True)
 class TracedPicture:
@@ -34,10 +38,12 @@ class TracedPicture:
     Attributes:
         color: ``(height, width, 4)`` float32, premultiplied.
         layers: valid until the peeler's next peeling.
+        nbuffers: of those layers, valid until the engine's next picture.
     """
 
     color: FloatArray
     layers: Layers
+    nbuffers: NBuffers
 
 
 class LensEngine:
@@ -62,6 +68,7 @@ class LensEngine:
         bound_by_rays: bool = False,
         on_progress: Callable[[float], None] | None = None,
         on_pass: OnPass | None = None,
+        on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> TracedPicture:
         """Peel the loaded scene for this view and trace the camera's lens through it.
 
@@ -77,8 +84,10 @@ class LensEngine:
             bound_by_rays: see `Tracer.passes`.
             on_progress: called with the share of the tracing that is done.
             on_pass: called after each pass with the picture so far and the number of rays in it.
+            on_stage: called when all that belongs to a stage has been asked of the device, which may still be at work on it.
         """
         bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
+        on_stage("rays")
         surface = plane_of_focus(camera)
         widest = layer_view(view, bundle, surface, supersample, 1 / view.near_m)
         nearest_w = peeler.nearest_w(widest)
@@ -90,7 +99,9 @@ class LensEngine:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
         umbra = umbra_reach(pupil_px)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=wide.fx / view.fx)
+        on_stage("peel")
         nbuffers = self._nbuffers.build(peeled)
+        on_stage("nbuffers")
         rays_per_pass = RAYS_PER_PASS if on_pass is None else SHOWN_RAYS_PER_PASS
         shown = 0
         for done in self._tracer.passes(
@@ -101,7 +112,9 @@ class LensEngine:
             if on_pass is not None and done.rays > shown:
                 shown = done.rays
                 on_pass(self._tracer.picture(done.share), shown)
-        return TracedPicture(self._tracer.picture(), peeled)
+        color = self._tracer.picture()
+        on_stage("trace")
+        return TracedPicture(color, peeled, nbuffers)
 
     def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """What is measured beside the colour: see `render.trace.aovs.measured`."""

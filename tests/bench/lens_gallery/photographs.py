@@ -1,0 +1,130 @@
+"""Takes the gallery's pictures: a camera for each entry, its frame, and the detail out of it."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from render.film import Grade, develop
+from render.frame import FrameRenderer, FrameSettings
+from render.optics.sampling import MAX_RAYS
+from render.output import FrameMetadata
+from render.output.encode import encode_png
+from render.output.write import write_atomic
+from render.scene import Camera, FloatArray
+from render.shot import Shot
+from render.shot.lens_choice import choose_lens
+from tests.bench.lens_gallery.entries import Entry
+
+DETAIL = 4
+"""The detail is the picture's width and height over this."""
+ENLARGED = 2
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large and how fine the pictures are.
+
+    Attributes:
+        width: pixels.
+        height: likewise.
+        rays: of each pixel, where neither the entry nor its view says.
+    """
+
+    width: int = 640
+    height: int = 360
+    rays: int = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Photograph:
+    """An entry's picture as it was taken.
+
+    Attributes:
+        entry: what was asked for.
+        picture: name of its file.
+        detail: name of the detail's file.
+        caption: what the camera says of itself.
+        seconds: that the frame took.
+    """
+
+    entry: Entry
+    picture: str
+    detail: str
+    caption: str
+    seconds: float
+
+
+class Photographer:
+    """Takes pictures of one shot, of one size, into one folder."""
+
+    def __init__(self, shot: Shot, renderer: FrameRenderer, size: Size, folder: Path) -> None:
+        self._shot = shot
+        self._renderer = renderer
+        self._size = size
+        self._folder = folder
+        self._unedited = shot.export_edits()
+
+    def take(self, entry: Entry) -> Photograph:
+        """Render an entry, and write its picture and detail.
+
+        Raises:
+            InputError: its lens is none.
+            GraphicsError: the device refuses.
+            OutputError: a file cannot be written.
+        """
+        camera = self._camera(entry)
+        settings = FrameSettings(
+            self._size.width,
+            self._size.height,
+            rays=entry.rays or min(self._size.rays * entry.view.finer, MAX_RAYS),
+            wavelengths=entry.wavelengths,
+        )
+        scene = self._shot.scene_at(entry.view.frame)
+        began = clock.perf_counter()
+        frame = self._renderer.render(scene, camera, settings)
+        seconds = clock.perf_counter() - began
+        graded = develop(frame.color, camera.exposure_scale, Grade())
+        metadata = FrameMetadata(camera=camera, time=entry.view.frame, grade=Grade(), stage=self._shot.path.name)
+        names = f"{entry.slug}.png", f"{entry.slug}-detail.png"
+        for name, pixels in zip(names, (graded, detail_of(graded, entry.detail)), strict=True):
+            write_atomic(self._folder / name, encode_png(pixels, metadata))
+        return Photograph(entry, *names, caption(camera, entry, settings), seconds)
+
+    def _camera(self, entry: Entry) -> Camera:
+        """The shot's camera with the entry's lens, where the entry wants it."""
+        if entry.lens is not None:
+            self._shot.mount_lens(None, choose_lens(entry.lens))
+        try:
+            camera = self._shot.camera_at(None, entry.view.frame, self._size.width, self._size.height)
+        finally:
+            self._shot.replace_edits(self._unedited)
+        return entry.change(entry.view.placed(camera))
+
+
+def detail_of(picture: FloatArray, centre: tuple[float, float]) -> FloatArray:
+    """The part around a place, each pixel as a square of pixels.
+
+    Args:
+        picture: ``(height, width, 3)``.
+        centre: in shares of width and height; a part that would stick out is moved in.
+    """
+    height, width = picture.shape[:2]
+    high, wide = height // DETAIL, width // DETAIL
+    top = int(np.clip(round(centre[1] * height - high / 2), 0, height - high))
+    left = int(np.clip(round(centre[0] * width - wide / 2), 0, width - wide))
+    part = picture[top : top + high, left : left + wide]
+    return np.ascontiguousarray(part.repeat(ENLARGED, axis=0).repeat(ENLARGED, axis=1))
+
+
+def caption(camera: Camera, entry: Entry, settings: FrameSettings) -> str:
+    """Focal length, f-number, focus and sampling in one line."""
+    opening = f"f/{camera.f_stop:g}" if camera.f_stop > 0 else "pinhole"
+    return (
+        f"{camera.focal_length_mm:.4g} mm · {opening} · focus {camera.focus_distance_m:.3g} m · "
+        f"{settings.rays} rays · {settings.wavelengths} wavelength{'s' if settings.wavelengths > 1 else ''} · "
+        f"frame {entry.view.frame:g}, {entry.view.name}"
+    )

@@ -1,0 +1,53 @@
+"""What work costs: wall time, and the processor time of the whole process with the threads that a software rasteriser starts.
+
+Wall time is what a user waits, and what counts on a GPU. On a machine that has other work to do it measures that work too;
+processor time does not.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Time, in milliseconds: of the wall's clock and of the processor."""
+
+    wall_ms: float = 0.0
+    cpu_ms: float = 0.0
+
+    def __add__(self, other: Spent) -> Spent:
+        return Spent(self.wall_ms + other.wall_ms, self.cpu_ms + other.cpu_ms)
+
+
+class StageClock:
+    """Tells stages of work on the device apart: waits for the device at the end of each.
+
+    Args:
+        finish: returns when the device has done all that it was asked.
+    """
+
+    def __init__(self, finish: Callable[[], None]) -> None:
+        self._finish = finish
+        self.spent: dict[str, Spent] = {}
+        finish()
+        self._began = _now()
+
+    def __call__(self, stage: str) -> None:
+        """Count what has passed since the last call as the stage's."""
+        self._finish()
+        now = _now()
+        self.spent[stage] = Spent(now.wall_ms - self._began.wall_ms, now.cpu_ms - self._began.cpu_ms)
+        self._began = now
+
+
+def median_spent(runs: Sequence[Spent]) -> Spent:
+    """The median over runs, of either time by itself."""
+    return Spent(median(run.wall_ms for run in runs), median(run.cpu_ms for run in runs))
+
+
+def _now() -> Spent:
+    return Spent(1000 * time.perf_counter(), 1000 * time.process_time())

@@ -23,6 +23,25 @@ class Spent:
         return Spent(self.wall_ms + other.wall_ms, self.cpu_ms + other.cpu_ms)
 
 
+@dataclass(frozen=True)
+class Repeats:
+    """How often something is measured for its median: often where it is quick, and where it is slow as often as must be.
+
+    Attributes:
+        least: at least so often.
+        most: never more often.
+        enough_ms: wall time after which no further run is begun.
+    """
+
+    least: int
+    most: int = 9
+    enough_ms: float = 2000.0
+
+    def more(self, runs: int, spent_ms: float) -> bool:
+        """Whether another run is wanted after so many, which took so long together."""
+        return runs < self.least or (runs < self.most and spent_ms < self.enough_ms)
+
+
 class StageClock:
     """Tells stages of work on the device apart: waits for the device at the end of each.
 

@@ -50,7 +50,7 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
     with LensRig() as rig:
         for name, make in scenes.items():
             say(f"{name}: building the scene, and its reference of {picture.rays} views")
-            subjects[name] = subject(rig, name, make, picture, plan.repeats)
+            subjects[name] = subject(rig, name, make, picture, plan.repeats, plan.sweep_repeats)
             rows.append(scene_row(subjects[name]))
             say(f"{name}: {rows[-1].total_ms:.0f} ms, reference {rows[-1].reference_ms:.0f} ms")
         swept = subjects[SWEPT if SWEPT in subjects else next(iter(subjects))]
@@ -63,7 +63,6 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
             height=picture.height,
             rays=picture.rays,
             supersample=picture.supersample,
-            repeats=plan.repeats,
             scenes=rows,
             sweeps=sweeps,
             layers_mb_1024x768=rig.layers_bytes(swept.camera, 1024, 768, 4) / 1e6,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from render.bench.clock import Spent
+from render.bench.clock import Repeats, Spent
 from render.bench.lenses import BenchLens
 from render.bench.results import ApertureRow, LayersRow, RaysRow, SceneRow, SurfacesRow, against, times
 from render.bench.rig import LensRig
@@ -31,7 +31,8 @@ class Subject:
         scene: loaded, or to be loaded again.
         camera: of the scene.
         settings: of the table's row.
-        repeats: that times are medians of.
+        repeats: of the table's pictures.
+        sweep_repeats: of those of the sweeps.
         reference: the accumulation buffer's picture.
         reference_spent: what that cost.
     """
@@ -41,16 +42,19 @@ class Subject:
     scene: Scene
     camera: Camera
     settings: FrameSettings
-    repeats: int
+    repeats: Repeats
+    sweep_repeats: Repeats
     reference: FloatArray
     reference_spent: Spent
 
 
-def subject(rig: LensRig, name: str, make: SceneMaker, settings: FrameSettings, repeats: int) -> Subject:
+def subject(
+    rig: LensRig, name: str, make: SceneMaker, settings: FrameSettings, repeats: Repeats, sweep_repeats: Repeats
+) -> Subject:
     """Make a scene, load it and draw its reference."""
     scene, camera = make()
     rig.load(scene, camera)
-    return Subject(rig, name, scene, camera, settings, repeats, *rig.accumulate(camera, settings))
+    return Subject(rig, name, scene, camera, settings, repeats, sweep_repeats, *rig.accumulate(camera, settings))
 
 
 def scene_row(of: Subject) -> SceneRow:
@@ -72,7 +76,7 @@ def scene_row(of: Subject) -> SceneRow:
 def rays_sweep(of: Subject, counts: Sequence[int]) -> Iterator[RaysRow]:
     """Rows for so many rays."""
     for rays in counts:
-        traced = of.rig.trace(of.camera, replace(of.settings, rays=rays), of.repeats)
+        traced = of.rig.trace(of.camera, replace(of.settings, rays=rays), of.sweep_repeats)
         views = rays / of.settings.rays
         spent = Spent(of.reference_spent.wall_ms * views, of.reference_spent.cpu_ms * views)
         wall, cpu = against(traced, spent)
@@ -82,7 +86,7 @@ def rays_sweep(of: Subject, counts: Sequence[int]) -> Iterator[RaysRow]:
 def layers_sweep(of: Subject, counts: Sequence[int]) -> Iterator[LayersRow]:
     """Rows for so many layers."""
     for layers in counts:
-        traced = of.rig.trace(of.camera, replace(of.settings, layers=layers), of.repeats)
+        traced = of.rig.trace(of.camera, replace(of.settings, layers=layers), of.sweep_repeats)
         wall, cpu = times(traced)
         likeness = psnr_db(traced.color, of.reference), ssim(traced.color, of.reference)
         yield LayersRow(
@@ -96,7 +100,7 @@ def aperture_sweep(of: Subject, f_stops: Sequence[float]) -> Iterator[ApertureRo
     ends = np.array([0.0, of.rig.nearest_w(of.camera, of.settings)])
     for f_stop in f_stops:
         camera = replace(of.camera, f_stop=f_stop)
-        traced = of.rig.trace(camera, of.settings, of.repeats)
+        traced = of.rig.trace(camera, of.settings, of.sweep_repeats)
         wall, cpu = against(traced, of.reference_spent)
         blur_px = float(np.abs(coc_radius_px(view.fx, pupil_radius_m(camera), ends, focus_w(camera))).max())
         yield ApertureRow(**vars(wall), f_stop=f_stop, blur_px=blur_px, layers=traced.layers, cpu=cpu)
@@ -105,9 +109,11 @@ def aperture_sweep(of: Subject, f_stops: Sequence[float]) -> Iterator[ApertureRo
 def surfaces_sweep(of: Subject, lenses: Sequence[BenchLens]) -> Iterator[SurfacesRow]:
     """Rows for lenses, each beside the ideal lens at its f-number, which is measured anew so that both see the same machine."""
     for lens in lenses:
-        thin = traced = of.rig.trace(replace(of.camera, lens=THIN_LENS, f_stop=lens.f_stop), of.settings, of.repeats)
+        thin = traced = of.rig.trace(
+            replace(of.camera, lens=THIN_LENS, f_stop=lens.f_stop), of.settings, of.sweep_repeats
+        )
         if lens.surfaces:
-            traced = of.rig.trace(replace(of.camera, lens=lens.lens, f_stop=lens.f_stop), of.settings, of.repeats)
+            traced = of.rig.trace(replace(of.camera, lens=lens.lens, f_stop=lens.f_stop), of.settings, of.sweep_repeats)
         (wall, cpu), (thin_wall, thin_cpu) = times(traced), times(thin)
         yield SurfacesRow(
             **vars(wall),

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, field, replace
 
+from render.bench.clock import Repeats
 from render.bench.lenses import BenchLens, bench_lenses
 from render.frame_settings import FrameSettings
 from render.reference.bench_scenes import SCENES
 
 PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=2, tiled=False)
 """What the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
+TABLE_REPEATS, SWEEP_REPEATS = Repeats(least=3), Repeats(least=1)
 SWEPT = "statues"
 """The scene of the sweeps, where it is among those measured."""
 
@@ -21,7 +23,8 @@ class Plan:
 
     Attributes:
         picture: settings of the table.
-        repeats: that times are the medians of.
+        repeats: of the table's pictures; times are medians.
+        sweep_repeats: of those of the sweeps.
         rays: counts of the sweep.
         layers: likewise.
         f_stops: likewise.
@@ -29,7 +32,8 @@ class Plan:
     """
 
     picture: FrameSettings = PICTURE
-    repeats: int = 3
+    repeats: Repeats = TABLE_REPEATS
+    sweep_repeats: Repeats = SWEEP_REPEATS
     rays: tuple[int, ...] = (32, 64, 128, 256, 512, 1024)
     layers: tuple[int, ...] = (2, 3, 4, 5, 6, 7, 8)
     f_stops: tuple[float, ...] = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)
@@ -40,7 +44,8 @@ def quick_plan() -> Plan:
     """A look at whether all of it works: small pictures, each measured once, and the ends of the sweeps."""
     return Plan(
         picture=replace(PICTURE, width=160, height=120, rays=16),
-        repeats=1,
+        repeats=Repeats(1, 1),
+        sweep_repeats=Repeats(1, 1),
         rays=(8, 32),
         layers=(2, 4, 8),
         f_stops=(1.4, 8.0),

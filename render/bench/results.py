@@ -179,7 +179,6 @@ class LensBench:
         height: likewise.
         rays: per pixel.
         supersample: layer pixels per picture pixel along each axis.
-        repeats: that times are the medians of.
         scenes: the table.
         sweeps: along one setting each.
         layers_mb_1024x768: megabytes of four layers of that size, and of their N-buffers.
@@ -192,7 +191,6 @@ class LensBench:
     height: int
     rays: int
     supersample: int
-    repeats: int
     scenes: list[SceneRow]
     sweeps: Sweeps
     layers_mb_1024x768: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from types import TracebackType
 
-from render.bench.clock import Spent, StageClock, median_spent
+from render.bench.clock import Repeats, Spent, StageClock, median_spent
 from render.frame import shadow_interest
 from render.frame_settings import FrameSettings
 from render.gl.context import GraphicsContext
@@ -27,7 +27,7 @@ class Traced:
 
     Attributes:
         color: ``(height, width, 4)`` float32.
-        stages: by `render.trace.lens.STAGES`, medians over the repeats.
+        stages: by `render.trace.lens.STAGES`, medians over the runs.
         table: the making of the lens's table, which later pictures share.
         layers: how many were peeled.
         layers_bytes: memory of the layers and their N-buffers.
@@ -56,7 +56,7 @@ class LensRig:
         """Upload a scene, for both engines."""
         self._peeler.load(scene, shadow_interest(camera))
 
-    def trace(self, camera: Camera, settings: FrameSettings, repeats: int) -> Traced:
+    def trace(self, camera: Camera, settings: FrameSettings, repeats: Repeats) -> Traced:
         """Trace the loaded scene's picture: with one ray to compile shaders and make the lens's table, then for the clock.
 
         Raises:
@@ -64,8 +64,8 @@ class LensRig:
             SettingsError: it does not reach the focus distance.
         """
         picture, first = self._timed(camera, replace(settings, rays=1))
-        runs = []
-        for _ in range(repeats):
+        runs: list[dict[str, Spent]] = []
+        while repeats.more(len(runs), sum(spent.wall_ms for run in runs for spent in run.values())):
             picture, spent = self._timed(camera, settings)
             runs.append(spent)
         stages = {stage: median_spent([run[stage] for run in runs]) for stage in STAGES}

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from render.bench.clock import Spent, median_spent
+from render.bench.clock import Repeats, Spent, median_spent
 from render.bench.goals import judged
 from render.bench.lens import measure, run
 from render.bench.lenses import ABBE, bench_lenses
@@ -105,6 +105,14 @@ def test_median_is_taken_of_each_clock() -> None:
     assert median_spent(runs) == Spent(2, 20)
 
 
+def test_slow_pictures_are_measured_less_often() -> None:
+    repeats = Repeats(3, 9, enough_ms=2000)
+    assert repeats.more(2, 60_000)
+    assert not repeats.more(3, 60_000)
+    assert repeats.more(8, 80)
+    assert not repeats.more(9, 90)
+
+
 def test_lenses_are_those_of_the_library() -> None:
     lenses = {(lens.name, lens.disperses): lens for lens in bench_lenses()}
     assert [lens.surfaces for lens in bench_lenses()] == [0, 2, 7, 13, 2, 7, 13]
@@ -141,9 +149,7 @@ def test_goals_say_what_holds() -> None:
         cpu_trace_over_thin=1.6,
     )
     apart = replace(lens, disperses=True, trace_over_thin=4.8)
-    bench = LensBench(
-        "llvmpipe", True, 800, 600, 100, 2, 3, [scene], Sweeps("hall", [], layers, [], [lens, apart]), 60.6
-    )
+    bench = LensBench("llvmpipe", True, 800, 600, 100, 2, [scene], Sweeps("hall", [], layers, [], [lens, apart]), 60.6)
     verdicts = {goal.goal: goal for goal in judged(bench)}
     assert [goal.holds for goal in verdicts.values()] == [True, False, True, False, True, True]
     share = next(goal for name, goal in verdicts.items() if "second four" in name)

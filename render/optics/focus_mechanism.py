@@ -134,13 +134,15 @@ class FocusMechanism:
         """In closed form: how far the film misses the image is linear in the shift."""
         rest, ahead = self.film_through_lens(0.0), self.film_through_lens(-1.0)
         slope, slope_at_infinity = rest.miss(nearness) - ahead.miss(nearness), rest.lift - ahead.lift
-        if nearness * rest.pupil_depth_mm >= 1:
-            raise self._too_near(nearness, 1 / rest.pupil_depth_mm, "where surface 1 of the lens stands")
-        if slope / slope_at_infinity < 1e-6:
-            focal_point = (1 - slope / slope_at_infinity) / nearness
-            raise self._too_near(
-                nearness, 1 / focal_point, "where the front focal point is: no real image stands behind it"
+        if nearness * rest.pupil_depth_mm >= 1 or slope / slope_at_infinity < 1e-6:
+            focal_point_mm = (1 - slope / slope_at_infinity) / nearness  # before the entrance pupil
+            before_lens_mm = focal_point_mm - rest.pupil_depth_mm
+            if before_lens_mm <= 0:
+                raise self._too_near(nearness, 1 / rest.pupil_depth_mm, "where surface 1 of the lens stands")
+            where = (
+                f"{before_lens_mm:.3g} mm before surface 1: nearer than the front focal point it makes no real image"
             )
+            raise self._too_near(nearness, 1 / focal_point_mm, where)
         return -rest.miss(nearness) / slope
 
     def _shift_of_group(self, nearness: float) -> float:

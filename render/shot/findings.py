@@ -6,8 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from pxr import Usd
 
+from render.errors import PullfocusError
 from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.optics.mounting import nearer_than_marked
 from render.scene import Light
 from render.shot.focusing import Focused
 from render.stage import Finding
@@ -30,6 +32,7 @@ _HONOURED = _OF_LENSES | frozenset(
         "lens:transmittance",
         "lens:neutralDensity",
         "lens:squeeze",
+        "lens:closeFocus",
         "lens:fStopRange",
         "focus:mode",
         "focus:circleOfConfusion",
@@ -88,6 +91,21 @@ def lost_point_findings(focused: Focused) -> list[Finding]:
         for point, state in zip(focused.points, focused.solution.states, strict=True)
         if state == "lost"
     ]
+
+
+def close_focus_findings(focused: Focused) -> list[Finding]:
+    """A finding where a camera is focused nearer than its lens is marked for: it is drawn so, as with an extension tube.
+
+    A focus that its glass cannot reach is no finding, but an error when it is drawn.
+    """
+    camera = focused.camera
+    try:
+        nearer = nearer_than_marked(camera)
+    except PullfocusError:
+        return []
+    where = f"nearer than the {camera.lens.close_focus_m:g} m before the film that its lens is marked for"
+    how = "it is drawn as if the lens stood on an extension tube"
+    return [Finding("close_focus", camera.path, f"{camera.path} is focused {where}: {how}")] if nearer else []
 
 
 def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:

@@ -15,7 +15,7 @@ from render.focus import FocusCurve
 from render.scene import Camera, Light, Scene
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
-from render.shot.findings import camera_findings, light_findings, lost_point_findings
+from render.shot.findings import camera_findings, close_focus_findings, light_findings, lost_point_findings
 from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out, without_points
 from render.shot.own_files import check_not_own
 from render.stage import (
@@ -51,7 +51,7 @@ class ShotView:
         self._anchors = AnchorReader(stage)
         edits.attach(stage)
         self._lights: tuple[Light, ...] = ()
-        self._lost: dict[Finding, int] = {}  # lost focus points, and the revision of the edits that they were found in
+        self._of_focus: dict[Finding, int] = {}  # what focusing found, and with which revision of the edits
 
     @classmethod
     def open(
@@ -98,8 +98,8 @@ class ShotView:
     def findings(self) -> list[Finding]:
         """What was found so far that is not honoured, or could not be used."""
         found = [*self._reader.findings, *camera_findings(self.stage, self.cameras())]
-        lost = [finding for finding, revision in self._lost.items() if revision == self._edits.revision]
-        return found + light_findings(self._lights) + lost
+        of_focus = [finding for finding, revision in self._of_focus.items() if revision == self._edits.revision]
+        return found + light_findings(self._lights) + of_focus
 
     def scene_at(self, time: float) -> Scene:
         """What is drawn at a USD time code; what did not change since the last call is the same object."""
@@ -208,7 +208,8 @@ class ShotView:
         if choice is not None and choice.framing is not None:
             return without_points(choice.framing)
         focused = focus_camera(self.stage, self._anchors, self._path(camera_path), time)
-        self._lost.update(dict.fromkeys(lost_point_findings(focused), self._edits.revision))
+        findings = [*lost_point_findings(focused), *close_focus_findings(focused)]
+        self._of_focus.update(dict.fromkeys(findings, self._edits.revision))
         return focused
 
     def _for_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:

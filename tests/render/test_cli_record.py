@@ -229,3 +229,18 @@ def test_a_lost_focus_point_is_warned_of_once(pullfocus: Command, tmp_path: Path
     assert len(warnings) == 1
     for words in ("focus point eye", "/World/Gone", "the camera's own focus distance is kept"):
         assert words in warnings[0]
+
+
+def test_a_focus_nearer_than_the_lens_is_marked_for_is_drawn_and_warned_of_once(
+    pullfocus: Command, tmp_path: Path
+) -> None:
+    """The mark counts from the film: 5 m before the entrance pupil are 5.05 m before the film of a thin 50 mm lens."""
+    for marked_mm, warnings in ((5040.0, 0), (5080.0, 1)):
+        camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["LensAPI"])')
+        camera = camera.replace("{", f"{{\n        double lens:closeFocus = {marked_mm}", 1)
+        path = write_shot(tmp_path / f"near{marked_mm:g}.usda", SQUARE, camera)
+        ended = pullfocus("record", path, tmp_path / "f.#.png", "--frames", "1:3", *small())
+        assert ended.status == 0
+        said = [line for line in ended.err.splitlines() if line.startswith("warning:")]
+        assert len(said) == warnings
+        assert all("nearer than the 5.08 m before the film that its lens is marked for" in line for line in said)

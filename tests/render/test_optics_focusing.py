@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lens_kit import DISTAGON, PLANAR, SIX_LENSES, KnownLens
+from lens_kit import DISTAGON, FISHEYE, PLANAR, SIX_LENSES, KnownLens
 
 from render.errors import InputError, SettingsError
 from render.lens import Prescription
@@ -93,7 +93,8 @@ def test_the_image_scale_at_infinity_is_the_focal_length() -> None:
     ("prescription", "distance_m", "words"),
     [
         (PLANAR.prescription, 0.03, "cannot focus at 0.03 m: the nearest that it reaches is 0.0384 m"),
-        (PLANAR.prescription, 0.001, "where surface 1 of the lens stands"),
+        (PLANAR.prescription, 0.001, "nearest .* 0.0384 m, 14.3 mm before surface 1: nearer than the front focal point"),
+        (FISHEYE.prescription, 0.001, "where surface 1 of the lens stands"),
         (replace(DISTAGON.prescription, focus_group=(13, 17)), 0.3, "nearest .* where surface 13 and surface 14 touch"),
         (
             replace(DISTAGON.prescription, focus_group=(10, 10)),

@@ -47,8 +47,14 @@ def choose_lens(name_or_file: str) -> LensChoice:
         NotFoundError: the library has no such lens; the message has the nearest names.
         InputError: the file cannot be read, or is no lens.
     """
-    is_file = Path(name_or_file).suffix.lower() in LENS_FILE_SUFFIXES or os.sep in name_or_file
-    return lens_of_prescription(read_lens_file(name_or_file)) if is_file else library_choice(name_or_file)
+    if is_lens_file(name_or_file):
+        return lens_of_prescription(read_lens_file(name_or_file))
+    return library_choice(name_or_file)
+
+
+def is_lens_file(name_or_file: str) -> bool:
+    """Whether a file is meant, and not a lens of the library."""
+    return Path(name_or_file).suffix.lower() in LENS_FILE_SUFFIXES or os.sep in name_or_file
 
 
 def library_entry(name: str) -> LibraryLens:

@@ -114,7 +114,7 @@ def test_a_thin_lens_is_without_fault_and_its_bokeh_is_the_circle_of_confusion()
     assert sheet is not None
     assert sheet.disc_mm == pytest.approx(50 / 2 * 50 / 2000)  # f²/(N·d), DESIGN section 2
     disc = sheet.places[0].light[..., 1]
-    area_mm2 = (disc > 0.5).sum() * (sheet.width_mm / len(disc)) ** 2
+    area_mm2 = (disc > 0.5).sum() * (sheet.places[0].width_mm / len(disc)) ** 2
     assert area_mm2 == pytest.approx(np.pi / 4 * sheet.disc_mm**2, rel=0.02)
     assert disc[disc > 0.5].mean() == pytest.approx(1, abs=0.02)
     for place in sheet.places:

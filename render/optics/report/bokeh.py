@@ -12,17 +12,18 @@ from render.optics.report.field import WAVELENGTHS_NM
 from render.optics.report.film_rays import FilmRays
 
 _PUPIL_SIDE = 192
-_SIDE_PX = 128
+_SIDE_PX = 160
 _SOFTENING_PX = 0.9  # hides the lattice of rays
 _ROOM = 1.12  # around the largest disc
-_ESSENTIAL = 0.997  # share of the light that a stamp has to show
+_MOST_DISCS = 3.0  # ideal ones side by side
+_ESSENTIAL = 0.995  # share of the light that a stamp has to show
 
 PLACES = (
     ("centre", 0.0, 0.0),
-    ("mid", 0.5, 0.0),
-    ("edge", 1.0, 0.0),
-    ("corner", -1.0, 1.0),
-    ("opposite corner", 1.0, -1.0),
+    ("half way right", 0.5, 0.0),
+    ("right edge", 1.0, 0.0),
+    ("top left corner", -1.0, 1.0),
+    ("bottom right corner", 1.0, -1.0),
 )
 """Where it is looked at: name, and place in half widths and half heights of the gate, right and up."""
 
@@ -34,14 +35,17 @@ class Bokeh:
     Attributes:
         name: of the place.
         place: in half widths and half heights of the gate, right and up from the middle.
-        light: ``(side, side, 3)`` of red, green and blue, row 0 at the top; 1 is the ideal disc in the middle of the frame.
+        light: ``(side, side, 3)`` of red, green and blue, row 0 at the top, its centre in the middle; 1 is the ideal disc in the
+            middle of the frame.
         share: of the light that the lens passes in the middle of the frame.
+        width_mm: of what the picture shows, on the film.
     """
 
     name: str
     place: tuple[float, float]
     light: DoubleArray
     share: float
+    width_mm: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +55,11 @@ class BokehSheet:
     Attributes:
         focus_distance_m: that the lens is focused at.
         disc_mm: diameter on the film of the disc that an ideal lens draws.
-        width_mm: of what each picture shows, on the film.
-        places: the pictures, at one scale.
+        places: the pictures; at one scale, but for those that do not fit.
     """
 
     focus_distance_m: float
     disc_mm: float
-    width_mm: float
     places: tuple[Bokeh, ...]
 
 
@@ -82,33 +84,36 @@ def bokeh_sheet(
     beams = [rays.many_beams(places, pupil, wavelength, 0.0) for wavelength in WAVELENGTHS_NM]
     light = np.array([np.where(beam.open, beam.light, 0.0) * weights for beam in beams]) * inside[:, None]
     off = np.array([np.where(np.isfinite(beam.landing_mm), beam.landing_mm, 0.0) for beam in beams])
-    off -= places[:, None, :]
-    width = _width_mm(off, light, disc_mm)
-    scale = 1 / (light[:, 0].sum(axis=1) / (np.pi / 4 * (disc_mm / width * _SIDE_PX) ** 2))
-    stamps = [
-        np.stack([_picture(off[c, i], light[c, i], width) * scale[c] for c in range(len(beams))], axis=-1)
-        for i in range(len(places))
-    ]
+    off -= _centres(off, light)[:, None, :]
+    widths = _widths_mm(off, light, disc_mm)
+    even = light[:, 0].sum(axis=1) / (np.pi / 4 * (disc_mm * _SIDE_PX) ** 2)
     share = light.sum(axis=(0, 2)) / light[:, 0].sum()
-    return BokehSheet(
-        focus_distance_m,
-        disc_mm,
-        width,
-        tuple(Bokeh(name, (x, y), stamps[i], float(share[i])) for i, (name, x, y) in enumerate(PLACES)),
-    )
+    stamps = []
+    for i, (name, x, y) in enumerate(PLACES):
+        colours = [_picture(off[c, i], light[c, i], widths[i]) / (even[c] * widths[i] ** 2) for c in range(len(beams))]
+        stamps.append(Bokeh(name, (x, y), np.stack(colours, axis=-1), float(share[i]), widths[i]))
+    return BokehSheet(focus_distance_m, disc_mm, tuple(stamps))
 
 
-def _width_mm(off: DoubleArray, light: DoubleArray, disc_mm: float) -> float:
-    """Width that shows nearly all light at each place, though no more than twice the ideal disc."""
-    reach = disc_mm / 8
+def _centres(landing_mm: DoubleArray, light: DoubleArray) -> DoubleArray:
+    """``(places, 2)`` centre of the light of all colours."""
+    total = light.sum(axis=(0, 2))
+    return np.asarray(np.einsum("cpr,cprx->px", light, landing_mm) / np.maximum(total, 1e-300)[:, None])
+
+
+def _widths_mm(off: DoubleArray, light: DoubleArray, disc_mm: float) -> list[float]:
+    """Width for each place that shows nearly all its light: the same for all, unless that is more than a few ideal discs."""
+    reaches = [disc_mm / 8] * light.shape[1]
     for i in range(light.shape[1]):
         farthest = np.abs(off[:, i]).max(axis=-1).ravel()
         shares = light[:, i].ravel()
         if shares.sum() > 0:
             order = np.argsort(farthest)
             grown = np.cumsum(shares[order])
-            reach = max(reach, float(farthest[order][np.searchsorted(grown, _ESSENTIAL * grown[-1])]))
-    return 2 * _ROOM * min(reach, disc_mm)
+            reaches[i] = max(reaches[i], float(farthest[order][np.searchsorted(grown, _ESSENTIAL * grown[-1])]))
+    most = _MOST_DISCS / 2 * disc_mm
+    usual = max((reach for reach in reaches if reach <= most), default=0.0)
+    return [2 * _ROOM * (usual if reach <= most else reach) for reach in reaches]
 
 
 def _picture(off_mm: DoubleArray, light: DoubleArray, width_mm: float) -> DoubleArray:

@@ -15,7 +15,7 @@ from render.optics.spectrum import THREE_LINES
 
 WAVELENGTHS_NM = THREE_LINES.wavelengths_nm
 _SPOT_RAYS = 500
-_LIGHT_RAYS = 1600
+_LIGHT_RAYS = 2400
 _NARROW = 0.02  # of the pupil: the beam whose two foci are looked for
 _DARK = 2e-3  # of the light on the axis
 
@@ -83,7 +83,7 @@ def spots(rays: FilmRays, heights_mm: DoubleArray, iris: IrisShape) -> tuple[Spo
     return tuple(found)
 
 
-def field_curves(rays: FilmRays, corner_mm: float, count: int = 29) -> FieldCurves:
+def field_curves(rays: FilmRays, corner_mm: float, count: int = 37) -> FieldCurves:
     """Curves over the image height at the d line.
 
     Args:
@@ -98,7 +98,7 @@ def field_curves(rays: FilmRays, corner_mm: float, count: int = 29) -> FieldCurv
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = -(narrow.landing_mm[:, 1:] - narrow.landing_mm[:, :1]) / (narrow.slopes[:, 1:] - narrow.slopes[:, :1])
         distortion = heights / rays.paraxial_height_mm(heights) - 1
-    distortion[0] = 0.0
+    distortion[0] = distortion[1]  # on the axis it is its limit
 
     def where_lit(values: DoubleArray) -> DoubleArray:
         return np.where(lit, values, np.nan)
@@ -109,7 +109,7 @@ def field_curves(rays: FilmRays, corner_mm: float, count: int = 29) -> FieldCurv
         where_lit(depth[:, 0, 0]),
         where_lit(distortion),
         np.where(heights <= rays.last_height_mm, illumination, 0.0),
-        np.where(heights <= rays.last_height_mm, geometric, np.nan),
+        where_lit(geometric),
         (1 + rays.seen(heights) ** 2) ** -2.0,
     )
 

@@ -45,6 +45,7 @@ class LensReport:
         camera: the lens, its f-number and focus, and the gate behind it.
         focused: its surfaces as they stand; None for a lens that has none.
         f_stop: as reached; 0 for a pinhole.
+        set_f_stop: as it was set.
         wide_open: f-number; 0 for a pinhole, or where any goes.
         nearest_m: distance from the entrance pupil that its glass and its mount reach, whatever is engraved on it; 0 for no
             limit, infinite for a fixed focus.
@@ -62,6 +63,7 @@ class LensReport:
     camera: Camera
     focused: FocusedLens | None
     f_stop: float
+    set_f_stop: float
     wide_open: float
     nearest_m: float
     field_of_view_deg: tuple[float, float, float]
@@ -75,6 +77,11 @@ class LensReport:
     notes: tuple[str, ...]
 
     @property
+    def is_at_infinity(self) -> bool:
+        """Whether infinity is in focus."""
+        return not focus_w(self.camera)
+
+    @property
     def corner_mm(self) -> float:
         """Image height of the gate's corner."""
         return corner_mm(self.camera)
@@ -85,13 +92,15 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
 
     Args:
         camera: with its lens, f-number, focus and gate. The factors on a lens's errors are left at 1: it is shown as it is made.
-        wide_open: f-number of a lens whose surfaces do not say it.
+        wide_open: f-number of a lens that has no surfaces to say it; 0 where it opens as far as anybody likes.
 
     Raises:
         InputError: the lens is none.
         SettingsError: it does not reach the focus distance.
     """
-    lens = mounted(camera) if has_surfaces(camera) else None
+    lens, set_f_stop = mounted(camera) if has_surfaces(camera) else None, camera.f_stop
+    if lens is None and camera.f_stop:
+        camera = replace(camera, f_stop=max(camera.f_stop, wide_open))
     rays, corner = film_rays(camera), corner_mm(camera)
     f_stop = lens.f_stop if lens else camera.f_stop
     circle = image_circle_mm(rays, _FARTHEST * corner) if lens else float("inf")
@@ -101,6 +110,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         camera=camera,
         focused=lens,
         f_stop=f_stop,
+        set_f_stop=set_f_stop,
         wide_open=lens.prescription.f_stop if lens else wide_open,
         nearest_m=_nearest_m(camera),
         field_of_view_deg=(float(view[0]), float(view[1]), float(view[2])),
@@ -181,6 +191,8 @@ def _notes(camera: Camera, lens: FocusedLens | None) -> tuple[str, ...]:
             f"Focused {distance_from_film_m(camera):.3g} m before the film, nearer than the {camera.lens.close_focus_m:g} m"
             " that are marked on it: as if on an extension tube.",
         )
+    if lens is None and camera.f_stop and focus_w(camera) > 1000 / camera.focal_length_mm:
+        notes += ("Focused nearer than its focal length: no real lens makes an image of that, but this one does.",)
     if camera.lens.model == "heightField":
         notes += ("Its height field is left out here: the numbers and drawings are of the surfaces without it.",)
     if camera.lens.squeeze != 1:

@@ -33,6 +33,7 @@ class Barrel:
         stop_diameter: at the f-number.
         petzval_radius: of the surface that the image would lie on without astigmatism; infinite where it is flat.
         surfaces: how many.
+        focus_group: first and last index of the surfaces that move to focus; None where the whole lens does.
     """
 
     length: float
@@ -47,6 +48,7 @@ class Barrel:
     stop_diameter: float
     petzval_radius: float
     surfaces: int
+    focus_group: tuple[int, int] | None
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,7 @@ def barrel(lens: FocusedLens) -> Barrel:
         stop_diameter=2 * lens.stop_radius_mm,
         petzval_radius=-1 / first.petzval_sum if first.petzval_sum else float("inf"),
         surfaces=sum(not surface.is_stop or surface.radius_mm != 0 for surface in lens.prescription.surfaces),
+        focus_group=lens.prescription.focus_group,
     )
 
 

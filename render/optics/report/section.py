@@ -16,6 +16,7 @@ from render.optics.mounting import has_surfaces, mounted
 from render.optics.report.aiming import through
 from render.optics.report.field import image_circle_mm, radial
 from render.optics.report.glass_rays import GlassRays
+from render.optics.report.lens_report import film_rays
 from render.optics.surface_shape import sag_mm
 from render.optics.thin_lens import focus_w
 from render.optics.tracing import PASSES
@@ -24,7 +25,7 @@ from render.scene import Camera
 BEAM_FIELDS = (0.0, 0.7, 1.0)
 """Image heights of the beams, over that of the gate's corner, or of the last light where that ends before."""
 _FAN = np.linspace(-1.0, 1.0, 9)
-_PROFILE = np.linspace(-1.0, 1.0, 65)
+_PROFILE = 65  # points from the axis to the rim
 _LEAD = 0.3  # of the distance from front vertex to film: where rays begin before the lens
 _LAST_LIGHT = 0.97
 
@@ -110,17 +111,31 @@ def _of_glass(camera: Camera, corner: float) -> LensSection:
 
 
 def _outline(lens: FocusedLens, i: int) -> DoubleArray:
-    """The element behind surface i: both profiles, joined along the wider one's rim."""
-    front, rear = (_profile(lens.prescription.surfaces[k], float(lens.vertices_mm[k])) for k in (i, i + 1))
-    rim = max(front[-1, 1], rear[-1, 1])
-    top = np.array([[front[-1, 0], rim], [rear[-1, 0], rim]])
-    return np.concatenate([front, top, rear[::-1], top[::-1] * [1, -1]])
+    """The element behind surface i: both surfaces out to the wider one's rim.
+
+    Beyond its own clear diameter a surface goes on flat, as elements are turned; where that would leave no glass it goes on
+    curved, and where that leaves none either the element ends.
+    """
+    front, rear = lens.prescription.surfaces[i : i + 2]
+    thickness = lens.prescription.surfaces[i].thickness_mm
+    y = np.linspace(0.0, max(front.semi_diameter_mm, rear.semi_diameter_mm), _PROFILE)
+    for curved in (False, True):
+        z_front, z_rear = _profile(front, y, curved), thickness + _profile(rear, y, curved)
+        no_glass = ~(z_rear >= z_front)
+        if not no_glass.any():
+            break
+    end = max(int(np.argmax(no_glass)), 2) if no_glass.any() else len(y)
+    z, up = float(lens.vertices_mm[i]) + np.stack([z_front, z_rear])[:, :end], y[:end]
+    upward, downward = (
+        np.stack([np.concatenate([side[::-1], side]), np.concatenate([-up[::-1], up])], axis=1) for side in z
+    )
+    return np.concatenate([upward, downward[::-1]])
 
 
-def _profile(surface: Surface, vertex_mm: float) -> DoubleArray:
-    """``(m, 2)`` z and y of a surface within its clear diameter, upward."""
-    y = _PROFILE * surface.semi_diameter_mm
-    return np.stack([vertex_mm + sag_mm(surface, y**2), y], axis=1)
+def _profile(surface: Surface, y_mm: DoubleArray, curved: bool) -> DoubleArray:
+    """``(m,)`` sag at heights, beyond the clear diameter as at its rim or curved on; NaN where it ends."""
+    reach = y_mm if curved else np.minimum(y_mm, surface.semi_diameter_mm)
+    return sag_mm(surface, reach**2)
 
 
 def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Camera) -> list[tuple[SectionRay, ...]]:
@@ -145,13 +160,18 @@ def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Came
 
 
 def _of_ideal(camera: Camera, corner: float) -> LensSection:
-    """Straight to the pupil, and straight to the image."""
+    """Straight to the pupil, and straight to the image, which errors of a kind move."""
     focal, radius = camera.focal_length_mm, camera.focal_length_mm / (2 * camera.f_stop) if camera.f_stop else 0.0
+    rays, heights = film_rays(camera), np.array(BEAM_FIELDS) * corner
+    fan = _FAN if radius else np.zeros(1)
+    landing = rays.beams(radial(heights), np.stack([0 * fan, fan], axis=1), D_LINE_NM).landing_mm[..., 1]
     beams = []
-    for height in np.array(BEAM_FIELDS) * corner:
-        slope, rays = height / focal, []
-        for y in _FAN * radius if radius else np.zeros(1):
-            before = y + _LEAD * focal * (slope - y * focus_w(camera) / 1000)
-            rays.append(SectionRay(np.array([[-_LEAD * focal, before], [0.0, y], [focal, -height]]), False))
-        beams.append(SectionBeam(float(height), float(np.degrees(np.arctan(slope))), tuple(rays)))
+    for height, slope, ends in zip(heights, rays.seen(heights), landing, strict=True):
+        y = radius * fan
+        before = y + _LEAD * focal * (slope - y * focus_w(camera) / 1000)
+        drawn = (
+            np.array([[-_LEAD * focal, b], [0.0, m], [focal, -e]]) for b, m, e in zip(before, y, ends, strict=True)
+        )
+        angle = float(np.degrees(np.arctan(slope)))
+        beams.append(SectionBeam(float(height), angle, tuple(SectionRay(points, False) for points in drawn)))
     return LensSection((), (0.0, radius), (focal, corner), tuple(beams), max(radius, 0.3 * corner))

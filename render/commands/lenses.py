@@ -1,0 +1,142 @@
+"""`pullfocus lenses`: the lens library, and all that can be said and drawn of one lens."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from render.commands.lens_numbers import as_json, as_table
+from render.commands.report import print_json, say
+from render.errors import NotFoundError, OutputError, SettingsError
+from render.optics.report import lens_report
+from render.output import write_atomic
+from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
+from usd_schemas import library_lenses
+
+SHEET_SUFFIXES = (".png", ".svg")
+_PIPED_WIDTH = 240
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("lenses", help="the lens library; `lenses show NAME` has all about one, drawn too")
+    parser.set_defaults(run=run_list)
+    parser.add_argument("--json", action="store_true", help="print it for programs")
+    actions = parser.add_subparsers(title="actions", metavar="ACTION")
+    show = actions.add_parser("show", help="numbers of a lens, and with --out a sheet that draws it")
+    show.set_defaults(run=run_show)
+    show.add_argument(
+        "lens", metavar="NAME|FILE", help="of the library, or a .dat, .zmx, .seq or Optical Bench .txt file"
+    )
+    show.add_argument(
+        "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
+    )
+    show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
+    show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
+    show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
+    show.add_argument("--json", action="store_true", help="print it for programs")
+
+
+def run_list(arguments: argparse.Namespace) -> None:
+    """Print the library.
+
+    Args:
+        arguments: as `add_parser` declares them.
+    """
+    entries = library_lenses()
+    if arguments.json:
+        lenses = [
+            {
+                "name": entry.name,
+                "title": entry.lens.name,
+                "model": entry.lens.model,
+                "focalLengthMm": entry.focal_length_mm,
+                "fStop": entry.f_stop,
+                "description": entry.description,
+            }
+            for entry in entries
+        ]
+        print_json({"lenses": lenses})
+        return
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for title in ("name", "model"):
+        table.add_column(title, no_wrap=True)
+    for title in ("mm", "wide open"):
+        table.add_column(title, no_wrap=True, justify="right")
+    table.add_column("what it is")
+    for entry in entries:
+        widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
+        table.add_row(entry.name, entry.lens.model, f"{entry.focal_length_mm:g}", widest, entry.description)
+    _console().print(table)
+
+
+def run_show(arguments: argparse.Namespace) -> None:
+    """Measure a lens, print what was found and draw it where that is asked for.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the library has no such lens, or a setting is out of range.
+        InputError: the file is no lens.
+        OutputError: the sheet cannot be written.
+    """
+    lens = _asked(arguments.lens)
+    target = None if arguments.out is None else _sheet_path(arguments.out, lens.name)
+    report = lens_report(lens.set_to(arguments.f_stop, arguments.focus, _gate(arguments.gate)), lens.f_stop)
+    if arguments.json:
+        print_json(as_json(lens, report))
+    else:
+        _console().print(as_table(lens, report))
+    if target is not None:
+        from render.drawing import lens_sheet  # matplotlib takes a second to load
+
+        write_atomic(target, lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
+        say(f"drawn: {target}")
+
+
+def _asked(name_or_file: str) -> LensAlone:
+    try:
+        return lens_alone(name_or_file)
+    except NotFoundError as error:
+        raise SettingsError(error.detail, code=error.code, path=error.path) from error
+
+
+def _sheet_path(out: Path, name: str) -> Path:
+    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none."""
+    if out.suffix.lower() in SHEET_SUFFIXES and not out.is_dir():
+        return out
+    if out.suffix and not out.is_dir():
+        raise SettingsError(f"--out takes a folder, or a file that ends in .png or .svg, got {out}")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}", path=str(out)) from error
+    return out / f"{name}.png"
+
+
+def _gate(typed: str | None) -> tuple[float, float]:
+    if typed is None:
+        return FULL_FRAME_MM
+    try:
+        width, height = (float(number) for number in re.split("[x×]", typed.lower()))
+    except ValueError:
+        raise SettingsError(f"--gate takes width x height in mm, such as 24.89x18.66, got {typed}") from None
+    return width, height
+
+
+def _console() -> Console:
+    """On standard output; where that is no terminal, nothing is wrapped."""
+    console = Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
+    return (
+        console
+        if console.is_terminal
+        else Console(file=sys.stdout, highlight=False, markup=False, emoji=False, width=_PIPED_WIDTH)
+    )

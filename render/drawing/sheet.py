@@ -1,0 +1,109 @@
+"""All about one lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from render.drawing.curves import draw_distortion, draw_field_curvature, draw_illumination
+from render.drawing.page import FAINT, INK, SMALL, file_of, say_instead, style
+from render.drawing.section import draw_section
+from render.drawing.stamps import draw_bokeh, draw_spots, say_no_bokeh
+from render.optics.report import LensReport, data_sheet
+from render.optics.report.data_sheet import metres
+from render.shot.lens_alone import LensAlone
+
+_INCHES = (16.0, 11.2)
+_LINE = 0.0143  # of the sheet's height, from one line of text to the next
+_CHARACTERS = 63
+_NAMES_LEFT, _VALUES_LEFT, _NUMBERS_TOP = 0.675, 0.748, 0.905
+_SECTION = (0.045, 0.518, 0.605, 0.36)
+_STAMPS_LOW, _STAMPS_TITLE, _STAMP_INCHES, _STAMP_STEP = 0.302, 0.444, 1.33, 0.0905
+_SPOTS_LEFT, _BOKEH_LEFT = 0.045, 0.53
+_CURVES = ((0.045, draw_field_curvature), (0.375, draw_distortion), (0.705, draw_illumination))
+_CURVES_LOW, _CURVE_SIZE = 0.085, (0.28, 0.165)
+
+
+def lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
+    """Draw a lens.
+
+    Args:
+        lens: which one.
+        report: of it, as it is set.
+        suffix: ``png`` or ``svg``.
+
+    Returns:
+        The file.
+    """
+    with style():
+        figure = Figure(figsize=_INCHES, facecolor="white")
+        _write_head(figure, lens, report)
+        _write_numbers(figure, report)
+        figure.text(_SECTION[0], _SECTION[1] + _SECTION[3] + 0.034, "Section", weight="bold", va="bottom", color=INK)
+        draw_section(figure.add_axes(_SECTION), report)
+        _draw_stamps(figure, report)
+        for left, draw in _CURVES:
+            draw(figure.add_axes((left, _CURVES_LOW, *_CURVE_SIZE)), report)
+        return file_of(figure, suffix)
+
+
+def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:
+    camera = report.camera
+    stop = f"f/{report.f_stop:.3g}, " if report.f_stop else ""
+    gate = f"{camera.horizontal_aperture_mm:g} × {camera.vertical_aperture_mm:g} mm"
+    setting = f"{camera.focal_length_mm:.4g} mm, {stop}focused at {metres(camera.focus_distance_m)}, gate {gate}"
+    figure.text(_SECTION[0], 0.965, lens.title, fontsize=15, weight="bold", va="center", color=INK)
+    figure.text(_SECTION[0], 0.938, setting, fontsize=10, va="center", color=INK)
+    figure.text(0.985, 0.965, "Pullfocus", fontsize=9, va="center", ha="right", color=FAINT)
+    if lens.description:
+        figure.text(
+            0.985, 0.938, lens.description, fontsize=SMALL, va="center", ha="right", color=FAINT, style="italic"
+        )
+
+
+def _write_numbers(figure: Figure, report: LensReport) -> None:
+    y = _NUMBERS_TOP
+    notes = [("note", note) for note in report.notes]
+    for group in (*data_sheet(report), notes):
+        for name, value in group:
+            figure.text(_NAMES_LEFT, y, name, fontsize=SMALL, va="top", color=FAINT)
+            lines = textwrap.wrap(value, _CHARACTERS)
+            figure.text(_VALUES_LEFT, y, "\n".join(lines), fontsize=SMALL, va="top", color=INK, linespacing=1.25)
+            y -= _LINE * len(lines)
+        y -= _LINE / 2
+
+
+def _draw_stamps(figure: Figure, report: LensReport) -> None:
+    focus = metres(report.camera.focus_distance_m)
+    words = f"of a point in focus at {focus}, by image height; up is outward, circle: diffraction's disc"
+    _title(figure, _SPOTS_LEFT, "Spots", words if report.f_stop else "")
+    if report.f_stop:
+        draw_spots(_row(figure, _SPOTS_LEFT, len(report.spots)), report)
+    else:
+        say_instead(_wide(figure, _SPOTS_LEFT), "A pinhole has no errors, and its diffraction is left out.")
+    if report.bokeh is None:
+        _title(figure, _BOKEH_LEFT, "Bokeh", "")
+        say_no_bokeh(_wide(figure, _BOKEH_LEFT), report)
+        return
+    near = metres(report.bokeh.focus_distance_m)
+    words = (
+        f"of a point at infinity, focused at {near}; light against the centre's, width shown, each exposed for itself"
+    )
+    _title(figure, _BOKEH_LEFT, "Bokeh", words)
+    draw_bokeh(_row(figure, _BOKEH_LEFT, len(report.bokeh.places)), report)
+
+
+def _title(figure: Figure, left: float, title: str, words: str) -> None:
+    figure.text(left, _STAMPS_TITLE, title, weight="bold", va="bottom", color=INK)
+    figure.text(left + 0.042, _STAMPS_TITLE, words, fontsize=SMALL, va="bottom", color=INK)
+
+
+def _row(figure: Figure, left: float, count: int) -> list[Axes]:
+    size = (_STAMP_INCHES / _INCHES[0], _STAMP_INCHES / _INCHES[1])
+    return [figure.add_axes((left + i * _STAMP_STEP, _STAMPS_LOW, *size)) for i in range(count)]
+
+
+def _wide(figure: Figure, left: float) -> Axes:
+    return figure.add_axes((left, _STAMPS_LOW, 5 * _STAMP_STEP, _STAMP_INCHES / _INCHES[1]))

@@ -16,8 +16,8 @@ def report(bench: LensBench) -> str:
 
 def _head(bench: LensBench) -> Iterator[str]:
     yield f"{bench.device}; {bench.width}x{bench.height}, {bench.rays} rays, layers supersampled by {bench.supersample}"
-    yield "Milliseconds, medians of several runs where they are quick. Above: the wall's clock. Below, in brackets: the processor's, of"
-    yield "all threads, which other work on the machine hardly touches. The reference: the accumulation buffer with the same rays."
+    yield "Milliseconds, medians of several runs where they are quick: by the wall's clock, and in brackets by the processor's,"
+    yield "of all threads, which other work hardly touches. The reference is the accumulation buffer with the same rays."
 
 
 def _scenes(bench: LensBench) -> Iterator[str]:

@@ -7,19 +7,18 @@ import json
 import subprocess
 import sys
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import pytest
+from cli_shots import Command
 
 from render.bench.clock import Repeats, Spent, median_spent
 from render.bench.goals import judged
-from render.bench.lens import measure, run
+from render.bench.lens import measure
 from render.bench.lenses import ABBE, bench_lenses
 from render.bench.plan import PICTURE, SWEPT, Plan, add_arguments, asked_plan, quick_plan
 from render.bench.results import Goal, LayersRow, LensBench, ReferenceTimes, SceneRow, SurfacesRow, Sweeps, Times
 from render.bench.text import report
-from render.errors import OutputError, SettingsError
 from render.optics.completion import completed
 from render.optics.paraxial import first_order
 from render.reference.bench_scenes import SCENES
@@ -180,17 +179,41 @@ def test_arguments_change_the_plan() -> None:
 
 
 @pytest.mark.parametrize(
-    ("typed", "said"),
-    [(("--rays", "0"), "rays must be from 1 to"), (("--supersample", "9"), "supersample must be from 1 to 4, got 9")],
+    ("typed", "status", "said"),
+    [
+        (("lens", "--rays", "0"), 2, "rays must be from 1 to"),
+        (("lens", "--supersample", "9"), 2, "supersample must be from 1 to 4, got 9"),
+        (("lens", "--scene", "atlantis"), 2, "'atlantis' (choose from"),
+        (
+            ("lens", "--json", "no such folder/bench.json"),
+            1,
+            "there is no folder no such folder to write bench.json in",
+        ),
+        (("lens", "--rays"), 2, "--rays"),
+        ((), 2, "BENCH"),
+        (("coffee",), 2, "coffee"),
+    ],
 )
-def test_settings_out_of_range_are_named(typed: tuple[str, ...], said: str) -> None:
-    with pytest.raises(SettingsError, match=said):
-        run(_arguments(*typed))
+def test_bad_arguments_are_told_in_one_sentence(
+    typed: tuple[str, ...], status: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ended = Command(capsys)("bench", *typed)
+    assert ended.status == status
+    assert said in ended.err.splitlines()[-1]
+    assert len(ended.err.splitlines()) == 1
+    assert ended.out == ""
 
 
-def test_folder_that_is_not_there_is_told_before_anything_is_measured(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"there is no folder .*nowhere"):
-        run(_arguments("--json", str(tmp_path / "nowhere" / "bench.json")))
+@pytest.mark.gl
+def test_json_takes_the_place_of_the_tables(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("render.bench.lens.SCENES", {"posts": posts_before_wall})
+    ended = Command(capsys)("bench", "lens", "--quick", "--rays", "4", "--json", "-")
+    assert ended.status == 0
+    table = json.loads(ended.out)
+    assert [scene["name"] for scene in table["scenes"]] == ["posts"]
+    assert (table["rays"], table["width"]) == (4, quick_plan().picture.width)
 
 
 def test_bench_needs_numpy_pyrender_and_moderngl_alone() -> None:

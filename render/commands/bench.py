@@ -1,0 +1,35 @@
+"""`pullfocus bench`: what the engines cost and how near they come to the truth, measured here and now."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from render.bench.plan import add_arguments
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("bench", help="measure the engines on this machine against their references")
+    benches = parser.add_subparsers(title="benches", metavar="BENCH", required=True)
+    lens = benches.add_parser(
+        "lens", help="the lens engine: three scenes, and sweeps over rays, layers, aperture, surfaces"
+    )
+    lens.set_defaults(run=run_lens)
+    add_arguments(lens)
+
+
+def run_lens(arguments: argparse.Namespace) -> None:
+    """Measure the lens engine, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: a setting is out of range.
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.lens import run  # brings OpenGL with it
+
+    run(arguments)

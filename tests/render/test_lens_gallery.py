@@ -12,7 +12,7 @@ import pytest
 from tests.bench.lens_gallery.__main__ import chosen_sections, main
 from usd_schemas import lens_names
 
-FEW = ("shot-planar_50", "model-height-field", "model-pinhole", "coma-strong", "iris-mask", "breathing-on-near")
+FEW = ("shot-planar_50", "model-pinhole", "coma-strong", "iris-mask")
 
 
 def test_every_lens_of_the_library_has_its_pictures() -> None:

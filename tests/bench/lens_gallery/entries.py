@@ -53,7 +53,7 @@ FACE = View("Mara from afar", 64, pitch_deg=5.2, yaw_deg=-6.0, focus_m=7.9)
 _UNDER_THE_LIGHTS = View("under the lights", 64, move_m=(0.2, 0.0, -4.0), pitch_deg=12.0, yaw_deg=-3.0, stops=-1.5)
 BLURRED_LIGHTS = replace(_UNDER_THE_LIGHTS, name="under the lights, focused before them", focus_m=1.0, finer=2)
 SHARP_LIGHTS = replace(_UNDER_THE_LIGHTS, name="under the lights, focused on them", focus_m=9.0)
-MARA = replace(_UNDER_THE_LIGHTS, name="under the lights, focused on Mara", focus_m=3.7)
+FAR_LIGHTS = View("the far lights", 64, pitch_deg=8.2, yaw_deg=2.0, focus_m=4.0, stops=-1.5, finer=2)
 
 
 def as_it_is(camera: Camera) -> Camera:

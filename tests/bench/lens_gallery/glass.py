@@ -74,9 +74,9 @@ def _shape() -> Section:
             ),
             gauss("own", "Its own", "As Tronnier drew it."),
             gauss("spherical", "Spherical × 5", "A glow about each light, the same over the frame.", spherical=5.0),
-            gauss("coma", "Coma × 5", "Comets in the corners.", coma=5.0),
-            gauss("astigmatism", "Astigmatism × 5", "Dashes in the corners.", astigmatism=5.0),
-            gauss("field-curvature", "Field curvature × 5", "Soft corners.", field_curvature=5.0),
+            gauss("coma", "Coma × 12", "Comets in the corners.", coma=12.0),
+            gauss("astigmatism", "Astigmatism × 12", "Dashes in the corners.", astigmatism=12.0),
+            gauss("field-curvature", "Field curvature × 12", "Soft corners.", field_curvature=12.0),
             gauss("distortion", "Distortion × 5", "Lines bend.", distortion=5.0),
         ),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from render.scene import Camera
-from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, FACE, MARA, STREET, Entry, Section
+from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, FACE, FAR_LIGHTS, STREET, Entry, Section
 from usd_schemas import LibraryLens, library_lenses
 
 LONG_MM = 200.0
@@ -24,7 +24,7 @@ def library_sections() -> tuple[Section, ...]:
         ),
         Section(
             "The library's bokeh",
-            "The same lenses under the string lights, focused one metre away (the longest on the robot), so that each bulb "
+            "The same lenses under the string lights, focused before them, so that each bulb "
             "draws the pupil as seen from its place: round in the middle, cut to cat's eyes or bent to comets in the corners.",
             tuple(_on_the_lights(lens) for lens in lenses),
         ),
@@ -37,7 +37,7 @@ def _on_the_shot(lens: LibraryLens) -> Entry:
 
 
 def _on_the_lights(lens: LibraryLens) -> Entry:
-    view = MARA if lens.focal_length_mm >= LONG_MM else BLURRED_LIGHTS
+    view = FAR_LIGHTS if lens.focal_length_mm >= LONG_MM else BLURRED_LIGHTS
     return _wide_open(lens, Entry(f"lights-{lens.name}", lens.lens.name, lens.description, view, detail=(0.12, 0.14)))
 
 

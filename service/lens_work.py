@@ -71,3 +71,16 @@ class ReadLibraryLens:
         from service.reading_lenses import read_lens
 
         return read_lens(self.name)
+
+
+@dataclass(frozen=True)
+class DrawLibraryLens:
+    """A small picture of one lens of the library: SVG."""
+
+    name: str
+
+    def run(self, opened: OpenedShots) -> bytes:
+        """Raises `NotFoundError`."""
+        from service.reading_lenses import draw_lens
+
+        return draw_lens(self.name)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from render.lens import Surface
+from render.shot.lens_alone import library_lens_alone
 from render.shot.lens_choice import library_entry
 from render.stage.lenses import lens_of
 from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface
@@ -30,6 +33,18 @@ def read_lens(name: str) -> Lens:
         errors=LensErrors.model_validate(entry.lens.seidel) if entry.lens.model == "seidel" else None,
         iris=_iris(entry),
     )
+
+
+@lru_cache(maxsize=64)
+def draw_lens(name: str) -> bytes:
+    """The section of a lens of the library, wide open and focused at infinity: SVG.
+
+    Raises:
+        NotFoundError: there is none of that name.
+    """
+    from render.drawing import section_svg  # matplotlib takes a second to load
+
+    return section_svg(library_lens_alone(name).camera)
 
 
 def _summary(entry: LibraryLens) -> LensSummary:

@@ -17,6 +17,7 @@ from render.errors import OutputError, SettingsError
 from render.film import Grade
 from render.frame_settings import FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
+from render.optics.spectrum import MAX_WAVELENGTHS
 from render.output import format_of, write_frame
 from render.shot import Shot, make_picture
 from render.shot.size import picture_height
@@ -73,6 +74,14 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
     group.add_argument(
         "--supersample", type=int, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
+    )
+    group.add_argument(
+        "--wavelengths",
+        type=int,
+        default=3,
+        metavar="N",
+        help=f"of light, from 1 to {MAX_WAVELENGTHS}, for lenses with colour errors: 3 is one for each channel,"
+        " more a smoother spectrum, 1 leaves colour errors out",
     )
     group.add_argument("--shading", default="lit", metavar="NAME", help="lit, or unlit for the base colour as radiance")
     group.add_argument(
@@ -183,6 +192,7 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         rays=arguments.rays,
         layers=arguments.layers,
         supersample=arguments.supersample,
+        wavelengths=arguments.wavelengths,
         shading=arguments.shading,
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),

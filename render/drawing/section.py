@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,15 +17,36 @@ from render.optics.report import LensReport
 from render.optics.report.section import LensSection, lens_section
 from render.scene import Camera
 
-_GLASS, _DENSE_GLASS = np.array(to_rgb("#e3eef8")), np.array(to_rgb("#a9c6e0"))
 _LOW_INDEX, _HIGH_INDEX = 1.45, 1.9
 _ROOM = 0.04  # of the length, on both sides
 _HEADROOM = 1.22  # over the highest of glass and film
 _SMALL_INCHES = (3.6, 1.5)
-_PAPER = "#f4f4f2"
 _ABOVE = 0.027  # of the sheet: rows of names
 _ROWS = 3
 _LETTER_WIDTH = 0.6  # of its height
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Colours of a section.
+
+    Attributes:
+        paper: behind it.
+        ink: of outlines, stop and film.
+        glass: of glass of low index.
+        dense_glass: of glass of high index.
+        beams: of the rays.
+    """
+
+    paper: str
+    ink: str
+    glass: str
+    dense_glass: str
+    beams: tuple[str, str, str]
+
+
+_ON_WHITE = Palette("white", INK, "#e3eef8", "#a9c6e0", BEAMS)
+_ON_DARK = Palette("#2b2b2b", "#d8d8d8", "#35495c", "#4d7192", ("#74b0f4", "#6cc98c", "#f4907a"))
 
 
 def draw_section(axes: Axes, report: LensReport) -> None:
@@ -35,7 +57,7 @@ def draw_section(axes: Axes, report: LensReport) -> None:
         report: of the lens.
     """
     section = lens_section(report.camera)
-    _draw(axes, section, width=0.7)
+    _draw(axes, section, _ON_WHITE, width=0.7)
     _label_beams(axes, section)
     if report.focused is not None:
         _mark_points(axes, report.focused)
@@ -50,7 +72,7 @@ def draw_section(axes: Axes, report: LensReport) -> None:
 
 
 def section_svg(camera: Camera) -> bytes:
-    """A small picture of a camera's lens without words, for a page: SVG.
+    """A small picture of a camera's lens without words, for a dark page: SVG.
 
     Raises:
         InputError: the lens is none.
@@ -58,14 +80,14 @@ def section_svg(camera: Camera) -> bytes:
     """
     section = lens_section(camera)
     with style():
-        figure = Figure(figsize=_SMALL_INCHES, facecolor=_PAPER)
+        figure = Figure(figsize=_SMALL_INCHES, facecolor=_ON_DARK.paper)
         axes = figure.add_axes((0, 0, 1, 1))
-        _draw(axes, section, width=0.5)
+        _draw(axes, section, _ON_DARK, width=0.5)
         axes.set_axis_off()
         return file_of(figure, "svg")
 
 
-def _draw(axes: Axes, section: LensSection, width: float) -> None:
+def _draw(axes: Axes, section: LensSection, colours: Palette, width: float) -> None:
     lead = min(float(ray.points_mm[0, 0]) for beam in section.beams for ray in beam.rays)
     film, lit = section.film_mm
     room = _ROOM * (film - lead)
@@ -74,35 +96,37 @@ def _draw(axes: Axes, section: LensSection, width: float) -> None:
     axes.set_xlim(lead, film + room)
     axes.set_ylim(-tall, tall)
     axes.axhline(0, color=FAINT, linewidth=0.5, dashes=(12, 3, 2, 3))
+    edge_width = 0.8 * width + 0.2
     for outline, index in section.glasses:
-        axes.add_patch(Polygon(outline, facecolor=_tint(index), edgecolor=INK, linewidth=0.8 * width + 0.2, zorder=2))
-    for beam, colour in zip(section.beams, BEAMS, strict=True):
+        tint = _tint(index, colours)
+        axes.add_patch(Polygon(outline, facecolor=tint, edgecolor=colours.ink, linewidth=edge_width, zorder=2))
+    for beam, colour in zip(section.beams, colours.beams, strict=True):
         for ray in beam.rays:
             faint = 0.35 if ray.blocked else 0.9
             axes.plot(*ray.points_mm.T, color=colour, linewidth=width, alpha=faint, zorder=3, solid_joinstyle="round")
             if ray.blocked:
                 axes.plot(*ray.points_mm[-1], "x", color=colour, markersize=4 * width, markeredgewidth=width, zorder=4)
     if not section.glasses:
-        _draw_thin_lens(axes, section, width)
-    _draw_stop(axes, section, tall, width)
-    axes.plot([film, film], [-lit, lit], color=INK, linewidth=2.5 * width, solid_capstyle="butt", zorder=4)
+        _draw_thin_lens(axes, section, colours.ink, width)
+    _draw_stop(axes, section, colours.ink, tall, width)
+    axes.plot([film, film], [-lit, lit], color=colours.ink, linewidth=2.5 * width, solid_capstyle="butt", zorder=4)
 
 
-def _tint(index: float) -> tuple[float, float, float]:
+def _tint(index: float, colours: Palette) -> tuple[float, float, float]:
     """Denser glass is darker."""
     share = np.clip((index - _LOW_INDEX) / (_HIGH_INDEX - _LOW_INDEX), 0, 1)
-    red, green, blue = (1 - share) * _GLASS + share * _DENSE_GLASS
+    red, green, blue = (1 - share) * np.array(to_rgb(colours.glass)) + share * np.array(to_rgb(colours.dense_glass))
     return float(red), float(green), float(blue)
 
 
-def _draw_thin_lens(axes: Axes, section: LensSection, width: float) -> None:
+def _draw_thin_lens(axes: Axes, section: LensSection, ink: str, width: float) -> None:
     z, radius = section.stop_mm
     if radius:
-        ends = {"arrowstyle": "<->", "color": INK, "linewidth": 2 * width, "shrinkA": 0, "shrinkB": 0}
+        ends = {"arrowstyle": "<->", "color": ink, "linewidth": 2 * width, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", (z, radius * 1.04), (z, -radius * 1.04), arrowprops=ends, zorder=4)
 
 
-def _draw_stop(axes: Axes, section: LensSection, tall: float, width: float) -> None:
+def _draw_stop(axes: Axes, section: LensSection, ink: str, tall: float, width: float) -> None:
     """Two bars that leave the opening, with feet along the axis as drawings have them."""
     z, radius = section.stop_mm
     if not section.glasses and radius:
@@ -111,9 +135,9 @@ def _draw_stop(axes: Axes, section: LensSection, tall: float, width: float) -> N
     foot = 0.012 * (section.film_mm[0] - z)
     for sign in (-1, 1):
         axes.plot(
-            [z, z], [sign * radius, sign * outer], color=INK, linewidth=3 * width, solid_capstyle="butt", zorder=5
+            [z, z], [sign * radius, sign * outer], color=ink, linewidth=3 * width, solid_capstyle="butt", zorder=5
         )
-        axes.plot([z - foot, z + foot], [sign * radius] * 2, color=INK, linewidth=1.5 * width, zorder=5)
+        axes.plot([z - foot, z + foot], [sign * radius] * 2, color=ink, linewidth=1.5 * width, zorder=5)
 
 
 def _label_beams(axes: Axes, section: LensSection) -> None:

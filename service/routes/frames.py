@@ -42,6 +42,14 @@ class FrameQuery(Model):
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
     supersample: int = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
+    wavelengths: int = Field(
+        default=3,
+        ge=1,
+        le=64,
+        description="Of light, traced through a lens that has colour errors: 3 is one for each channel, more a smoother "
+        "spectrum, 1 leaves colour errors out.",
+        examples=[3],
+    )
     shading: Literal["lit", "unlit"] = Field(
         default="lit", description="`unlit`: base colour as radiance.", examples=["lit"]
     )

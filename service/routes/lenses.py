@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, File, Path, UploadFile
+from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from service.hub import HubDep
-from service.lens_work import ListLenses, MountLensFile, ReadLibraryLens
+from service.lens_work import DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
 from service.routes.parameters import CameraQuery, ShotId, problems
 from service.upload import lens_file_name
 
 router = APIRouter(tags=["lenses"])
+
+SVG = "image/svg+xml"
+SECTION_KEPT_S = 3600
 
 LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
 
@@ -28,6 +31,19 @@ async def list_lenses(hub: HubDep) -> LensList:
 async def get_lens(hub: HubDep, name: LensName) -> Lens:
     """A lens of the library, and what it is made of."""
     return await hub.ask_stage(ReadLibraryLens(name))
+
+
+@router.get(
+    "/lenses/{name}/section.svg",
+    operation_id="getLensSection",
+    response_class=Response,
+    responses=problems(404, 503, 504)
+    | {200: {"content": {SVG: {"schema": {"type": "string", "format": "binary"}}}, "description": "The picture."}},
+)
+async def get_lens_section(hub: HubDep, name: LensName) -> Response:
+    """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
+    section = await hub.ask_stage(DrawLibraryLens(name))
+    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={SECTION_KEPT_S}"})
 
 
 @router.put(

@@ -204,12 +204,17 @@ def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_p
     revision = edited(page, revision)
     expect(chooser).to_have_value("telephoto_250")
     expect(focal_length).to_have_value("249.6 mm")
+    section = page.get_by_alt_text("Telephoto 250 mm f/5.4, cut along its axis")
+    expect(section).to_be_visible()
+    expect(section).to_have_js_property("complete", True)
+    assert section.evaluate("picture => picture.naturalWidth") > 0
 
     file = tmp_path / "plano-convex.dat"
     file.write_text("30 4 1.5168 20\n0 0 1 20\n")
     page.get_by_label("Lens file").set_input_files(file)
     revision = edited(page, revision)
     expect(chooser.locator("option:checked")).to_have_text("plano-convex")
+    expect(section).to_have_count(0)
 
     page.get_by_role("button", name="Undo: Mount plano-convex.dat").click()
     revision = edited(page, revision)

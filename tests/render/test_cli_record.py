@@ -244,3 +244,17 @@ def test_a_focus_nearer_than_the_lens_is_marked_for_is_drawn_and_warned_of_once(
         said = [line for line in ended.err.splitlines() if line.startswith("warning:")]
         assert len(said) == warnings
         assert all("nearer than the 5.08 m before the film that its lens is marked for" in line for line in said)
+
+
+def test_wavelengths_make_the_fringes_of_a_lens_and_one_alone_makes_none(pullfocus: Command, tmp_path: Path) -> None:
+    white = write_shot(tmp_path / "white.usda", SQUARE.replace("0.8, 0.2, 0.1", "1, 1, 1"), CAMERA)
+    fringes = []
+    for count in (1, 3, 9):
+        out = tmp_path / f"{count}.exr"
+        lens = ("--lens", "singlet_50", "--shading", "unlit", "--wavelengths", count)
+        assert pullfocus("record", white, out, *small(*lens)).status == 0
+        fringes.append(float(np.ptp(read(out)[..., :3], axis=-1).max()))
+    one, three, nine = fringes
+    assert one < 2e-3
+    assert min(three, nine) > 0.01
+    assert abs(three - nine) > 2e-3

@@ -193,6 +193,8 @@ def test_transforms_that_are_no_numbers(client, prim):
         {"layers": 10**6},
         {"supersample": 0},
         {"supersample": 99},
+        {"wavelengths": 0},
+        {"wavelengths": 65},
         {"shading": "dark"},
         {"seed": -1},
         {"seed": 10**12},

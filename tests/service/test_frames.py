@@ -70,7 +70,8 @@ def test_a_tag_names_the_pixels(client, room):
         assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
     other = client.get(f"/v1/shots/{room}/frame", params=SMALL, headers={"If-None-Match": '"other"'})
     assert (other.status_code, other.content) == (200, answer.content)
-    for change in ({"time": 2}, {"width": 97}, {"rays": 9}, {"seed": 1}, {"format": "jpeg"}, {"engine": "pinhole"}):
+    small = ({"time": 2}, {"width": 97}, {"rays": 9}, {"seed": 1}, {"wavelengths": 5})
+    for change in (*small, {"format": "jpeg"}, {"engine": "pinhole"}):
         assert frame(client, room, **change).headers["etag"] != tag
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import httpx
 import pytest
 from pxr import Sdf
@@ -58,7 +60,17 @@ def test_a_lens_is_told_down_to_its_surfaces(client):
     assert (soft["surfaces"], soft["errors"]["w040"], soft["iris"]["blades"]) == ([], 28, 9)
 
 
+@pytest.mark.parametrize("name", ["planar_50", "singlet_50", "soft_focus_85", "pinhole_35"])
+def test_a_lens_has_a_picture_of_its_section(client, name):
+    answer = client.get(f"/v1/lenses/{name}/section.svg")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "image/svg+xml"
+    assert "max-age" in answer.headers["cache-control"]
+    assert ElementTree.fromstring(answer.content).tag.endswith("svg")
+
+
 def test_an_unknown_lens_has_neighbours(client):
+    assert client.get("/v1/lenses/planr_50/section.svg").json()["code"] == "no_such_lens"
     answer = client.get("/v1/lenses/planr_50")
     assert answer.status_code == 404
     assert (answer.json()["code"], answer.json()["path"]) == ("no_such_lens", "planr_50")

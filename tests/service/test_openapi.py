@@ -25,6 +25,7 @@ PATCH /v1/shots/{shot}/focus-points/{name}, DELETE /v1/shots/{shot}/focus-points
 PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{shot}/focus-points/{name}/keys/{attribute},
 GET /v1/shots/{shot}/focus-curve, GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
 PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GET /v1/lenses/{name},
+GET /v1/lenses/{name}/section.svg,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

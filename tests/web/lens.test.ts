@@ -1,8 +1,8 @@
 import { grouped, mountedLens, type LensSummary } from "@/model/lens";
-import { toReadout } from "@/net/convert";
+import { toLens, toReadout } from "@/net/convert";
 
 function lens(name: string, model: string): LensSummary {
-  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "" };
+  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "", section: "" };
 }
 
 const READOUT = toReadout({
@@ -34,6 +34,20 @@ describe("the lens on the camera", () => {
     expect(mountedLens(READOUT, LENSES)).toEqual({ kind: "thin" });
     const unnamed = { ...READOUT, lensModel: "prescription" };
     expect(mountedLens(unnamed, LENSES)).toEqual({ kind: "other", title: "A prescription lens" });
+  });
+
+  it("has a picture at the service's address", () => {
+    const numbers = { focalLengthMm: 50, fStop: 2 };
+    const json = {
+      name: "planar 50",
+      title: "",
+      manufacturer: "",
+      model: "thin",
+      description: "",
+      ...numbers,
+    } as const;
+    const { section } = toLens(json, "http://there");
+    expect(section).toBe("http://there/v1/lenses/planar%2050/section.svg");
   });
 
   it("is listed among those of glass, or among the others", () => {

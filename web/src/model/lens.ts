@@ -13,6 +13,8 @@ export interface LensSummary {
   readonly fStop: number;
   /** One line. */
   readonly description: string;
+  /** Address of a small picture of it. */
+  readonly section: string;
 }
 
 /** What stands on the camera: a lens of the library, the thin lens, or another that the shot or a file brought. */

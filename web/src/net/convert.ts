@@ -47,9 +47,10 @@ export function toReadout(json: Json["Readout"]): Readout {
   return { ...toLensSample(json), focusMode, lensName: json.lensName, lensModel: json.lensModel };
 }
 
-export function toLens(json: Json["LensSummary"]): LensSummary {
+export function toLens(json: Json["LensSummary"], base: string): LensSummary {
   const { name, title, model, focalLengthMm, fStop, description } = json;
-  return { name, title, model, focalLengthMm, fStop, description };
+  const section = `${base}/v1/lenses/${encodeURIComponent(name)}/section.svg`;
+  return { name, title, model, focalLengthMm, fStop, description, section };
 }
 
 function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {

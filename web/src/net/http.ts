@@ -51,7 +51,7 @@ export class HttpService implements Service {
 
   async lenses(): Promise<readonly LensSummary[]> {
     const { lenses } = await result(this.#client.GET("/v1/lenses"));
-    return lenses.map(toLens);
+    return lenses.map((lens) => toLens(lens, this.#base));
   }
 
   async revision(shot: string): Promise<string> {

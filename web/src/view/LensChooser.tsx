@@ -1,7 +1,7 @@
 /** Which lens is on the camera: one of the library, the thin lens, or one of a lens file. */
 
 import type { JSX } from "preact";
-import { useRef } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import type { Session } from "../editor/session";
 import { grouped, mountedLens, type LensSummary, type MountedLens } from "../model/lens";
 import type { Readout } from "../model/shot";
@@ -60,7 +60,26 @@ export function LensChooser({ session, readout, lenses }: LensChooserProps): JSX
         }}
       />
       <p class="muted">{descriptionOf(mounted)}</p>
+      {mounted.kind === "library" && <LensSection key={mounted.lens.section} lens={mounted.lens} />}
     </div>
+  );
+}
+
+/** The lens cut along its axis; nothing where the picture does not come. */
+function LensSection({ lens }: { lens: LensSummary }): JSX.Element | null {
+  const [lost, setLost] = useState(false);
+  if (lost) return null;
+  return (
+    <img
+      class="lens-section"
+      src={lens.section}
+      alt={`${lens.title}, cut along its axis, with rays to the film on the right`}
+      width={346}
+      height={144}
+      onError={() => {
+        setLost(true);
+      }}
+    />
   );
 }
 

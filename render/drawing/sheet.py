@@ -18,7 +18,7 @@ from render.shot.lens_alone import LensAlone
 _INCHES = (16.0, 11.2)
 _LINE = 0.0143  # of the sheet's height, from one line of text to the next
 _CHARACTERS = 63
-_NAMES_LEFT, _VALUES_LEFT, _NUMBERS_TOP = 0.675, 0.748, 0.905
+_NAMES_LEFT, _VALUES_LEFT, _NUMBERS_TOP, _NUMBERS_END = 0.675, 0.748, 0.905, 0.462
 _SECTION = (0.045, 0.518, 0.605, 0.36)
 _STAMPS_LOW, _STAMPS_TITLE, _STAMP_INCHES, _STAMP_STEP = 0.302, 0.444, 1.33, 0.0905
 _SPOTS_LEFT, _BOKEH_LEFT = 0.045, 0.53
@@ -64,12 +64,18 @@ def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:
 
 
 def _write_numbers(figure: Figure, report: LensReport) -> None:
+    """As many as there is room for: what is cut off is told, since a lens file may bring many notes."""
     y = _NUMBERS_TOP
     notes = [("note", note) for note in report.notes]
     for group in (*data_sheet(report), notes):
         for name, value in group:
-            figure.text(_NAMES_LEFT, y, name, fontsize=SMALL, va="top", color=FAINT)
             lines = textwrap.wrap(value, _CHARACTERS)
+            if y - _LINE * (len(lines) + 1) < _NUMBERS_END:
+                figure.text(
+                    _VALUES_LEFT, y, "and more: see pullfocus lenses show", fontsize=SMALL, va="top", color=FAINT
+                )
+                return
+            figure.text(_NAMES_LEFT, y, name, fontsize=SMALL, va="top", color=FAINT)
             figure.text(_VALUES_LEFT, y, "\n".join(lines), fontsize=SMALL, va="top", color=INK, linespacing=1.25)
             y -= _LINE * len(lines)
         y -= _LINE / 2

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from render.drawing import lens_sheet, section_svg
 from render.drawing.curves import draw_distortion, draw_field_curvature, draw_illumination
 from render.drawing.section import draw_section
+from render.drawing.sheet import _write_numbers
 from render.drawing.stamps import draw_bokeh, draw_spots
 from render.lens import HeightField, Lens, SeidelErrors
 from render.optics.report import LensReport, lens_report
@@ -69,6 +70,15 @@ def test_every_kind_of_lens_has_a_sheet_and_a_section(kind: str) -> None:
     width, height = (float(number) for number in re.findall(r'(?:width|height)="([\d.]+)pt"', svg)[:2])
     assert width / height == pytest.approx(2.4, rel=0.01)
     assert "<script" not in svg
+
+
+def test_many_notes_do_not_run_into_the_drawings(planar: LensReport) -> None:
+    few, many = (replace(planar, notes=(f"Surface {count} is odd.",) * count) for count in (1, 40))
+    for report, cut in ((few, False), (many, True)):
+        figure = Figure(figsize=(16, 11))
+        _write_numbers(figure, report)
+        assert min(text.get_position()[1] for text in figure.texts) > 0.46
+        assert any(text.get_text().startswith("and more") for text in figure.texts) is cut
 
 
 def test_what_makes_no_sense_is_said_and_not_drawn() -> None:

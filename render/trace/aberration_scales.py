@@ -8,6 +8,8 @@ balances it (Welford 1986, chapter 7).
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from render.lens import AberrationScales
@@ -17,22 +19,39 @@ from render.trace.lens_fit import even_basis, even_powers_of, odd_basis
 _DEGREE = 7
 
 
-def scaled_errors(
+@dataclass(frozen=True, eq=False)
+class ChangeOfErrors:
+    """What is to be added to the slope errors of one field height to scale them.
+
+    Attributes:
+        tangential: coefficients of the even basis.
+        sagittal: of the odd one.
+    """
+
+    tangential: DoubleArray
+    sagittal: DoubleArray
+
+    def at(self, on_stop: DoubleArray) -> DoubleArray:
+        """``(n, 2)`` slopes, tangential first, at points of the stop in units of its radius."""
+        tangential, sagittal = (
+            even_basis(on_stop, _DEGREE) @ self.tangential,
+            odd_basis(on_stop, _DEGREE) @ self.sagittal,
+        )
+        return np.stack([tangential, sagittal], axis=1)
+
+
+def change_of_errors(
     slope: DoubleArray, on_stop: DoubleArray, axis_defocus: float, scales: AberrationScales
-) -> DoubleArray:
-    """Slope errors with each kind of aberration scaled.
+) -> ChangeOfErrors:
+    """How slope errors change when each kind of aberration is scaled.
 
     Args:
         slope: ``(n, 2)`` of one field height, tangential first.
         on_stop: ``(n, 2)`` where on the stop, in units of its radius.
         axis_defocus: `defocus` of the field height 0.
         scales: the factors; chromatic and vignetting are not looked at.
-
-    Returns:
-        ``(n, 2)``.
     """
-    even, odd = even_basis(on_stop, _DEGREE), odd_basis(on_stop, _DEGREE)
-    tangential, sagittal = _coefficients(slope, even, odd)
+    tangential, sagittal = _coefficients(slope, on_stop)
     change_t = tangential * (_factors(even_powers_of(_DEGREE), 0, scales) - 1)
     change_s = sagittal * (_factors(even_powers_of(_DEGREE - 1), 1, scales) - 1)
     defocus_t, defocus_s = tangential[1], sagittal[0]
@@ -40,18 +59,24 @@ def scaled_errors(
     kept = scales.spherical * axis_defocus + scales.field_curvature * mean
     change_t[1] = kept + scales.astigmatism * half - defocus_t
     change_s[0] = kept - scales.astigmatism * half - defocus_s
-    return np.asarray(slope + np.stack([even @ change_t, odd @ change_s], axis=1))
+    return ChangeOfErrors(change_t, change_s)
+
+
+def changed_shape(scales: AberrationScales) -> bool:
+    """Whether any factor is not 1 but those of colour errors and vignetting."""
+    return scales != replace(AberrationScales(), chromatic=scales.chromatic, vignetting=scales.vignetting)
 
 
 def defocus(slope: DoubleArray, on_stop: DoubleArray) -> float:
     """Slope error in proportion to the pupil, mean of both planes."""
-    tangential, sagittal = _coefficients(slope, even_basis(on_stop, _DEGREE), odd_basis(on_stop, _DEGREE))
+    tangential, sagittal = _coefficients(slope, on_stop)
     return float(tangential[1] + sagittal[0]) / 2
 
 
-def _coefficients(slope: DoubleArray, even: DoubleArray, odd: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    tangential = np.linalg.lstsq(even, slope[:, 0], rcond=None)[0]
-    return np.asarray(tangential), np.asarray(np.linalg.lstsq(odd, slope[:, 1], rcond=None)[0])
+def _coefficients(slope: DoubleArray, on_stop: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    tangential = np.linalg.lstsq(even_basis(on_stop, _DEGREE), slope[:, 0], rcond=None)[0]
+    sagittal = np.linalg.lstsq(odd_basis(on_stop, _DEGREE), slope[:, 1], rcond=None)[0]
+    return np.asarray(tangential), np.asarray(sagittal)
 
 
 def _factors(powers: list[tuple[int, int]], more: int, scales: AberrationScales) -> DoubleArray:

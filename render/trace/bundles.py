@@ -95,7 +95,13 @@ class BundleMaker:
             )
         if lens.model == "heightField" and lens.height_field is not None:
             return grid_table(
-                self._tracer, mounted(camera), lens.height_field, last_slope, focus_w(camera), light.wavelengths_nm
+                self._tracer,
+                mounted(camera),
+                lens.height_field,
+                last_slope,
+                focus_w(camera),
+                light.wavelengths_nm,
+                lens.scales,
             )
         return prescription_table(
             self._tracer, mounted(camera), last_slope, focus_w(camera), light.wavelengths_nm, lens.scales

@@ -1,20 +1,31 @@
-"""The table of a lens without symmetry: a thick lens whose surfaces carry height fields."""
+"""The table of a lens without symmetry: a thick lens whose surfaces carry height fields.
+
+Factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens below its heights: what the
+heights add has no such kinds, and stays. Those on colour errors and vignetting act on the whole.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from render.lens import HeightField
+from render.lens import AberrationScales, HeightField
 from render.optics.focusing import FocusedLens
-from render.scene import DoubleArray, FloatArray
+from render.optics.glass import D_LINE_NM
+from render.scene import DoubleArray
+from render.trace.aberration_scales import ChangeOfErrors, change_of_errors, changed_shape, defocus
+from render.trace.lens_fit import pupil_nodes
 from render.trace.lens_table import GridTable
 from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
 FIELDS = 13
 PUPIL_SIDE = 48
 MAX_SLOPE = 4.5
+
+
+_DOWN_TO_UP = np.array([1.0, -1.0])
 
 
 def grid_table(
@@ -24,6 +35,10 @@ def grid_table(
     last_slope: float,
     focus_w: float,
     wavelengths_nm: Sequence[float],
+    scales: AberrationScales,
+    *,
+    fields_across: int = FIELDS,
+    pupil_side: int = PUPIL_SIDE,
 ) -> GridTable:
     """Trace a focused lens with height fields on its first and last surface.
 
@@ -34,48 +49,109 @@ def grid_table(
         last_slope: field of the picture's farthest corner, slope in object space.
         focus_w: inverse depth of the plane of focus, 1/m.
         wavelengths_nm: one part of the table for each.
+        scales: factors on its errors.
+        fields_across: how many fields to trace across and down; odd, so that one is on the axis.
+        pupil_side: how many points of the pupil across and down.
     """
-    line = np.linspace(-last_slope, last_slope, FIELDS)
+    line = np.linspace(-last_slope, last_slope, fields_across)
     fields = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)  # x right, y down, rows first
-    side = np.linspace(-1, 1, PUPIL_SIDE)
+    side = np.linspace(-1, 1, pupil_side)
     stops = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    down_to_up = np.array([1.0, -1.0])
-    traced = tracer.trace(
-        lens,
-        np.repeat(-fields * down_to_up, len(stops), axis=0) * lens.image_scale_mm,
-        np.tile(stops * down_to_up, (len(fields), 1))
-        * lens.stop_radius_mm
-        * np.sign(lens.first.entrance_pupil_magnification),
-        wavelengths_nm,
-        height_field,
-    )
-    rays, light = _by_field(traced, fields, stops, focus_w)
+    reference = (D_LINE_NM,) if scales.chromatic != 1 else ()
+    traced = _trace(tracer, lens, fields, stops, (*wavelengths_nm, *reference), height_field)
+    slope, pupil, passes = _by_field(traced, fields, stops, focus_w)
+    if reference:
+        passes = passes[:-1] & passes[-1]
+        slope, pupil = (part[-1] + scales.chromatic * (part[:-1] - part[-1]) for part in (slope, pupil))
+    if changed_shape(scales):
+        slope = slope + _change_of_shape(tracer, lens, fields, stops, focus_w, wavelengths_nm, scales)
+    light = _light(traced, stops, passes, scales.vignetting)
+    rays = np.where(passes[..., None], np.concatenate([slope, pupil], axis=-1), 0.0)
     is_open = light[..., 1] <= 0
     return GridTable(
-        rays.reshape(len(wavelengths_nm), len(fields), PUPIL_SIDE, PUPIL_SIDE, 4),
-        light.reshape(len(wavelengths_nm), len(fields), PUPIL_SIDE, PUPIL_SIDE, 2),
-        (FIELDS, FIELDS),
+        rays.astype(np.float32).reshape(len(wavelengths_nm), len(fields), pupil_side, pupil_side, 4),
+        light.astype(np.float32).reshape(len(wavelengths_nm), len(fields), pupil_side, pupil_side, 2),
+        (fields_across, fields_across),
         (last_slope, last_slope),
         pupil_reach_m=float(np.hypot(rays[..., 2], rays[..., 3])[is_open].max(initial=0.0)),
         slope_reach=float(np.hypot(rays[..., 0], rays[..., 1])[is_open].max(initial=0.0)),
     )
 
 
+def _trace(
+    tracer: SurfaceTracer,
+    lens: FocusedLens,
+    fields: DoubleArray,
+    stops: DoubleArray,
+    wavelengths_nm: Sequence[float],
+    height_field: HeightField | None,
+) -> TracedLens:
+    """Rays of every field through every point of the stop in units of its radius; the film's image is inverted."""
+    upright = np.sign(lens.first.entrance_pupil_magnification)
+    film = np.repeat(-fields * _DOWN_TO_UP, len(stops), axis=0) * lens.image_scale_mm
+    on_stop = np.tile(stops * _DOWN_TO_UP, (len(fields), 1)) * lens.stop_radius_mm * upright
+    return tracer.trace(lens, film, on_stop, wavelengths_nm, height_field)
+
+
 def _by_field(
     traced: TracedLens, fields: DoubleArray, stops: DoubleArray, focus_w: float
-) -> tuple[FloatArray, FloatArray]:
-    """``(k, fields, stops, 4)`` slope error and pupil point, y down, and ``(k, fields, stops, 2)`` weight and clearance."""
+) -> tuple[DoubleArray, DoubleArray, NDArray[np.bool_]]:
+    """``(k, fields, stops, 2)`` slope errors and pupil points (m), y down, and which rays get through and can be drawn."""
     shape = (len(traced.slope), len(fields), len(stops))
-    down_to_up = np.array([1.0, -1.0])
-    pupil = (traced.pupil_mm * down_to_up / 1000).reshape(*shape, 2)
-    slope = (traced.slope * down_to_up).reshape(*shape, 2) + pupil * focus_w - fields[:, None, :]
+    pupil = (traced.pupil_mm * _DOWN_TO_UP / 1000).reshape(*shape, 2)
+    slope = (traced.slope * _DOWN_TO_UP).reshape(*shape, 2) + pupil * focus_w - fields[:, None, :]
+    passes = traced.passed & (np.hypot(traced.slope[..., 0], traced.slope[..., 1]) <= MAX_SLOPE)
+    return slope, pupil, passes.reshape(shape)
+
+
+def _change_of_shape(
+    tracer: SurfaceTracer,
+    lens: FocusedLens,
+    fields: DoubleArray,
+    stops: DoubleArray,
+    focus_w: float,
+    wavelengths_nm: Sequence[float],
+    scales: AberrationScales,
+) -> DoubleArray:
+    """``(k, fields, stops, 2)``: what scaling does to the slope errors of the lens without its heights."""
+    heights, height_of = np.unique(np.round(np.hypot(*fields.T), 12), return_inverse=True)
+    nodes = pupil_nodes()
+    upper = np.stack([heights, np.zeros(len(heights))], axis=1)
+    slope, _, passes = _by_field(_trace(tracer, lens, upper, nodes, wavelengths_nm, None), upper, nodes, focus_w)
+    change = np.zeros((len(wavelengths_nm), len(fields), len(stops), 2))
+    for part, passed, changed in zip(slope, passes, change, strict=True):
+        by_height = _changes(part, passed, nodes, scales)
+        for field, own in zip(range(len(fields)), height_of, strict=True):
+            if (found := by_height[own]) is not None:
+                x, y = fields[field] / heights[own] if heights[own] > 0 else (1.0, 0.0)
+                turn = np.array([[x, -y], [y, x]])  # columns along and across the plane of field and axis
+                changed[field] = found.at(stops @ turn) @ turn.T
+    return change
+
+
+def _changes(
+    slope: DoubleArray, passes: NDArray[np.bool_], nodes: DoubleArray, scales: AberrationScales
+) -> list[ChangeOfErrors | None]:
+    """Of each height ``(heights, nodes, 2)``; None where part of the pupil is dark: it has no powers to tell apart."""
+    if not passes[0].all():
+        return [None] * len(slope)
+    on_axis = defocus(slope[0], nodes)
+    return [
+        change_of_errors(errors, nodes, on_axis, scales) if passed.all() else None
+        for errors, passed in zip(slope, passes, strict=True)
+    ]
+
+
+def _light(traced: TracedLens, stops: DoubleArray, passes: NDArray[np.bool_], vignetting: float) -> DoubleArray:
+    """``(k, fields, stops, 2)`` weight, relative to the light on the axis, and clearance, below 0 where a ray passes.
+
+    All wavelengths have the light of the first one on the axis; ``vignetting`` is how much of the fields' loss is kept.
+    """
+    clearance = np.maximum(traced.front, traced.rear)[: len(passes)].reshape(passes.shape)
+    clearance = np.where(passes, clearance, 1.0)
+    weight = traced.weight[: len(passes)].reshape(passes.shape)
     on_disc = np.hypot(*stops.T) <= 1 + 1e-9
-    drawable = traced.passed & (np.hypot(traced.slope[..., 0], traced.slope[..., 1]) <= MAX_SLOPE)
-    clearance = np.where(drawable, np.maximum(traced.front, traced.rear), 1.0).reshape(shape)
-    centre = np.argmin(np.hypot(*fields.T))
-    lit = on_disc & (clearance[0, centre] <= 0)
-    weight = traced.weight.reshape(shape)
-    weight = weight / max(weight[0, centre][lit].sum() / max(on_disc.sum(), 1), 1e-300)
-    rays = np.concatenate([slope, pupil], axis=-1)
-    rays[~drawable.reshape(shape)] = 0.0
-    return rays.astype(np.float32), np.stack([weight, clearance], axis=-1).astype(np.float32)
+    light = np.where(clearance[0] <= 0, weight[0], 0.0)[:, on_disc].mean(axis=-1)
+    on_axis = max(light[len(light) // 2], 1e-300)
+    kept = np.maximum(light / on_axis, 1e-6) ** (vignetting - 1) / on_axis
+    return np.stack([weight * kept[:, None], clearance], axis=-1)

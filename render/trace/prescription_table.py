@@ -17,7 +17,7 @@ from render.lens import AberrationScales
 from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.scene import DoubleArray
-from render.trace.aberration_scales import defocus, scaled_errors
+from render.trace.aberration_scales import change_of_errors, changed_shape, defocus
 from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable
 from render.trace.surface_tracer import SurfaceTracer, TracedLens
@@ -206,9 +206,10 @@ def _chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]
 
 
 def _scaled(rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales) -> NodeRays:
-    if scales == replace(AberrationScales(), chromatic=scales.chromatic, vignetting=scales.vignetting):
+    if not changed_shape(scales):
         return rays
     if not (rays.passed.all() and axis.passed.all()):
         return rays  # half the pupil is dark here: there are no powers of it to tell apart
     on_axis = defocus(axis.slope, nodes)
-    return replace(rays, slope=scaled_errors(rays.slope, region.on_stop(nodes), on_axis, scales))
+    on_stop = region.on_stop(nodes)
+    return replace(rays, slope=rays.slope + change_of_errors(rays.slope, on_stop, on_axis, scales).at(on_stop))

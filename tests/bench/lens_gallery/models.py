@@ -31,7 +31,7 @@ def model_sections() -> tuple[Section, ...]:
                 _entry(
                     "height-field",
                     "Height fields",
-                    "The same glass as if cast and badly polished: waves of some µm on both surfaces.",
+                    "The same glass as if cast and badly polished: waves of a few µm on both surfaces.",
                     "singlet_50",
                     cast_glass,
                 ),
@@ -56,7 +56,7 @@ def waves(seed: int, side: int = 128) -> DoubleArray:
     for turn, count, phase in zip(
         random.uniform(0, np.pi, 5), random.uniform(1.5, 3, 5), random.uniform(0, 2 * np.pi, 5), strict=True
     ):
-        heights += 2e-3 * np.sin(2 * np.pi * count * (x * np.cos(turn) + y * np.sin(turn)) + phase)
+        heights += 1.3e-3 * np.sin(2 * np.pi * count * (x * np.cos(turn) + y * np.sin(turn)) + phase)
     return heights
 
 

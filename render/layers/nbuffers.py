@@ -57,8 +57,8 @@ class NBufferBuilder:
         self._fill(self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN}), layers, ranges)
         self._raise("nbuffer.comp", ranges)
         program = self._programs.compute("bins.comp")
-        ranges.use(2)
-        set_uniforms(program, ranges=2, last_level=levels - 1)
+        ranges.use(4)
+        set_uniforms(program, ranges=4, last_level=levels - 1)
         self._fill(program, layers, bins)
         self._raise("bins_level.comp", bins)
         return NBuffers(ranges, bins, levels)
@@ -71,10 +71,11 @@ class NBufferBuilder:
 
     def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
         """Take what each block holds into the texture's first slice."""
-        packs = layers.targets.packed_w
-        for unit, name in enumerate(("near_w", "far_w")):
-            packs[min(unit, len(packs) - 1)].use(unit)
-            program[name] = unit
+        packs, slopes = layers.targets.packed_w, layers.targets.packed_slopes
+        for pack, name in enumerate(("near", "far")):
+            for unit, textures, of in ((2 * pack, packs, "w"), (2 * pack + 1, slopes, "slopes")):
+                textures[min(pack, len(textures) - 1)].use(unit)
+                program[f"{name}_{of}"] = unit
         program["two_packs"] = layers.count > LAYERS_PER_PACK
         texture.bind_to_image(0, read=False, write=True)
         program.run(-(-texture.width // 8), -(-texture.height // 8))

@@ -40,11 +40,13 @@ class Layers:
         targets: the textures. Channels of inverse depth from ``count`` on are 0 in a texture whose first layer is below
             ``count``; textures and slices from there on hold what an earlier peeling left.
         count: layers that hold something.
+        may_be_faded: whether a surface of them may be partly transparent.
     """
 
     view: PinholeView
     targets: LayerTargets
     count: int
+    may_be_faded: bool = True
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,8 @@ class Peeler:
         self._light(view)
         draws = self._renderer.seen(view)
         layers = min(layers, MAX_LAYERS)
-        if not _any_faded(draws):
+        faded = _any_faded(draws)
+        if not faded:
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         targets = self._sized_targets(view, layers)
         self._lighting.draw_background(view, targets)
@@ -149,7 +152,7 @@ class Peeler:
             layer = replace(layer, slot=targets.slots[count], previous=layer.slot, solid_first=count + 1 == layers)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         self._ctx.memory_barrier()
-        return Layers(view, targets, count)
+        return Layers(view, targets, count, faded)
 
     def groups(self, view: PinholeView, *, unlit: bool = False, detail: float = 1.0) -> Iterator[LayerGroup]:
         """Peel all that a pinhole sees of the loaded scene, four layers at a time, until nothing is left.

@@ -2,7 +2,8 @@
 
 The inverse depths of four layers share one texture, a channel each, for the tracer tests four layers at once (Lee, Eisemann
 & Seidel 2010, section 3.1, "Multi-Layer Packing"). Each layer is drawn straight into its channel, under a colour mask; since
-a layer reads the channel of the one before it, its depths are found in a framebuffer that has no colour at all.
+a layer reads the channel of the one before it, its depths are found in a framebuffer that has no colour at all. How inverse
+depth slopes over a pixel is packed in the same way.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from render.gl.compat import GL
 
 LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
-"""Some 110 bytes each, eight layers together: nine gigabytes."""
+"""Some 125 bytes each, eight layers together: ten gigabytes."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
@@ -30,7 +31,7 @@ class Slot:
 
     Attributes:
         depth_framebuffer: OpenGL name; depth alone.
-        framebuffer: OpenGL name; the same depth, radiance at 0 and inverse depth at 1.
+        framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2 and slopes at 3.
         w: the inverse depth's texture.
         channel: of that texture that is the layer's.
     """
@@ -56,7 +57,8 @@ class Slot:
         GL.glColorMask(True, True, True, True)
         if self.channel == 0 and not fill:
             GL.glClearBufferfv(GL.GL_COLOR, 1, np.zeros(4, np.float32))
-        GL.glColorMaski(1, *(channel == self.channel for channel in range(LAYERS_PER_PACK)))
+        for packed in (1, 3):
+            GL.glColorMaski(packed, *(channel == self.channel for channel in range(LAYERS_PER_PACK)))
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,7 @@ class LayerTargets:
         radiance: a slice of RGBA16F for each layer; not written, and so of no meaning, where the layer's w is 0.
         packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, where so many are held, 4 to 7: 0 where empty, negative
             where partly transparent.
+        packed_slopes: RGBA16UI, how these slope, packed likewise (``slopes.glsl``); of no meaning where w is 0.
         background: RGBA16F, what a ray sees that meets no surface.
         slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.
@@ -78,6 +81,7 @@ class LayerTargets:
     height: int
     radiance: moderngl.TextureArray
     packed_w: tuple[moderngl.Texture, ...]
+    packed_slopes: tuple[moderngl.Texture, ...]
     background: moderngl.Texture
     slots: tuple[Slot, ...]
     depth: int
@@ -92,21 +96,23 @@ class LayerTargets:
         size = (width, height)
         try:
             radiance = ctx.texture_array((*size, layers), 4, dtype="f2")
-            packed_w = tuple(ctx.texture(size, 4, dtype="f4") for _ in range(-(-layers // LAYERS_PER_PACK)))
+            packs = range(-(-layers // LAYERS_PER_PACK))
+            packed_w = tuple(ctx.texture(size, 4, dtype="f4") for _ in packs)
+            slopes = tuple(ctx.texture(size, 4, dtype="u2") for _ in packs)
             background = ctx.texture(size, 4, dtype="f2")
         except moderngl.Error as error:
             raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
         radiance.filter = _NEAREST
-        for texture in (*packed_w, background):
+        for texture in (*packed_w, *slopes, background):
             texture.filter = _NEAREST
         depth = _depth_buffer(width, height)
         depth_framebuffer = _framebuffer(depth)
         slots = []
         for layer in range(layers):
             pack, channel = divmod(layer, LAYERS_PER_PACK)
-            framebuffer = _framebuffer(depth, (radiance, layer), packed_w[pack])
+            framebuffer = _framebuffer(depth, (radiance, layer), packed_w[pack], None, slopes[pack])
             slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
-        return cls(width, height, radiance, packed_w, background, tuple(slots), depth)
+        return cls(width, height, radiance, packed_w, slopes, background, tuple(slots), depth)
 
     def hold(self, width: int, height: int, layers: int) -> bool:
         """Whether so many layers of this size can be drawn here."""
@@ -115,13 +121,13 @@ class LayerTargets:
     @property
     def bytes(self) -> int:
         """Memory of the device that all of this takes."""
-        textures = [self.background, *self.packed_w]
+        textures = [self.background, *self.packed_w, *self.packed_slopes]
         return 4 * self.width * self.height + texture_bytes(self.radiance) + sum(map(texture_bytes, textures))
 
     def release(self) -> None:
         """Give the memory back."""
         self.radiance.release()
-        for texture in (self.background, *self.packed_w):
+        for texture in (self.background, *self.packed_w, *self.packed_slopes):
             texture.release()
         _delete_framebuffers(
             *{slot.depth_framebuffer for slot in self.slots}, *(slot.framebuffer for slot in self.slots)

@@ -1,25 +1,29 @@
 #version 450 core
 // Which bins of inverse depth hold a surface of a 4x4 block, in any layer.
-// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent); the N-buffers, for the picture's range
+// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent), and how they slope; the N-buffers, for the
+//      picture's range
 // out: 64 bits in slice 0
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rg32ui, binding = 0) writeonly uniform uimage2DArray bins;
 
 #include "bins.glsl"
+#include "slopes.glsl"
 
 uniform sampler2D near_w;  // layers 0 to 3
 uniform sampler2D far_w;   // layers 4 to 7, where there are so many
+uniform usampler2D near_slopes;
+uniform usampler2D far_slopes;
 uniform bool two_packs;
 uniform sampler2DArray ranges;
 uniform int last_level;
 
-uvec2 joined(uvec2 held, vec4 stored, vec2 all)
+uvec2 joined(uvec2 held, vec4 stored, uvec4 slopes, vec2 all)
 {
+    vec4 w = abs(stored), reach = w * reach_of(slopes);
     for (int i = 0; i < 4; ++i) {
         if (stored[i] == 0.0) break;  // once a pixel is empty, it stays empty
-        int bin = bin_of(abs(stored[i]), all);
-        held |= bits_between(bin, bin);
+        held |= bits_between(bin_of(w[i] - reach[i], all), bin_of(w[i] + reach[i], all));
     }
     return held;
 }
@@ -34,8 +38,8 @@ void main()
     for (int i = 0; i < 16; ++i) {
         ivec2 pixel = block * 4 + ivec2(i & 3, i >> 2);
         if (any(greaterThanEqual(pixel, size))) continue;
-        held = joined(held, texelFetch(near_w, pixel, 0), all);
-        if (two_packs) held = joined(held, texelFetch(far_w, pixel, 0), all);
+        held = joined(held, texelFetch(near_w, pixel, 0), texelFetch(near_slopes, pixel, 0), all);
+        if (two_packs) held = joined(held, texelFetch(far_w, pixel, 0), texelFetch(far_slopes, pixel, 0), all);
     }
     imageStore(bins, ivec3(block, 0), uvec4(held, 0u, 0u));
 }

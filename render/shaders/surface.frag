@@ -2,11 +2,12 @@
 // Shades the surfaces that depth.frag found: radiance, inverse depth and ids of one peeled layer.
 // in:  surface.vert's outputs
 // out: radiance (scene-linear, not premultiplied) and opacity; inverse depth w = 1/z in 1/m, negative where the surface
-//      is partly transparent; (object + 1, triangle)
+//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl)
 // Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
 
 #include "material.glsl"
 #include "lighting.glsl"
+#include "slopes.glsl"
 
 in vec3 frag_position;
 in vec3 frag_normal;
@@ -17,12 +18,14 @@ flat in uint frag_instance;
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_w;     // in every channel; the layer's own is kept
 layout(location = 2) out uvec2 out_id;
+layout(location = 3) out uvec4 out_slope; // in every channel, as w
 
 uniform vec3 eye;                // where this view looks from, camera space, m
 uniform uint first_object;       // object number of the batch's first instance
 
 void main()
 {
+    vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) / gl_FragCoord.w;  // before any pixel is discarded
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
 #ifdef MAY_BE_CLEAR
     if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with a surface that is there
@@ -35,5 +38,6 @@ void main()
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // light that cannot be is none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
     out_w = vec4(s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w);
+    out_slope = uvec4(packed_slope(slope));
     out_id = uvec2(first_object + frag_instance + 1u, uint(gl_PrimitiveID));
 }

@@ -16,10 +16,6 @@ from render.scene import FloatArray
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import FocalSurface, RayBundle
 
-SLOPE_SLACK = 0.005
-"""Share of w by which a surface may slope away within a pixel and still be hit."""
-HALF_PIXEL_SHARE = 0.5
-"""How far, in pixels, a pixel's surface reaches beyond the pixel: to its neighbours' centres, as the umbra assumed."""
 RAYS_PER_PASS = 128
 """What is worked out for a pixel before its rays, its footprint's bounds and its row of the lens table, is done once a pass."""
 SHOWN_RAYS_PER_PASS = 32
@@ -27,6 +23,8 @@ SHOWN_RAYS_PER_PASS = 32
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
+_LAYER_UNITS = 8
+"""Textures of layers and N-buffers that a program reads at most."""
 _TILE = 8  # side of the shader's work groups
 
 Progress = Callable[[float], None]
@@ -79,7 +77,7 @@ class Tracer:
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         program = self._program(layers, bundle, bound_by_rays=bound_by_rays)
         self._bind(program, layers, nbuffers)
-        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + 6)
+        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
         self._set_uniforms(program, layers, nbuffers, surface, view)
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
@@ -127,9 +125,11 @@ class Tracer:
         self._buffers.release()
 
     def _program(self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool) -> moderngl.ComputeShader:
-        defines: dict[str, int | float | str] = {"HALF_PIXEL_SHARE": HALF_PIXEL_SHARE}
+        defines: dict[str, int | float | str] = {}
         if layers.count > 4:
             defines["EIGHT_LAYERS"] = 1
+        if layers.may_be_faded:
+            defines["MAY_BE_FADED"] = 1
         if bound_by_rays:
             defines["BOUND_BY_RAYS"] = 1
         return self._programs.compute("trace.comp", defines | self._buffers.defines(bundle))
@@ -138,13 +138,14 @@ class Tracer:
         targets = layers.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[0],
+            "slopes": targets.packed_slopes[0],
             "radiance": targets.radiance,
             "ranges": nbuffers.ranges,
             "bins": nbuffers.bins,
             "background": targets.background,
         }
         if layers.count > 4:
-            textures["packed_w_far"] = targets.packed_w[1]
+            textures |= {"packed_w_far": targets.packed_w[1], "slopes_far": targets.packed_slopes[1]}
         for unit, (name, texture) in enumerate(textures.items(), start=_FIRST_UNIT):
             texture.use(unit)
             program[name] = unit
@@ -166,7 +167,6 @@ class Tracer:
             focal_px=(layers.view.fx, layers.view.fy),
             focus=(surface.w0, surface.slope_x, surface.slope_y),
             last_level=nbuffers.levels - 1,
-            slope_slack=SLOPE_SLACK,
         )
 
     def _sized_sum(self, size: tuple[int, int]) -> moderngl.Texture:

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Rectangles { ivec4 rectangles[]; };
 layout(std430, binding = 1) writeonly buffer Found { vec2 found[]; };
 
-#include "march.glsl"
+#include "footprints.glsl"
 
 void main()
 {

@@ -24,6 +24,9 @@ SIZE = (157, 118)
 UMBRA = 0.004
 MEGABYTE = 1_000_000
 VIEW = PinholeView.from_camera(Camera(np.eye(4), 36, 36, 27), *SIZE)
+STEEPEST, LONGEST_REACH = 1.0, 0.05
+"""Of `slopes.glsl`."""
+ROUNDING = 1e-5
 Built = tuple[Layers, NBuffers, FloatArray]
 
 
@@ -40,33 +43,49 @@ def peeler(renderer: FrameRenderer) -> Iterator[Peeler]:
 
 
 def cards() -> Scene:
-    """Two hundred cards that crowd in the left half of the view, so that layers are many there and much is empty elsewhere."""
+    """Two hundred cards that crowd in the left half of the view, so that layers are many there and much is empty elsewhere;
+    they lean by as much as 60 degrees."""
     rng = np.random.default_rng(0)
     batches = []
     for z in rng.uniform(1.5, 9, 200):
         x, y = z * rng.normal(-0.25, 0.08), z * rng.normal(0, 0.12)
-        card = rectangle((x, y, -z), (0.04 * z, 0, 0), (0, 0.03 * z, 0))
+        lean = rng.uniform(-1.7, 1.7)
+        card = rectangle((x, y, -z), (0.04 * z, 0, 0.04 * z * lean), (0, 0.03 * z, 0))
         batches.append(Batch(card, Material(), np.eye(4)[None]))
     return Scene(tuple(batches))
 
 
 @pytest.fixture(params=[1, 3, 4, 5, 8])
 def built(ctx: moderngl.Context, peeler: Peeler, request: pytest.FixtureRequest) -> Iterator[Built]:
-    """Layers, N-buffers and ``(height, width, count)`` of ``|w|``. Eight layers are peeled before, so that what they left
-    behind is there to be mistaken for the layers' own."""
+    """Layers, N-buffers and ``(height, width, count, 2)``, least and most w of each pixel's surfaces, 0 where there is none.
+    Eight layers are peeled before, so that what they left behind is there to be mistaken for the layers' own."""
     peeler.load(cards())
     peeler.peel(VIEW, layers=8, umbra=UMBRA)
     layers = peeler.peel(VIEW, layers=request.param, umbra=UMBRA)
     assert layers.count == request.param
-    packs = [np.frombuffer(pack.read(), np.float32).reshape(*SIZE[::-1], 4) for pack in layers.targets.packed_w]
+    targets, shape = layers.targets, (*SIZE[::-1], 4)
+    w = [np.abs(np.frombuffer(pack.read(), np.float32).reshape(shape)) for pack in targets.packed_w]
+    reach = [reach_of(np.frombuffer(pack.read(), np.uint16).reshape(shape)) for pack in targets.packed_slopes]
+    ranges = np.stack(
+        [of_w * (1 + side * of_reach) for of_w, of_reach in zip(w, reach, strict=True) for side in (-1, 1)]
+    )
+    ranges = ranges.reshape(len(w), 2, *shape).transpose(2, 3, 0, 4, 1).reshape(*SIZE[::-1], -1, 2)
     builder = NBufferBuilder(ctx, ProgramCache(ctx))
-    yield layers, builder.build(layers), np.abs(np.concatenate(packs, axis=2)[..., : layers.count])
+    yield layers, builder.build(layers), ranges[:, :, : layers.count]
     builder.release()
 
 
-def range_of(w: FloatArray) -> tuple[float, float]:
-    filled = w[w > 0]
-    return (float(filled.min()), float(filled.max())) if len(filled) else (float(np.float32(EMPTY_MIN)), 0.0)
+def reach_of(slopes: NDArray[np.uint16]) -> FloatArray:
+    """How far surfaces reach from the middle of a pixel to its corners, as a share of w."""
+    x, y = (((bits & 255).astype(np.float32) - 128) / 127 for bits in (slopes, slopes >> 8))
+    return np.asarray(np.minimum(0.5 * STEEPEST * (np.abs(x) ** 3 + np.abs(y) ** 3), LONGEST_REACH), np.float32)
+
+
+def range_of(ranges: FloatArray) -> tuple[float, float]:
+    filled = ranges[ranges[..., 1] > 0]
+    return (
+        (float(filled[:, 0].min()), float(filled[:, 1].max())) if len(filled) else (float(np.float32(EMPTY_MIN)), 0.0)
+    )
 
 
 def test_ranges_hold_every_filled_pixel_and_nothing_else(built: Built) -> None:
@@ -81,17 +100,18 @@ def test_ranges_hold_every_filled_pixel_and_nothing_else(built: Built) -> None:
         side = BLOCK_PX << level
         for y, x in np.random.default_rng(level).integers(0, (rows, columns), (40, 2)):
             square = w[y * BLOCK_PX :, x * BLOCK_PX :][:side, :side]
-            assert tuple(stored[level, y, x]) == range_of(square)
+            assert tuple(stored[level, y, x]) == pytest.approx(range_of(square), rel=ROUNDING)
             empties += not square.any()
     assert empties > 5
-    assert tuple(stored[-1, 0, 0]) == range_of(w)
+    assert tuple(stored[-1, 0, 0]) == pytest.approx(range_of(w), rel=ROUNDING)
 
 
-def bins_of(w: FloatArray, all_w: FloatArray) -> int:
-    """Bits of the bins that a patch of layers fills, of 64 over the range of the whole."""
-    low, high = range_of(all_w)
-    filled = np.unique(((w[w > 0] - np.float32(low)) / np.float32(high - low) * np.float32(64)).astype(int).clip(0, 63))
-    return sum(1 << int(number) for number in filled)
+def bins_of(ranges: FloatArray, everything: FloatArray, wider: float) -> int:
+    """Bits of the bins that a patch of layers fills, of 64 over the range of the whole, each range wider by this share of w."""
+    low, high = range_of(everything)
+    filled = ranges[ranges[..., 1] > 0] * np.array([1 - wider, 1 + wider])
+    bins = ((filled - low) / (high - low) * 64).clip(0, 63).astype(int)
+    return sum(1 << int(number) for number in {n for first, last in bins for n in range(first, last + 1)})
 
 
 def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
@@ -105,7 +125,9 @@ def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
         side = BLOCK_PX << level
         for y, x in np.random.default_rng(level).integers(0, (rows, columns), (40, 2)):
             found = int(stored[level, y, x])
-            assert found == bins_of(w[y * BLOCK_PX :, x * BLOCK_PX :][:side, :side], w)
+            square = w[y * BLOCK_PX :, x * BLOCK_PX :][:side, :side]
+            assert found & ~bins_of(square, w, ROUNDING) == 0
+            assert bins_of(square, w, -ROUNDING) & ~found == 0
             sparse += 0 < found.bit_count() < 10
     assert sparse > 20
     assert int(stored[-1, 0, 0]).bit_count() > 10
@@ -114,9 +136,9 @@ def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
 def ask(ctx: moderngl.Context, buffers: NBuffers, rectangles: NDArray[np.int32]) -> FloatArray:
     """``(n, 2)`` ranges that the tracer's shader finds in ``(n, 4)`` rectangles."""
     source = Path(__file__).with_name("range_queries.comp").read_text(encoding="utf-8")
-    for name in ("march.glsl", "bins.glsl"):
+    for name in ("footprints.glsl", "bins.glsl"):
         source = source.replace(f'#include "{name}"', (SHADER_DIR / name).read_text(encoding="utf-8"))
-    program = ctx.compute_shader("#version 450 core\n#define HALF_PIXEL_SHARE 0.5\n" + source.partition("\n")[2])
+    program = ctx.compute_shader(source)
     asked, found = ctx.buffer(rectangles.tobytes()), ctx.buffer(reserve=8 * len(rectangles))
     try:
         buffers.ranges.use(0)
@@ -147,15 +169,15 @@ def test_a_look_up_finds_the_range_of_any_rectangle(ctx: moderngl.Context, built
         ax, bx = (np.clip(np.trunc(v / BLOCK_PX), 0, last[0]).astype(int) for v in (x0, x1))
         ay, by = (np.clip(np.trunc(v / BLOCK_PX), 0, last[1]).astype(int) for v in (y0, y1))
         own = range_of(w[ay * BLOCK_PX : (by + 1) * BLOCK_PX, ax * BLOCK_PX : (bx + 1) * BLOCK_PX])
-        assert lowest <= own[0]
-        assert highest >= own[1]
+        assert lowest <= own[0] * (1 + ROUNDING)
+        assert highest >= own[1] * (1 - ROUNDING)
         side = max(bx - ax, by - ay) + 1
         if bx - ax == by - ay:
             exact += 1
-            assert (lowest, highest) == own
+            assert (lowest, highest) == pytest.approx(own, rel=ROUNDING)
         around = range_of(w[ay * BLOCK_PX : (ay + side) * BLOCK_PX, ax * BLOCK_PX : (ax + side) * BLOCK_PX])
-        assert around[0] <= lowest
-        assert highest <= around[1]
+        assert around[0] * (1 - ROUNDING) <= lowest
+        assert highest <= around[1] * (1 + ROUNDING)
     assert exact > 30
 
 
@@ -184,7 +206,7 @@ def test_four_layers_of_1024_by_768_take_at_most_64_megabytes(ctx: moderngl.Cont
         buffers = builder.build(layers)
         targets = layers.targets
         depth = 4 * 1024 * 768
-        textures = [targets.background, *targets.packed_w]
+        textures = [targets.background, *targets.packed_w, *targets.packed_slopes]
         assert targets.bytes == gl_bytes(targets.radiance) + sum(map(gl_bytes, textures)) + depth
         assert buffers.bytes == gl_bytes(buffers.ranges) + gl_bytes(buffers.bins)
         held[count] = targets.bytes + buffers.bytes

@@ -195,7 +195,7 @@ def _pine_cone(radius_m: float, height_m: float) -> Mesh:
     return merge(parts)
 
 
-_LAMPS = np.array([[s * 3.35, 0.0, z] for z in (-7.2, -15.0, -23.0, -32.0, -41.0) for s in (-1, 1)])
+_LAMPS = np.array([[s * 3.35, 0.0, z] for z in (-7.2, -15.0) for s in (-1, 1)])
 
 
 def _lamps(made: Assembly) -> None:
@@ -212,15 +212,16 @@ def _lamps(made: Assembly) -> None:
 
 
 def _strings(made: Assembly) -> None:
-    """Strings of bulbs across the street, each hanging in a parabola."""
+    """Strings of bulbs across the street, each hanging in a parabola; no farther away than a bulb is some pixels wide, since of
+    a hundred rays a matter of chance find a smaller one, in the reference as in the picture that is held against it."""
     wires, places = [], []
-    for z, height in ((-5.6, 4.4), (-13.0, 4.6), (-20.0, 4.9), (-28.0, 5.2), (-37.0, 5.4)):
+    for z, height in ((-5.6, 4.4), (-13.0, 4.6)):
         x = np.linspace(-4.2, 4.2, 15)
         y = height - 1.0 * (1 - (x / 4.2) ** 2)
         wires.append(tube(np.stack([x, y, np.full_like(x, z)], axis=1), 0.018, 5))
         places += [[x[i], y[i] - 0.1, z] for i in range(1, 14)]
     made.add("iron", merge(wires), "/Town/strings")
-    made.add_instances("bulb", ball(0.085, 12, 8), poses_at(np.array(places)), "/Town/strings")
+    made.add_instances("bulb", ball(0.085, 24, 16), poses_at(np.array(places)), "/Town/strings")
 
 
 def _trees(made: Assembly) -> None:

@@ -1,0 +1,24 @@
+// How a surface's inverse depth changes over a layer pixel, as a share of itself, in 16 bits: w is linear over a plane's picture,
+// so w and its slope are the plane. Eight bits along x and along y, finer where the slope is small.
+
+const float STEEPEST = 1.0;       // share of w per pixel; what is steeper lies on edge to the eye
+const float LONGEST_REACH = 0.05; // share of w by which a surface is followed from a pixel's centre to its corner at most
+
+uint packed_slope(vec2 slope)
+{
+    vec2 root = sign(slope) * pow(min(abs(slope) / STEEPEST, 1.0), vec2(1.0 / 3.0));
+    uvec2 bits = uvec2(ivec2(round(127.0 * root)) + 128);
+    return bits.x | bits.y << 8;
+}
+
+vec4 unpacked_slopes(uvec4 bits)
+{
+    vec4 root = (vec4(bits & 255u) - 128.0) / 127.0;
+    return STEEPEST * root * root * root;
+}
+
+// How far, as a share of w, four surfaces reach between a pixel's centre and its corners.
+vec4 reach_of(uvec4 slopes)
+{
+    return min(0.5 * (abs(unpacked_slopes(slopes)) + abs(unpacked_slopes(slopes >> 8))), vec4(LONGEST_REACH));
+}

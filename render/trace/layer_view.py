@@ -8,7 +8,7 @@ import numpy as np
 
 from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
 from render.scene import DoubleArray
-from render.trace.lens_table import BOUND, WEIGHT, PolynomialTable
+from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
 from render.trace.rays import FocalSurface, RayBundle
 
 MAX_BLUR_SHARE = 0.25
@@ -85,11 +85,11 @@ def _bounds(bundle: RayBundle, slopes: DoubleArray, off_focus: DoubleArray) -> t
     if not isinstance(bundle.table, PolynomialTable):
         return slopes, bundle.slope_reach + bundle.reach_m * off_focus
     rows = bundle.table.rows.astype(np.float64)
-    lit = np.asarray(rows[..., WEIGHT] > 0).any(axis=0)
+    lit = np.asarray(rows[..., LIGHT] > 0).any(axis=0)
     height = np.hypot(*slopes.T)
-    last_lit = bundle.table.last_slope * (np.flatnonzero(lit).max(initial=0) + 1) / rows.shape[1]
     heights = np.linspace(0.0, bundle.table.last_slope, rows.shape[1])
-    inside = np.minimum(height, last_lit)  # pixels beyond the lens's image circle see nothing
+    first_dark = heights[min(np.flatnonzero(lit).max(initial=0) + 1, len(heights) - 1)]
+    inside = np.minimum(height, first_dark)  # pixels beyond the lens's image circle see nothing
     outward = slopes * (inside / np.maximum(height, 1e-12))[:, None]
 
     def over_wavelengths(place: int, most: bool) -> DoubleArray:

@@ -65,7 +65,7 @@ def prescription_table(
     ]
     fit = _sufficient_fit(rays, lens)
     rows = np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
-    return _table(_lit(rows, scales.vignetting), last_slope, fit.degrees)
+    return _table(_continued(_lit(rows, scales.vignetting)), last_slope, fit.degrees)
 
 
 def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
@@ -79,6 +79,22 @@ def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
     rows = rows.copy()
     rows[..., WEIGHT:REGION] *= kept[:, None]
     rows[..., LIGHT] = light * kept
+    return rows
+
+
+def _continued(rows: DoubleArray) -> DoubleArray:
+    """The rows, where those without light have the shape of the last lit one before them.
+
+    So light alone fades where a picture's rays stand between the two, at the edge of the image circle; their directions do not
+    turn back toward those of an empty row, nor to those of rays that find a way far outside of it.
+    """
+    rows = rows.copy()
+    for part in rows:
+        is_dark = (part[:, LIGHT] <= 0) | (part[:, REGION + 1] <= 0)
+        last_lit = np.maximum.accumulate(np.where(is_dark, 0, np.arange(len(part))))
+        part[:] = part[last_lit]
+        part[is_dark, WEIGHT:REGION] = 0.0
+        part[is_dark, LIGHT] = 0.0
     return rows
 
 

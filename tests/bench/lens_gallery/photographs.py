@@ -80,7 +80,7 @@ class Photographer:
         settings = FrameSettings(
             self._size.width,
             self._size.height,
-            rays=entry.rays or min(self._size.rays * entry.view.finer, MAX_RAYS),
+            rays=entry.rays or self._rays_for(entry),
             wavelengths=entry.wavelengths,
         )
         scene = self._shot.scene_at(entry.view.frame)
@@ -93,6 +93,11 @@ class Photographer:
         for name, pixels in zip(names, (graded, detail_of(graded, entry.detail)), strict=True):
             write_atomic(self._folder / name, encode_png(pixels, metadata))
         return Photograph(entry, *names, caption(camera, entry, settings), seconds)
+
+    def _rays_for(self, entry: Entry) -> int:
+        """Many wavelengths are many rays as it is."""
+        finer = entry.view.finer if entry.wavelengths <= 3 else 1
+        return min(self._size.rays * finer, MAX_RAYS)
 
     def _camera(self, entry: Entry) -> Camera:
         """The shot's camera with the entry's lens, where the entry wants it."""

@@ -34,7 +34,7 @@ def page(sections: Sequence[tuple[Section, Sequence[Photograph]]], device: str) 
 <body>
 <header>
 <h1>The lens gallery</h1>
-<p>Every lens and aberration of Pullfocus on the demo shot. Beside each picture is a part of it, a quarter as wide, enlarged twice.</p>
+<p>Every lens and aberration of Pullfocus on the demo shot. Beside each picture is a quarter of its width, enlarged twice.</p>
 <nav>{links}</nav>
 </header>
 <main>

@@ -29,7 +29,7 @@ from render.layers.shadows import Sphere
 from render.optics.distortion import seen_at
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
-from render.reference.accumulation import Accumulator, accumulated_rays
+from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, Dome, FloatArray, Light, Scene
 from render.trace.aovs import MEASURED
 from render.trace.lens import LensEngine, OnPass
@@ -204,9 +204,9 @@ class FrameRenderer:
         """The accumulation buffer; it has no passes to show, since it draws view by view."""
         del on_pass
         points = accumulated_rays(camera, settings.rays, settings.seed)
-        detail = float(settings.supersample)
+        sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
         return self._accumulator.accumulate(
-            self._peeler, view, points, focus_w(camera), unlit=unlit, detail=detail, on_progress=on_progress
+            self._peeler, view, points, focus_w(camera), unlit=unlit, sampling=sampling, on_progress=on_progress
         )
 
     def _aovs(

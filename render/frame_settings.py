@@ -28,7 +28,7 @@ class FrameSettings:
             ``pinhole`` has everything sharp.
         rays: lens rays per pixel.
         layers: peeled layers at most.
-        supersample: layer pixels per picture pixel along each axis.
+        supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be.
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
         seed: of the sampling pattern.
         tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
@@ -41,7 +41,7 @@ class FrameSettings:
     engine: str = "lens"
     rays: int = 100
     layers: int = 4
-    supersample: int = 2
+    supersample: float = 2
     shading: str = "lit"
     seed: int = 0
     tiled: bool = True
@@ -68,6 +68,6 @@ def _check_choice(name: str, value: str, known: tuple[str, ...]) -> None:
         raise SettingsError(f"{name} must be one of {', '.join(known)}, got {value!r}")
 
 
-def _check_range(name: str, value: int, low: int, high: int) -> None:
+def _check_range(name: str, value: float, low: int, high: int) -> None:
     if not low <= value <= high:
         raise SettingsError(f"{name} must be from {low} to {high}, got {value}")

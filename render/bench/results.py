@@ -190,7 +190,7 @@ class LensBench:
     width: int
     height: int
     rays: int
-    supersample: int
+    supersample: float
     scenes: list[SceneRow]
     sweeps: Sweeps
     layers_mb_1024x768: float

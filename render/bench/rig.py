@@ -15,7 +15,7 @@ from render.layers.peel import Peeler
 from render.layers.umbra import umbra_reach
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
-from render.reference.accumulation import Accumulator, accumulated_rays
+from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, FloatArray, Scene
 from render.trace.lens import STAGES, LensEngine, Stage, TracedPicture
 from render.trace.rays import ray_pattern
@@ -76,10 +76,10 @@ class LensRig:
         """The loaded scene's picture from the accumulation buffer with the same lens samples, and what it cost."""
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         points = accumulated_rays(camera, settings.rays, settings.seed)
-        detail = float(settings.supersample)
-        self._accumulator.accumulate(self._peeler, view, points[:1], focus_w(camera), detail=detail)  # compiles
+        sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
+        self._accumulator.accumulate(self._peeler, view, points[:1], focus_w(camera), sampling=sampling)  # compiles
         clock = StageClock(self.graphics.ctx.finish)
-        picture = self._accumulator.accumulate(self._peeler, view, points, focus_w(camera), detail=detail)
+        picture = self._accumulator.accumulate(self._peeler, view, points, focus_w(camera), sampling=sampling)
         clock("reference")
         return picture, clock.spent["reference"]
 

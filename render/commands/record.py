@@ -73,7 +73,7 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--rays", type=int, default=100, metavar="N", help="lens rays for each pixel")
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
     group.add_argument(
-        "--supersample", type=int, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
+        "--supersample", type=float, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
     )
     group.add_argument(
         "--wavelengths",

@@ -20,6 +20,7 @@ from render.layers.limits import MAX_LAYERS
 from render.layers.nearest import nearest_depth_m
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.shadows import Sphere, sphere_around
+from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
 from render.optics.view import PinholeView
@@ -119,8 +120,7 @@ class Peeler:
         layers: int,
         umbra: float,
         unlit: bool = False,
-        detail: float = 1.0,
-        picture_px: float = 1.0,
+        sampling: SurfaceSampling = PLAIN,
     ) -> Layers:
         """Peel the loaded scene.
 
@@ -132,8 +132,7 @@ class Peeler:
             layers: at most this many, up to `MAX_LAYERS`; fewer where the scene is opaque and `layers_needed` says so.
             umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`.
             unlit: take base colour for radiance.
-            detail: how many times finer than the view's pixels the finished picture samples surfaces.
-            picture_px: side of the finished picture's pixels, in the view's.
+            sampling: how finely the finished picture samples surfaces.
         """
         self._light(view)
         draws = self._renderer.seen(view)
@@ -143,7 +142,7 @@ class Peeler:
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         targets = self._sized_targets(view, layers)
         self._lighting.draw_background(view, targets)
-        layer = LayerPass(view, draws, targets.slots[0], umbra, None, layers == 1, unlit, detail, picture_px)
+        layer = LayerPass(view, draws, targets.slots[0], umbra, None, layers == 1, unlit, sampling)
         count = 0
         while self._draw_counted(layer):
             count += 1
@@ -154,7 +153,9 @@ class Peeler:
         self._ctx.memory_barrier()
         return Layers(view, targets, count, faded)
 
-    def groups(self, view: PinholeView, *, unlit: bool = False, detail: float = 1.0) -> Iterator[LayerGroup]:
+    def groups(
+        self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
+    ) -> Iterator[LayerGroup]:
         """Peel all that a pinhole sees of the loaded scene, four layers at a time, until nothing is left.
 
         Where `MAX_PINHOLE_LAYERS` are not enough, the last one skips what is transparent, as in `peel`.
@@ -162,7 +163,7 @@ class Peeler:
         Args:
             view: from the pinhole.
             unlit: take base colour for radiance.
-            detail: how many times finer than the view's pixels the finished picture samples surfaces.
+            sampling: how finely the finished picture samples surfaces.
         """
         self._light(view)
         draws = self._renderer.seen(view)
@@ -175,7 +176,7 @@ class Peeler:
             for number in range(first, min(first + LAYERS_PER_PACK, layers)):
                 slot = targets.slots[number % len(targets.slots)]
                 solid = number + 1 == layers
-                if not self._draw_counted(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, detail)):
+                if not self._draw_counted(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, sampling)):
                     break
                 count, previous = count + 1, slot
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)

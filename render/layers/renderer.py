@@ -14,6 +14,7 @@ from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.shadows import MAX_SHADOW_MAPS
+from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, FloatArray
@@ -65,9 +66,7 @@ class LayerPass:
         previous: where the layer before is; None for the first.
         solid_first: take the nearest opaque surface, and one that is partly transparent only where there is no opaque one.
         unlit: base colour for radiance.
-        detail: how many times finer than this pass's pixels the finished picture samples surfaces: 1 for layers; more where
-            many shifted views make one picture.
-        picture_px: side of the finished picture's pixels, in this pass's.
+        sampling: how finely the finished picture samples surfaces.
     """
 
     view: PinholeView
@@ -77,8 +76,7 @@ class LayerPass:
     previous: Slot | None = None
     solid_first: bool = False
     unlit: bool = False
-    detail: float = 1.0
-    picture_px: float = 1.0
+    sampling: SurfaceSampling = PLAIN
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -136,7 +134,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("umbra"), layer.umbra)
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
-            GL.glUniform1f(program.location("detail"), layer.detail)
+            GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             self._draw(draw, program, view.camera_from_world, clip)
         layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
@@ -146,8 +144,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUseProgram(program._program_id)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
-            GL.glUniform1f(program.location("detail"), layer.detail)
-            GL.glUniform1f(program.location("picture_px"), layer.picture_px)
+            GL.glUniform1f(program.location("detail"), layer.sampling.detail)
+            GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
+            GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
+            GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
             self._draw(draw, program, view.camera_from_world, clip)
         GL.glColorMask(True, True, True, True)
         self._end()

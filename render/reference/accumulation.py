@@ -14,9 +14,10 @@ import numpy as np
 
 from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
+from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.sampling import lens_samples
-from render.optics.thin_lens import pupil_radius_m
+from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.scene import Camera, DoubleArray, FloatArray
 
@@ -26,6 +27,13 @@ def accumulated_rays(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
     samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
     pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
     return np.concatenate([pupil, samples.pixel[0]], axis=1)
+
+
+def accumulated_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
+    """How finely the views sample surfaces, as the layers do that they are compared with: the views' offsets sample between the
+    pixels, and each view stands for its share of the pupil."""
+    patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
+    return SurfaceSampling(supersample, 1.0, patch, (focus_w(camera), 0.0, 0.0))
 
 
 class Accumulator:
@@ -43,7 +51,7 @@ class Accumulator:
         focus_w: float,
         *,
         unlit: bool = False,
-        detail: float = 1.0,
+        sampling: SurfaceSampling = PLAIN,
         on_progress: Callable[[float], None] | None = None,
     ) -> FloatArray:
         """Mean of the views through the lens points.
@@ -54,8 +62,7 @@ class Accumulator:
             lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
             focus_w: inverse depth of the plane of focus, 1/m.
             unlit: take base colour for radiance.
-            detail: look textures up this many times finer than a view's pixels, since the views' offsets sample between them;
-                the supersampling of the picture that it is compared with.
+            sampling: `accumulated_sampling`.
             on_progress: called with the share that is done.
 
         Returns:
@@ -66,7 +73,7 @@ class Accumulator:
         total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         try:
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
-                for group in peeler.groups(view.through(x, y, focus_w, (dx, dy)), unlit=unlit, detail=detail):
+                for group in peeler.groups(view.through(x, y, focus_w, (dx, dy)), unlit=unlit, sampling=sampling):
                     self._composite(group, seen, total, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))

@@ -97,17 +97,33 @@ LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 #endif
 
 #ifdef GRID_LENS
-// Between field points a ray takes one of the four around, as often as it is near: no ray is a blend of two.
-LensRay through_lens(PixelRays rays, vec2 stop, float draw)
+// Between field points a ray is the blend of those of the four around that pass; whether it passes says their blended clearance,
+// which is at most 0 only where one of them passes.
+LensRay through_lens(PixelRays rays, vec2 stop)
 {
     vec2 last = vec2(grid_fields - 1);
     vec2 at = clamp((0.5 + 0.5 * rays.slope / grid_slope) * last, vec2(0.0), last);
-    vec2 draws = fract(draw * vec2(1.0, 61.8033988));
-    ivec2 field = min(ivec2(floor(at + draws)), grid_fields - 1);
-    vec3 place = vec3(0.5 + 0.5 * stop * GRID_INSET, float(field.y * grid_fields.x + field.x));
-    vec4 found = textureLod(grid_rays, place, 0.0);
-    vec2 light = textureLod(grid_light, place, 0.0).xy;
-    return LensRay(found.xy, found.zw, light.y > 0.0 ? 0.0 : light.x);
+    ivec2 low = min(ivec2(at), grid_fields - 2);
+    vec2 part = at - vec2(low);
+    LensRay blend = LensRay(vec2(0.0), vec2(0.0), 0.0);
+    float clearance = 0.0, passing = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 step = ivec2(i & 1, i >> 1);
+        vec2 near = mix(1.0 - part, part, vec2(step));
+        float share = near.x * near.y;
+        ivec2 field = low + step;
+        vec3 place = vec3(0.5 + 0.5 * stop * GRID_INSET, float(field.y * grid_fields.x + field.x));
+        vec2 light = textureLod(grid_light, place, 0.0).xy;
+        clearance += share * light.y;
+        if (light.y > 0.0) continue;
+        vec4 found = textureLod(grid_rays, place, 0.0);
+        blend.a += share * found.xy;
+        blend.b += share * found.zw;
+        blend.weight += share * light.x;
+        passing += share;
+    }
+    if (clearance > 0.0 || passing == 0.0) return LensRay(vec2(0.0), vec2(0.0), 0.0);
+    return LensRay(blend.a / passing, blend.b / passing, blend.weight / passing);
 }
 #endif
 
@@ -125,7 +141,7 @@ LensRay lens_ray(PixelRays rays, int i)
 #if defined(POLYNOMIAL_LENS)
     LensRay ray = through_lens(rays, stop, disc);
 #elif defined(GRID_LENS)
-    LensRay ray = through_lens(rays, stop, fract(base.pupil.x + 0.37 * base.pixel.x + rays.shift.z));
+    LensRay ray = through_lens(rays, stop);
 #else
     LensRay ray = LensRay(vec2(0.0), pupil_m * stop, 1.0);
 #endif

@@ -31,6 +31,8 @@ layout(std140, binding = 1) uniform MaterialBlock {
 
 uniform float detail;      // how many times finer than this pass's pixels the finished picture samples the surface
 uniform float picture_px;  // side of the finished picture's pixels, in this pass's
+uniform float patch_px_m;  // side of what one ray stands for, for each 1/m of w from the plane of focus (surface_sampling.py)
+uniform vec3 focus;        // w of that plane at the pass's corner and its change along x and y
 
 #ifdef HAS_BASE_COLOR
 uniform sampler2D base_color_map;
@@ -63,10 +65,17 @@ vec2 lookup_uv(Lookup l, vec2 uv)
     return vec2(dot(l.rows[0].xyz, st), dot(l.rows[1].xyz, st));
 }
 
-vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
+vec4 lookup(Lookup l, sampler2D map, vec2 uv, float bias)
 {
     vec2 st = lookup_uv(l, uv);
-    return texture(map, vec2(st.x, 1.0 - st.y), -log2(detail)) * l.rows[2] + l.rows[3];  // images have row 0 at the top
+    return texture(map, vec2(st.x, 1.0 - st.y), bias) * l.rows[2] + l.rows[3];  // images have row 0 at the top
+}
+
+// Over what one ray of the finished picture stands for, around this pixel.
+vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
+{
+    float patch_px = patch_px_m * (gl_FragCoord.w - focus.x - dot(focus.yz, gl_FragCoord.xy));
+    return lookup(l, map, uv, 0.5 * log2(patch_px * patch_px + 1.0 / (detail * detail)));
 }
 
 float lookup_scalar(Lookup l, sampler2D map, vec2 uv)
@@ -130,7 +139,8 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     specular = lookup_color(material.lookups[LOOKUP_SPECULAR], specular_map, uv).rgb;
 #endif
 #ifdef HAS_OPACITY
-    s.opacity = lookup_scalar(material.lookups[LOOKUP_OPACITY], opacity_map, uv);
+    Lookup cut_out = material.lookups[LOOKUP_OPACITY];  // keeps its edges
+    s.opacity = lookup(cut_out, opacity_map, uv, -log2(detail))[int(cut_out.rows[0].w)];
 #endif
 #ifdef HAS_OCCLUSION
     s.occlusion = lookup_scalar(material.lookups[LOOKUP_OCCLUSION], occlusion_map, uv);
@@ -161,5 +171,6 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
 #endif
     s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // 0 would have highlights of no size
+    s.clearcoat_roughness = filtered_roughness(clamp(s.clearcoat_roughness, 0.03, 1.0), s.normal, shortening);
     return s;
 }

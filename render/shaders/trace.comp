@@ -22,7 +22,7 @@ const int ROUNDS = 3;
 #ifdef BOUND_BY_RAYS
 const int SLABS = 4;    // each asks every ray
 #else
-const int SLABS = 16;
+const int SLABS = 8;
 #endif
 
 #if defined(POLYNOMIAL_LENS) || !defined(BOUND_BY_RAYS)

@@ -33,7 +33,7 @@ class Extent:
 
 
 def layer_view(
-    view: PinholeView, bundle: RayBundle, surface: FocalSurface, supersample: int, nearest_w: float
+    view: PinholeView, bundle: RayBundle, surface: FocalSurface, supersample: float, nearest_w: float
 ) -> PinholeView:
     """The view to peel.
 

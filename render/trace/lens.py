@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
+from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
 from render.lens import IrisShape
 from render.optics.distortion import chief_rays
@@ -63,7 +64,7 @@ class LensEngine:
         *,
         wavelengths: int = 3,
         layers: int,
-        supersample: int,
+        supersample: float,
         unlit: bool = False,
         bound_by_rays: bool = False,
         on_progress: Callable[[float], None] | None = None,
@@ -98,7 +99,9 @@ class LensEngine:
         if peeler.is_opaque:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
         umbra = umbra_reach(pupil_px)
-        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, picture_px=wide.fx / view.fx)
+        focus = (surface.w0, surface.slope_x, surface.slope_y)
+        sampling = sampling_of_layers(wide, view, focus, bundle.reach_m, bundle.count)
+        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")
         nbuffers = self._nbuffers.build(peeled)
         on_stage("nbuffers")

@@ -41,7 +41,7 @@ class FrameQuery(Model):
     )
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
-    supersample: int = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
+    supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])
     wavelengths: int = Field(
         default=3,
         ge=1,

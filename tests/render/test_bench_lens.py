@@ -75,7 +75,7 @@ def test_numbers_hang_together(found: LensBench) -> None:
     (scene,) = found.scenes
     assert scene.ratio == pytest.approx(scene.reference_ms / scene.total_ms)
     assert scene.psnr_db > 25  # of posts thinner than the few pixels that there are
-    assert 0.9 < scene.ssim <= 1
+    assert 0.8 < scene.ssim <= 1
     assert 2 <= scene.layers <= 4  # no more can hold anything, where the picture is so small
     few, many = sweeps.layers
     assert (few.peeled, many.peeled) == (1, scene.layers)

@@ -91,9 +91,9 @@ def _looks() -> dict[str, Look]:
         "lit window": Look(
             Material(base_color=(0.02, 0.02, 0.02), roughness=0.6, lookups={"emissive": textured(lit, clamped=True)})
         ),
-        "lamp": Look(Material(base_color=(0, 0, 0), emissive=(3.2, 2.3, 1.3))),
+        "lamp": Look(Material(base_color=(0, 0, 0), emissive=(1.5, 1.1, 0.65))),
         "clock": Look(Material(base_color=(0.1, 0.1, 0.1), emissive=(1.3, 1.05, 0.7))),
-        "bulb": Look(Material(base_color=(0, 0, 0), emissive=(3.6, 2.6, 1.4))),
+        "bulb": Look(Material(base_color=(0, 0, 0), emissive=(1.6, 1.2, 0.7))),
         "leaves": Look(Material(lookups=foliage, roughness=0.7, opacity_threshold=0.5), True),
         "fruit": Look(Material(base_color=(0.75, 0.22, 0.03), roughness=0.5)),
         "squash": Look(Material(base_color=(0.62, 0.42, 0.05), roughness=0.5)),

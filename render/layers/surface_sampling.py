@@ -1,0 +1,64 @@
+"""How finely a picture samples surfaces: what its textures are filtered over.
+
+A ray of many stands for its share of the pupil, so that behind and before the plane of focus it stands for a patch of surface as
+wide as that share's own circle of confusion. Textures are filtered over that patch, as with the differentials of a path (Igehy
+1999, "Tracing ray differentials", section 3): a hundred points of a brick wall that is blurred by thirty pixels are a hatching,
+a hundred patches are its blur. The more rays, the smaller the patches; what many rays converge to is the same. Cut-outs keep
+their edges, and highlights their size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.optics.view import PinholeView
+
+PATCH_SHARE = 0.5
+"""Side of the patch, as a share of the side of a square as large as the ray's share of the pupil; mipmaps filter over more than
+they are asked to."""
+
+
+@dataclass(frozen=True)
+class SurfaceSampling:
+    """How finely the finished picture samples surfaces, in pixels of the pass that draws them.
+
+    Attributes:
+        detail: how many times finer than this pass's pixels: 1 for layers; more where many shifted views make one picture.
+        picture_px: side of the finished picture's pixels.
+        patch_px_m: side of what one ray stands for, for each 1/m of w that a surface is away from the plane of focus.
+        focus: w of that plane at the pass's corner, 1/m, and how it changes from pixel to pixel along x and y.
+    """
+
+    detail: float = 1.0
+    picture_px: float = 1.0
+    patch_px_m: float = 0.0
+    focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+PLAIN = SurfaceSampling()
+"""Of a picture that is drawn once, at its own resolution, from one point."""
+
+
+def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
+    """`SurfaceSampling.patch_px_m` of so many rays through a pupil of this radius; 0 of a single one, which is a pinhole's."""
+    return 0.0 if rays == 1 else PATCH_SHARE * f_px * pupil_m * float(np.sqrt(np.pi / rays))
+
+
+def sampling_of_layers(
+    layers: PinholeView, picture: PinholeView, focus: tuple[float, float, float], pupil_m: float, rays: int
+) -> SurfaceSampling:
+    """How rays sample what is peeled for them.
+
+    Args:
+        layers: what the layers' pixels see.
+        picture: what the picture's pixels see.
+        focus: w of the plane of focus at the picture's corner, 1/m, and its change from pixel to pixel of the picture.
+        pupil_m: radius of the entrance pupil.
+        rays: of each pixel.
+    """
+    scale = layers.fx / picture.fx
+    slopes = focus[1] / scale, focus[2] / scale
+    corner = focus[0] + slopes[0] * (scale * picture.cx - layers.cx) + slopes[1] * (scale * picture.cy - layers.cy)
+    return SurfaceSampling(1.0, scale, patch_px_m(max(layers.fx, layers.fy), pupil_m, rays), (corner, *slopes))

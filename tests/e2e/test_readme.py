@@ -38,11 +38,12 @@ def is_picture(path: Path) -> bool:
 def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     tour = commands("pullfocus")
-    assert {words[1] for words in tour} == {"demo", "inspect", "record", "focus-curve"}
+    assert {words[1] for words in tour} == {"demo", "inspect", "record", "focus-curve", "lenses"}
     for words in tour:
         assert main([*words[1:], *(QUICK if words[1] == "record" else ())]) == 0, shlex.join(words)
-    written = [Path("frame.png"), Path("frame.exr"), *sorted(Path().glob("rack.*.jpg"))]
-    assert [str(path) for path in written[2:]] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]
+    rack = sorted(Path().glob("rack.*.jpg"))
+    written = [*map(Path, ("frame.png", "frame.exr", "planar.png", "swirl.png")), *rack]
+    assert [str(path) for path in rack] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]
     assert all(is_picture(path) for path in written)
     assert Path("focus.csv").read_text().count("\n") == 97
     assert "focusDistance" in Path("focus.usda").read_text()

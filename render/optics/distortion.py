@@ -21,6 +21,7 @@ from render.optics.view import PinholeView
 from render.scene import Camera, DoubleArray
 
 _SAMPLES = 257
+_BISECTIONS = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,19 +30,35 @@ class ChiefRays:
 
     Attributes:
         ideal: ``(n,)`` slopes from 0 that the picture's places stand for, growing.
-        seen: ``(n,)`` slope in object space of what is seen there, growing.
+        seen: ``(n,)`` slope in object space of what is seen there, growing; as without the squeeze.
+        squeeze: what the distortion is narrowed by from side to side (anamorphic).
     """
 
     ideal: DoubleArray
     seen: DoubleArray
+    squeeze: float = 1.0
 
     def seen_at(self, slopes: DoubleArray) -> DoubleArray:
         """What the places ``(..., 2)`` show, as slopes in object space; beyond the last chief ray the distortion stays."""
-        return _radially(slopes, self.ideal, self.seen)
+        return np.asarray(slopes * self._stretch(np.linalg.norm(slopes, axis=-1)))
 
     def shown_at(self, slopes: DoubleArray) -> DoubleArray:
         """Where things at the slopes ``(..., 2)`` in object space are shown."""
-        return _radially(slopes, self.seen, self.ideal)
+        low = np.zeros(np.shape(slopes)[:-1])
+        # where the distortion stays, the height follows at once; else it lies before the last chief ray
+        high = np.linalg.norm(slopes / self._stretch(low + self.ideal[-1]), axis=-1)
+        high = np.where(high < self.ideal[-1], self.ideal[-1], high)
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            is_short = np.linalg.norm(slopes / self._stretch(middle), axis=-1) > middle
+            low, high = np.where(is_short, middle, low), np.where(is_short, high, middle)
+        return np.asarray(slopes / self._stretch((low + high) / 2))
+
+    def _stretch(self, heights: DoubleArray) -> DoubleArray:
+        """``(..., 2)`` what is seen over the place, along x and y, for places of the heights ``(...)``."""
+        inside = np.clip(heights, 1e-9 * self.ideal[-1], self.ideal[-1])
+        ratio = np.interp(inside, self.ideal, self.seen) / inside
+        return np.stack([1 + (ratio - 1) / self.squeeze, ratio], axis=-1)
 
 
 def chief_rays(camera: Camera) -> ChiefRays | None:
@@ -61,7 +78,7 @@ def chief_rays(camera: Camera) -> ChiefRays | None:
     else:
         return None
     seen = np.maximum.accumulate(rays.ideal + scale * (rays.seen - rays.ideal))
-    return ChiefRays(rays.ideal, seen)
+    return ChiefRays(rays.ideal, seen, camera.lens.squeeze)
 
 
 @lru_cache(maxsize=32)
@@ -76,12 +93,6 @@ def _through_thin_lens(errors: SeidelErrors, focal_length_mm: float) -> ChiefRay
     reference_m = focal_length_mm / (2000 * errors.reference_f_stop)
     height = ideal * focal_length_mm / errors.reference_height_mm
     return ChiefRays(ideal, ideal + errors.w311 * height**3 * D_LINE_NM * 1e-9 / reference_m)
-
-
-def _radially(slopes: DoubleArray, start: DoubleArray, end: DoubleArray) -> DoubleArray:
-    height = np.linalg.norm(slopes, axis=-1, keepdims=True)
-    ratio = np.interp(height, start, end) / np.maximum(np.minimum(height, start[-1]), 1e-300)
-    return np.asarray(np.where(height > 0, slopes * ratio, slopes))
 
 
 def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:

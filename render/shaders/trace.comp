@@ -31,8 +31,9 @@ void footprint(PixelRays rays, float w, out vec2 centre, out vec2 radius)
 {
 #ifdef POLYNOMIAL_LENS
     float off = w - rays.w_f;
-    centre = rays.centre + focal_px * (row[BOUND] + row[BOUND + 2] * off) * rays.outward;
-    radius = focal_px * (row[BOUND + 1] + row[BOUND + 3] * abs(off));
+    vec2 px = focal_px * narrowing;
+    centre = rays.centre + px * (row[BOUND] + row[BOUND + 2] * off) * rays.outward;
+    radius = px * (row[BOUND + 1] + row[BOUND + 3] * abs(off));
 #else
     centre = rays.centre;
     radius = abs(focal_px * pupil_m * (w - rays.w_f));

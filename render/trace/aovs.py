@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from render.layers.peel import Peeler
 from render.layers.readback import read_surfaces
+from render.layers.targets import MAX_LAYER_PIXELS
 from render.optics.distortion import ChiefRays
-from render.optics.view import PinholeView
-from render.scene import IntArray
+from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
+from render.scene import DoubleArray, IntArray
+from render.trace.layer_view import MAX_SLOPE
 from render.trace.rays import FocalSurface, RayBundle
 from render.trace.sharpness import sharpness
 
 MEASURED = ("depth", "coc", "focus_depth", "prim_id", "face_id")
+MAX_AREA_RATIO = 8.0
+"""Surfaces are drawn with at most this many times the picture's pixels: a lens that sees further is measured less finely."""
 
 
 def measured(
@@ -52,12 +56,30 @@ def _nearest(
         return read_surfaces(peeler, view)
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     slopes = np.stack([(x - view.cx) / view.fx, (y - view.cy) / view.fy], axis=-1)
-    seen = chief.seen_at(slopes) * [view.fx, view.fy]
+    seen = chief.seen_at(slopes)
+    seen *= MAX_SLOPE / np.maximum(np.hypot(*np.moveaxis(seen, -1, 0)), MAX_SLOPE)[..., None]  # the lens is dark beyond
+    scale = _scale(seen, view)
+    seen *= np.array([view.fx, view.fy]) * scale
     left, top = np.floor(seen.reshape(-1, 2).min(axis=0)).astype(int)
     right, bottom = np.ceil(seen.reshape(-1, 2).max(axis=0)).astype(int)
     # one more pixel of margin on the far sides, for a chief ray that falls on the very edge
-    wide = replace(view, width=int(right - left) + 1, height=int(bottom - top) + 1, cx=float(-left), cy=float(-top))
+    wide = replace(
+        view,
+        width=int(right - left) + 1,
+        height=int(bottom - top) + 1,
+        fx=view.fx * scale,
+        fy=view.fy * scale,
+        cx=float(-left),
+        cy=float(-top),
+    )
     column = (seen[..., 0] - left).astype(int)
     row = (seen[..., 1] - top).astype(int)
     w, prim_id, face_id = read_surfaces(peeler, wide)
     return w[row, column], prim_id[row, column], face_id[row, column]
+
+
+def _scale(seen: DoubleArray, view: PinholeView) -> float:
+    """How fine the surfaces are drawn that lie at the slopes ``(..., 2)``, against the picture's own pixels."""
+    span = np.ptp(seen.reshape(-1, 2), axis=0) * [view.fx, view.fy] + 1
+    most = min(MAX_AREA_RATIO * view.width * view.height, 0.9 * MAX_LAYER_PIXELS)
+    return min(1.0, float(np.sqrt(most / span.prod())), float((MAX_PICTURE_SIDE_PX - 4) / span.max()))

@@ -99,7 +99,8 @@ def _bounds(bundle: RayBundle, slopes: DoubleArray, off_focus: DoubleArray) -> t
 
     far, near = over_wavelengths(0, True), over_wavelengths(0, False)
     pupil = np.maximum(np.abs(over_wavelengths(2, True)), np.abs(over_wavelengths(2, False)))
-    centres = outward * (1 + (far + near) / 2 / np.maximum(inside, 1e-12))[:, None]
+    off = outward * ((far + near) / 2 / np.maximum(inside, 1e-12))[:, None]
+    centres = outward + off * [1 / bundle.squeeze, 1.0]
     radii = (far - near) / 2 + over_wavelengths(1, True) + (pupil + over_wavelengths(3, True)) * off_focus
     return centres, radii
 

@@ -72,11 +72,13 @@ float behind(LensSurface s, vec3 p)
 }
 
 #ifdef HEIGHT_FIELD
-// March through the slab that holds the surface, then halve the step in which the ray goes through it.
+// March through the slab that holds the surface, then halve the step in which the ray goes through it. The sag at the rim is known
+// together with the height there, which lies between the lowest and the highest.
 bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
 {
-    float rim = behind(s, vec3(abs(s.shape.y), 0.0, 0.0)), top = max(0.0, -rim) + s.kind.w, bottom = min(0.0, -rim) + s.kind.z;
+    float rim = behind(s, vec3(abs(s.shape.y), 0.0, 0.0));
     if (abs(rim) >= 1e8) return false;
+    float top = max(0.0, -rim - s.kind.z) + s.kind.w, bottom = min(0.0, -rim - s.kind.w) + s.kind.z;
     float first = (top + 1e-4 - o.z) / d.z, last = (bottom - 1e-4 - o.z) / d.z, step_t = (last - first) / float(MARCH_STEPS);
     float before = first;
     t = first;

@@ -10,7 +10,7 @@ from lens_kit import DOUBLE_GAUSS, SIX_LENSES, TELEPHOTO, WIDE, KnownLens
 
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
-from render.lens import AberrationScales
+from render.lens import AberrationScales, Glass, HeightField, Prescription, Surface
 from render.optics.completion import completed
 from render.optics.focusing import FocusedLens, focused
 from render.optics.glass import D_LINE_NM
@@ -65,6 +65,36 @@ def test_rays_arrive_on_the_film_where_the_float64_tracer_has_them(tracer: Surfa
             lens.prescription.surfaces, lens.vertices_mm, wavelength, origins, directions, toward="film", clip=False
         ).at(lens.film_mm)
         np.testing.assert_allclose(landed, film[is_open], atol=1e-4)
+
+
+def test_rays_meet_heights_up_to_the_rim_whatever_side_is_low(tracer: SurfaceTracer) -> None:
+    """A wedge on the front surface: it stands higher at its thick rim than at the thin one, where the slab is measured."""
+    surfaces = (
+        Surface(30.0, 6.0, Glass(1.5), 8.4),
+        Surface(-200.0, 2.0, semi_diameter_mm=8.4),
+        Surface(0, 0, is_stop=True),
+    )
+    lens = focused(completed(Prescription(surfaces, f_stop=3.2)), FOCUS_M, 3.2)
+    wedge = np.tile(np.linspace(0.2, -0.2, 65), (65, 1))
+    stop = np.stack([np.linspace(-1, 1, 81), np.zeros(81)], axis=1) * lens.stop_radius_mm
+    film = np.zeros_like(stop)
+    traced = tracer.trace(lens, film, stop, (D_LINE_NM,), HeightField(front=wedge))
+    is_open = traced.passed[0] & (traced.front[0] <= 0)
+    assert is_open.sum() > 70
+    slope, pupil = traced.slope[0][is_open], traced.pupil_mm[0][is_open]
+    origins = np.column_stack([pupil - slope * -50.0, np.full(len(pupil), lens.entrance_pupil_mm - 50.0)])
+    directions = np.column_stack([-slope, np.ones(len(slope))])
+    landed = trace_slowly(
+        lens.prescription.surfaces,
+        lens.vertices_mm,
+        D_LINE_NM,
+        origins,
+        directions / np.linalg.norm(directions, axis=1, keepdims=True),
+        toward="film",
+        clip=False,
+        heights=[wedge, None, None],
+    ).at(lens.film_mm)
+    np.testing.assert_allclose(landed, film[is_open], atol=2e-3)
 
 
 def test_rays_pass_the_stop_where_they_were_aimed(tracer: SurfaceTracer) -> None:

@@ -41,7 +41,8 @@ def add_parser(commands: Any) -> None:
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
-    show.add_argument("--json", action="store_true", help="print it for programs")
+    # Without a default: what was asked for before `show` stays asked for.
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
 
 
 def run_list(arguments: argparse.Namespace) -> None:

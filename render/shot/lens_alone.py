@@ -19,6 +19,7 @@ from render.shot.lens_choice import is_lens_file, library_entry
 from render.stage.lenses import iris_of, lens_of
 
 FULL_FRAME_MM = (36.0, 24.0)
+_NEAREST_M, _FARTHEST_M = 1e-6, 1e9  # nearer is as good as 0, farther is infinity
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class LensAlone:
 
         Args:
             f_stop: None leaves it wide open.
-            focus_distance_m: None or infinity leaves it at infinity.
+            focus_distance_m: None, infinity and what is as good as that leave it at infinity.
             gate_mm: width and height of the film gate.
 
         Raises:
@@ -54,14 +55,15 @@ class LensAlone:
             raise SettingsError(f"an f-number must be above 0, got {f_stop:g}")
         if f_stop is not None and self.f_stop == 0:
             raise SettingsError(f"{self.title} is a pinhole: it has no f-number to set, got {f_stop:g}")
-        if focus_distance_m is not None and not focus_distance_m > 0:
-            raise SettingsError(f"a focus distance must be above 0 m, got {focus_distance_m:g}")
+        distance_m = math.inf if focus_distance_m is None else focus_distance_m
+        if not distance_m >= _NEAREST_M:
+            raise SettingsError(f"a focus distance must be above 0 m, got {distance_m:g}")
         if not all(0.1 <= side <= 1000 for side in gate_mm):
             raise SettingsError(f"a film gate's sides must be from 0.1 to 1000 mm, got {gate_mm[0]:g} x {gate_mm[1]:g}")
         return replace(
             self.camera,
             f_stop=self.camera.f_stop if f_stop is None else f_stop,
-            focus_distance_m=focus_distance_m or math.inf,
+            focus_distance_m=distance_m if distance_m <= _FARTHEST_M else math.inf,
             horizontal_aperture_mm=gate_mm[0],
             vertical_aperture_mm=gate_mm[1],
         )

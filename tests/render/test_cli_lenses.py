@@ -74,6 +74,18 @@ def test_the_gate_decides_the_field(pullfocus: Command) -> None:
     assert cropped["cornerIllumination"] > whole["cornerIllumination"]
 
 
+def test_json_is_asked_for_before_or_after_the_action(pullfocus: Command) -> None:
+    assert json.loads(pullfocus("lenses", "--json", "show", "thin_50").out) == shown(pullfocus, "thin_50")
+
+
+@pytest.mark.filterwarnings("error")
+def test_focus_farther_than_anything_is_infinity_and_nearer_is_refused(pullfocus: Command) -> None:
+    assert shown(pullfocus, "thin_50", "--focus", "1e300") == shown(pullfocus, "thin_50")
+    ended = pullfocus("lenses", "show", "planar_50", "--focus", "1e-320")
+    assert (ended.status, ended.err.count("\n")) == (2, 1)
+    assert "a focus distance must be above 0 m" in ended.err
+
+
 def test_a_lens_file_is_shown_as_one_of_the_library_is(pullfocus: Command, tmp_path: Path) -> None:
     file = tmp_path / "achromat.seq"
     file.write_text(FILES["achromat.seq"])

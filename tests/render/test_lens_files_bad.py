@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -105,6 +106,19 @@ def test_a_wrong_line_of_a_zemax_file(old: str, new: str, expected: str) -> None
 def test_a_wrong_command_of_a_code_v_file(old: str, new: str, expected: str) -> None:
     assert old in ACHROMAT_SEQ
     _refused("wrong.seq", ACHROMAT_SEQ.replace(old, new, 1), expected)
+
+
+@pytest.mark.parametrize(("until", "surface"), [("DIAM 9 1 0 0 1", 1), ("SURF 3", 2), ("SURF 4", 3), ("SURF 7", 6)])
+def test_a_zemax_file_that_is_cut_off_before_its_image(until: str, surface: int) -> None:
+    cut = TRIPLET_ZMX[: TRIPLET_ZMX.index(until)]
+    expected = "expected SURF sections" if surface == 1 else f"surface {surface}: the last one must be the image"
+    _refused("cut.zmx", cut, expected)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path) -> None:
+    os.mkfifo(tmp_path / "pipe.dat")
+    with pytest.raises(InputError, match="cannot be read: it is no file with an end"):
+        read_lens_file(tmp_path / "pipe.dat")
 
 
 def test_a_tilt_of_nothing_is_none() -> None:

@@ -41,6 +41,8 @@ def read_lens_file(path: str | Path) -> Prescription:
     """
     path = Path(path)
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise ValueError("it is no file with an end, such as a pipe or a device")
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:

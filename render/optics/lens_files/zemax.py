@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from render.errors import InputError
-from render.lens import Glass, Prescription
+from render.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText
@@ -95,7 +95,10 @@ class _Reader:
         if len(self._surfaces) < 3:
             got = f"got {len(self._surfaces)}"
             raise self._text.error(f"expected SURF sections for the object, at least one surface and the image, {got}")
-        draft = self._draft
+        draft, image = self._draft, self._surfaces[-1]
+        if image.glass != AIR or image.thickness:
+            why = "the last one must be the image, without glass or thickness: the file is cut off"
+            raise self._error(image, why, len(self._text.lines))
         draft.surfaces = self._surfaces[1:-1]
         if not self._object_is_far:
             draft.surfaces[-1].thickness = 0.0

@@ -86,6 +86,8 @@ def run(arguments: argparse.Namespace) -> None:
     target = None if arguments.json in (None, "-") else Path(arguments.json)
     if target is not None and not target.parent.is_dir():
         raise OutputError(f"--json: there is no folder {target.parent} to write {target.name} in", path=str(target))
+    if target is not None and target.is_dir():
+        raise OutputError(f"--json: {target} is a folder, expected a file to write", path=str(target))
     scenes = SCENES if arguments.scene is None else {arguments.scene: SCENES[arguments.scene]}
     found = measure(scenes, plan, _say)
     text = json.dumps(asdict(found), indent=2, allow_nan=False) + "\n"

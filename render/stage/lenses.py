@@ -85,6 +85,8 @@ def iris_of(data: ApertureData, camera: str, confined_to: Path | None = None) ->
     weights = data.radial_weights
     if weights and not (all(0 <= weight < math.inf for weight in weights) and max(weights) > 0):
         raise _error(camera, "aperture:radialWeights", "0 or more, and one of them above 0", f"{_shown(weights)}")
+    if not math.isfinite(data.rotation):
+        raise _error(camera, "aperture:rotation", "a finite number", f"{data.rotation:g}")
     mask = _plane(data.mask, "aperture:mask", camera, confined_to)
     if mask is not None and not (mask.min() >= 0 and mask.max() > 0):
         raise _error(camera, "aperture:mask", "an image of 0 or more that lets light through somewhere", data.mask.path)

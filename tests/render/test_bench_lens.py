@@ -189,6 +189,7 @@ def test_arguments_change_the_plan() -> None:
             1,
             "there is no folder no such folder to write bench.json in",
         ),
+        (("lens", "--json", "."), 1, "--json: . is a folder, expected a file to write"),
         (("lens", "--rays"), 2, "--rays"),
         ((), 2, "BENCH"),
         (("coffee",), 2, "coffee"),

@@ -21,6 +21,7 @@ from render.scene import Camera
 from render.shot.findings import camera_findings
 from render.stage import read_camera
 from render.stage.lens_data import lens_data
+from render.stage.lenses import iris_of
 from render.stage.planes import turned
 from usd_schemas import (
     AberrationScales,
@@ -221,6 +222,12 @@ def test_a_lens_that_cannot_be_is_named(stage: Usd.Stage, camera: LensCamera, da
     camera.lens.author(data)
     with pytest.raises(CameraError, match=expected):
         _read(stage)
+
+
+@pytest.mark.parametrize("rotation", [float("inf"), float("nan")])
+def test_an_iris_that_is_turned_by_no_number_is_refused(rotation: float) -> None:
+    with pytest.raises(CameraError, match=r"aperture:rotation of camera /cam must be a finite number"):
+        iris_of(ApertureData(blades=6, rotation=rotation), "/cam")
 
 
 def test_masks_that_cannot_be_used_are_named(stage: Usd.Stage, camera: LensCamera, tmp_path: Path) -> None:

@@ -227,6 +227,8 @@ class Peeler:
             self._renderer.draw_layer(layer)
         finally:
             GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
+        # Mesa 22's rasteriser takes a query's result for ready, and its memory for its own, while large scenes are still drawn
+        self._ctx.finish()
         passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
         GL.glDeleteQueries(1, [name])
         return passed != 0

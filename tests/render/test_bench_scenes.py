@@ -53,7 +53,7 @@ def test_nearest_and_farthest_surfaces_blur_widely(built: tuple[str, Scene, Came
     assert -MOST_BLUR_PX < blur_px.min() < near < -LEAST_BLUR_PX
     assert LEAST_BLUR_PX < far < blur_px.max() < MOST_BLUR_PX
     assert np.mean(np.abs(blur_px) < 2) > 0.05  # something is sharp
-    assert frame.color[..., :3].max() < 5  # bulbs shine, and none outweighs the picture
+    assert frame.color[..., :3].max() < 5  # lanterns shine, and none outweighs the picture
 
 
 def test_scene_is_the_same_each_time() -> None:

@@ -50,11 +50,12 @@ def town() -> tuple[Scene, Camera]:
     _market(made)
     _foreground(made)
     lights = (
-        sun((3.4, 2.9, 2.2), (-0.42, -0.76, -0.50), "/Town/sun"),
-        *lamp_lights(_LAMPS + np.array([0, 2.92, 0]), (30.0, 20.0, 10.0), 0.13, "/Town/lamps/light"),
+        sun((0.8, 0.75, 0.75), (-0.42, -0.76, -0.50), "/Town/sun"),
+        *lamp_lights(_LAMPS + np.array([0, 2.92, 0]), (13.0, 8.5, 4.2), 0.2, "/Town/lamps/light"),
+        *lamp_lights(_lanterns(), (6.0, 3.6, 1.6), 0.2, "/Town/strings/light"),
     )
     sky = textures.evening_sky((0.40, 0.55, 0.80), (0.96, 0.80, 0.66), (0.36, 0.33, 0.30), 11)
-    dome = Dome((0.75, 0.75, 0.75), np.eye(4), sky, path="/Town/sky")
+    dome = Dome((0.4, 0.4, 0.44), np.eye(4), sky, path="/Town/sky")
     return made.scene(lights, dome), bench_camera((0.9, 2.7, 0.0), (-0.25, 2.35, -12.0), _FOCUS_M, "/Town/camera")
 
 
@@ -64,7 +65,7 @@ def _looks() -> dict[str, Look]:
 
     leaves = textures.leaf_card((0.36, 0.52, 0.20), 8)
     foliage = {"base_color": textured(leaves, clamped=True), "opacity": textured(leaves, clamped=True, channel=3)}
-    lit = textures.lit_window((1.0, 0.74, 0.42), 9)
+    lit = textures.lit_window((0.45, 0.33, 0.2), 9)
     return {
         "brick": wall(textures.bricks((0.60, 0.30, 0.22), (0.66, 0.62, 0.55), 1), 1.9),
         "ochre": wall(textures.plaster((0.86, 0.66, 0.40), 2), 4.0),
@@ -91,10 +92,11 @@ def _looks() -> dict[str, Look]:
         "lit window": Look(
             Material(base_color=(0.02, 0.02, 0.02), roughness=0.6, lookups={"emissive": textured(lit, clamped=True)})
         ),
-        "lamp": Look(Material(base_color=(0, 0, 0), emissive=(1.5, 1.1, 0.65))),
-        "clock": Look(Material(base_color=(0.1, 0.1, 0.1), emissive=(1.3, 1.05, 0.7))),
-        "bulb": Look(Material(base_color=(0, 0, 0), emissive=(1.6, 1.2, 0.7))),
+        "lamp": Look(Material(base_color=(0, 0, 0), emissive=(0.5, 0.36, 0.2))),
+        "clock": Look(Material(base_color=(0.1, 0.1, 0.1), emissive=(0.4, 0.33, 0.22))),
+        "lantern": Look(Material(base_color=(0, 0, 0), emissive=(0.55, 0.36, 0.18))),
         "leaves": Look(Material(lookups=foliage, roughness=0.7, opacity_threshold=0.5), True),
+        "hedge": Look(Material(base_color=(0.10, 0.16, 0.05), roughness=0.9)),
         "fruit": Look(Material(base_color=(0.75, 0.22, 0.03), roughness=0.5)),
         "squash": Look(Material(base_color=(0.62, 0.42, 0.05), roughness=0.5)),
     }
@@ -186,7 +188,7 @@ def _pine_cone(radius_m: float, height_m: float) -> Mesh:
     t = np.linspace(0, 1, 14)
     girth = radius_m * np.sin(np.pi * (0.12 + 0.88 * t)) ** 0.8
     parts = [lathe(np.stack([0.86 * girth, height_m * t], axis=1), 20)]
-    scale = ball(0.24 * radius_m, 8, 6).scaled(1, 1.2, 0.6)
+    scale = ball(0.24 * radius_m, 9, 7).scaled(1, 1.2, 0.6)
     for k in range(130):
         v = (k + 0.5) / 130
         turn = k * 137.50776
@@ -202,26 +204,30 @@ def _lamps(made: Assembly) -> None:
     post = lathe(
         [[0.16, 0.0], [0.17, 0.12], [0.08, 0.3], [0.055, 0.6], [0.045, 2.6], [0.09, 2.66], [0.03, 2.74], [0, 2.75]], 12
     )
-    cage = [
-        tube([[0.15 * np.sin(a), 2.74, 0.15 * np.cos(a)], [0.2 * np.sin(a), 3.12, 0.2 * np.cos(a)]], 0.014, 5)
-        for a in np.arange(6) * np.pi / 3
-    ]
     cap = lathe([[0.24, 3.1], [0.22, 3.16], [0.08, 3.3], [0.03, 3.42], [0, 3.43]], 12)
-    made.add_instances("iron", merge([post, cap, *cage]), poses_at(_LAMPS), "/Town/lamps")
-    made.add_instances("lamp", ball(0.13, 14, 10).at(0, 2.92, 0), poses_at(_LAMPS), "/Town/lamps")
+    made.add_instances("iron", merge([post, cap]), poses_at(_LAMPS), "/Town/lamps")
+    made.add_instances("lamp", ball(0.2, 20, 14).at(0, 2.93, 0), poses_at(_LAMPS), "/Town/lamps")
+
+
+_STRINGS = ((-5.6, 4.4), (-13.0, 4.6))
+
+
+def _hanging(x: DoubleArray, height: float) -> DoubleArray:
+    return height - 1.0 * (1 - (x / 4.2) ** 2)
+
+
+def _lanterns() -> DoubleArray:
+    x = np.linspace(-3.6, 3.6, 6)
+    return np.concatenate([np.stack([x, _hanging(x, h) - 0.24, np.full_like(x, z)], axis=1) for z, h in _STRINGS])
 
 
 def _strings(made: Assembly) -> None:
-    """Strings of bulbs across the street, each hanging in a parabola; no farther away than a bulb is some pixels wide, since of
-    a hundred rays a matter of chance find a smaller one, in the reference as in the picture that is held against it."""
-    wires, places = [], []
-    for z, height in ((-5.6, 4.4), (-13.0, 4.6)):
-        x = np.linspace(-4.2, 4.2, 15)
-        y = height - 1.0 * (1 - (x / 4.2) ** 2)
-        wires.append(tube(np.stack([x, y, np.full_like(x, z)], axis=1), 0.018, 5))
-        places += [[x[i], y[i] - 0.1, z] for i in range(1, 14)]
+    """Strings of paper lanterns across the street, each hanging in a parabola; no farther away than a lantern is some pixels
+    wide, since of a hundred rays a matter of chance find a smaller one, in the reference as in the picture against it."""
+    x = np.linspace(-4.2, 4.2, 15)
+    wires = [tube(np.stack([x, _hanging(x, h), np.full_like(x, z)], axis=1), 0.018, 5) for z, h in _STRINGS]
     made.add("iron", merge(wires), "/Town/strings")
-    made.add_instances("bulb", ball(0.085, 24, 16), poses_at(np.array(places)), "/Town/strings")
+    made.add_instances("lantern", ball(0.2, 24, 16), poses_at(_lanterns()), "/Town/strings")
 
 
 def _trees(made: Assembly) -> None:
@@ -240,6 +246,7 @@ def _trees(made: Assembly) -> None:
     sizes = np.array([0.85, 0.95, 1.0, 1.05, 1.0, 1.8, 2.0])
     made.add_instances("wood", trunk(2.4, 0.13, 3), poses_at(places, turns, sizes), "/Town/trees")
     made.add_instances("leaves", crown(1.35, 420, 0.75, 5).at(0, 3.3, 0), poses_at(places, turns, sizes), "/Town/trees")
+    made.add_instances("hedge", ball(1.15, 24, 16).at(0, 3.3, 0), poses_at(places, turns, sizes), "/Town/trees")
 
 
 def _market(made: Assembly) -> None:

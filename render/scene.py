@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from render.focal_surface import FocalSurface
 from render.lens import THIN_LENS, IrisShape, Lens
 
 FloatArray = NDArray[np.float32]
@@ -226,6 +227,7 @@ class Camera:
         exposure_scale: what UsdGeomCamera's exposure attributes multiply radiance by.
         iris: the shape of the opening.
         lens: the glass.
+        focal_surface: where the focus lies over the picture, in place of the plane at the focus distance; None for that plane.
         shutter_open: in frames relative to the time, as in USD.
         shutter_close: likewise.
         breathing: whether the physical image distance sets the field of view.
@@ -245,6 +247,7 @@ class Camera:
     exposure_scale: float = 1.0
     iris: IrisShape = field(default_factory=IrisShape)
     lens: Lens = THIN_LENS
+    focal_surface: FocalSurface | None = None
     shutter_open: float = 0.0
     shutter_close: float = 0.0
     breathing: bool = False

@@ -7,10 +7,10 @@ python -m render.bench.lens --json -      the same where only numpy, pyrender an
 from __future__ import annotations
 
 import argparse
-import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -26,10 +26,11 @@ from render.bench.measure import (
     surfaces_sweep,
 )
 from render.bench.plan import PICTURE, SWEPT, Plan, add_arguments, asked_plan
-from render.bench.results import LensBench, Sweeps
+from render.bench.results import LensBench, Sweeps, as_json
 from render.bench.rig import LensRig
 from render.bench.text import report
 from render.errors import OutputError, PullfocusError, SettingsError
+from render.files import write_atomic
 from render.reference.bench_scenes import SCENES
 
 Row = TypeVar("Row")
@@ -82,21 +83,15 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: the file cannot be written.
     """
-    plan = asked_plan(arguments)
-    target = None if arguments.json in (None, "-") else Path(arguments.json)
-    if target is not None and not target.parent.is_dir():
-        raise OutputError(f"--json: there is no folder {target.parent} to write {target.name} in", path=str(target))
-    if target is not None and target.is_dir():
-        raise OutputError(f"--json: {target} is a folder, expected a file to write", path=str(target))
+    plan, target = asked_plan(arguments), _asked_file(arguments.json)
     scenes = SCENES if arguments.scene is None else {arguments.scene: SCENES[arguments.scene]}
     found = measure(scenes, plan, _say)
-    text = json.dumps(asdict(found), indent=2, allow_nan=False) + "\n"
-    sys.stdout.write(text if arguments.json == "-" else report(found))
-    if target is not None:
-        try:
-            target.write_text(text)
-        except OSError as error:
-            raise OutputError(f"--json: {target} cannot be written: {error.strerror}", path=str(target)) from error
+    text = as_json(found)
+    try:
+        if target is not None:
+            write_atomic(target, text.encode())
+    finally:  # what took minutes to measure is told either way
+        sys.stdout.write(text if arguments.json == "-" else report(found))
 
 
 def main() -> int:
@@ -109,6 +104,21 @@ def main() -> int:
         _say(f"{parser.prog}: {error.detail}")
         return 2 if isinstance(error, SettingsError) else 1
     return 0
+
+
+def _asked_file(typed: str | None) -> Path | None:
+    """Where the JSON goes; that no file can be written there is said before anything is measured."""
+    if typed is None or typed == "-":
+        return None
+    target = Path(typed)
+    if not target.parent.is_dir():
+        raise OutputError(f"--json: there is no folder {target.parent} to write {target.name} in", path=str(target))
+    if target.exists() and not target.is_file():
+        what = "a folder" if target.is_dir() else "a device or a pipe"
+        raise OutputError(f"--json: {target} is {what}, expected a file to write", path=str(target))
+    if not os.access(target.parent, os.W_OK):
+        raise OutputError(f"--json: writing in the folder {target.parent} is not allowed", path=str(target))
+    return target
 
 
 def _sweep(of: Subject, plan: Plan, say: Callable[[str], None]) -> Sweeps:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from render.bench.clock import Spent
 from render.bench.rig import Traced
@@ -195,6 +198,19 @@ class LensBench:
     sweeps: Sweeps
     layers_mb_1024x768: float
     goals: list[Goal] = field(default_factory=list)
+
+
+def as_json(bench: LensBench) -> str:
+    """All of it for programs; null stands for what is infinite, such as the PSNR of equal pictures, or no number."""
+    return json.dumps(_finite(asdict(bench)), indent=2, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def times(traced: Traced) -> tuple[Times, Times]:

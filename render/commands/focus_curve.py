@@ -10,9 +10,9 @@ from typing import Any
 
 from render.commands import arguments as shared
 from render.errors import CameraError, SettingsError
+from render.files import write_atomic
 from render.focus import curve_to_csv, curve_to_json
 from render.frame_spec import every_frame, parse_frames
-from render.output import write_atomic
 from render.shot import Shot
 
 FORMATS = ("json", "csv", "usda")

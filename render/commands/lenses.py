@@ -15,8 +15,8 @@ from rich.table import Table
 from render.commands.lens_numbers import as_json, as_table
 from render.commands.report import print_json, say
 from render.errors import NotFoundError, OutputError, SettingsError
+from render.files import write_atomic
 from render.optics.report import lens_report
-from render.output import write_atomic
 from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from usd_schemas import library_lenses
 

@@ -1,21 +1,14 @@
-"""Files that are either there and whole, or not there."""
+"""Frames as files that are either there and whole, or not there."""
 
 from __future__ import annotations
 
-import contextlib
-import errno
 import os
-import uuid
-from pathlib import Path
 
-from render.errors import OutputError
+from render.files import write_atomic
 from render.output.encode import FrameArrays, encode
 from render.output.formats import format_of
 from render.output.metadata import FrameMetadata
 from render.scene import FloatArray
-
-_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
-_NOT_ALLOWED = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
 
 
 def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> None:
@@ -32,49 +25,3 @@ def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatA
         OutputError: the file cannot be written; what was there before is still there.
     """
     write_atomic(path, encode(format_of(path), frame, graded, metadata))
-
-
-def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file beside its place, then rename it there: nobody ever sees half of it.
-
-    Args:
-        path: the file. Its folder must exist; a file that is there is replaced.
-        content: all of its bytes.
-
-    Raises:
-        OutputError: the file cannot be written; what was there before is still there.
-    """
-    target = Path(path)
-    beside = target.with_name(f".{target.name[:100]}.{uuid.uuid4().hex}.part")
-    try:
-        if target.is_dir():
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        try:
-            _write_through(beside, content)
-            os.replace(beside, target)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                beside.unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise _explained(error, target) from error
-
-
-def _write_through(path: Path, content: bytes) -> None:
-    """Write a new file and wait until the disk has it: a full network disk may say so only then."""
-    with path.open("xb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _explained(error: OSError, target: Path) -> OutputError:
-    if error.errno in _NO_ROOM:
-        code, reason = "disk_full", f"the disk is full ({error.strerror})"
-    elif error.errno in _NOT_ALLOWED:
-        code, reason = "not_allowed", f"writing in the folder {target.parent} is not allowed ({error.strerror})"
-    elif error.errno in (errno.ENOENT, errno.ENOTDIR):
-        code, reason = "missing_folder", f"the folder {target.parent} does not exist"
-    else:
-        code, reason = "output", error.strerror or str(error)
-    return OutputError(f"cannot write {target}: {reason}", code=code, path=str(target))

@@ -14,7 +14,7 @@ from typing import Any
 from pxr import Sdf, Tf, Usd
 
 from render.errors import SettingsError, StageError
-from render.output import write_atomic
+from render.files import write_atomic
 from render.shot.own_files import check_not_own
 from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
+import os
 import subprocess
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,7 +20,17 @@ from render.bench.goals import judged
 from render.bench.lens import measure
 from render.bench.lenses import ABBE, bench_lenses
 from render.bench.plan import PICTURE, SWEPT, Plan, add_arguments, asked_plan, quick_plan
-from render.bench.results import Goal, LayersRow, LensBench, ReferenceTimes, SceneRow, SurfacesRow, Sweeps, Times
+from render.bench.results import (
+    Goal,
+    LayersRow,
+    LensBench,
+    ReferenceTimes,
+    SceneRow,
+    SurfacesRow,
+    Sweeps,
+    Times,
+    as_json,
+)
 from render.bench.text import report
 from render.optics.completion import completed
 from render.optics.paraxial import first_order
@@ -48,7 +61,7 @@ def found() -> LensBench:
 
 @pytest.mark.gl
 def test_json_has_the_shape_that_programs_read(found: LensBench) -> None:
-    table: dict[str, Any] = json.loads(json.dumps(asdict(found), allow_nan=False))
+    table: dict[str, Any] = json.loads(as_json(found))
     assert table["device"]
     (scene,) = table["scenes"]
     assert set(scene) >= SCENE_KEYS
@@ -125,12 +138,15 @@ def test_lenses_are_those_of_the_library() -> None:
         assert {s.glass.abbe for s in dispersing.surfaces if s.glass.index > 1} == {ABBE}
 
 
-def test_goals_say_what_holds() -> None:
-    times = Times(1, 1, 2, 4)
+def hall(psnr_db: float = 44.0) -> SceneRow:
     faster = ReferenceTimes(1, 1, 2, 4, reference_ms=24, ratio=6)
-    scene = SceneRow(
-        **vars(faster), name="hall", triangles=1, psnr_db=44.0, ssim=0.996, layers=4, layers_mb=9, cpu=faster
+    return SceneRow(
+        **vars(faster), name="hall", triangles=1, psnr_db=psnr_db, ssim=0.996, layers=4, layers_mb=9, cpu=faster
     )
+
+
+def test_goals_say_what_holds() -> None:
+    times, scene = Times(1, 1, 2, 4), hall()
     layers = [
         LayersRow(1, 1, trace_ms, 2 + trace_ms, layers=count, peeled=count, psnr_db=45, ssim=1, cpu=times)
         for count, trace_ms in ((4, 60.0), (8, 90.0))
@@ -156,6 +172,39 @@ def test_goals_say_what_holds() -> None:
     on_gpu = judged(replace(bench, software=False))
     assert on_gpu[0] == Goal("hall: times faster than the reference, at least", 15.0, 6, False)
     assert "FAIL  hall: PSNR in dB, at least 45: 44" in report(replace(bench, goals=judged(bench)))
+
+
+@pytest.mark.parametrize("psnr_db", [float("inf"), float("nan")])
+def test_what_is_no_number_is_null_and_the_rest_is_kept(
+    psnr_db: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Pictures that are equal have an infinite PSNR: no reason to lose what took minutes to measure."""
+    found = LensBench("a device", True, 80, 60, 16, 2, [hall(psnr_db)], Sweeps("hall", [], [], [], []), 60.6)
+    monkeypatch.setattr("render.bench.lens.measure", lambda *_: found)
+    (tmp_path / "bench.json").write_text("old")
+    ended = Command(capsys)("bench", "lens", "--json", tmp_path / "bench.json")
+    assert ended.status == 0
+    assert "hall" in ended.out
+    assert [path.name for path in tmp_path.iterdir()] == ["bench.json"]
+    scene = json.loads((tmp_path / "bench.json").read_text())["scenes"][0]
+    assert (scene["psnr_db"], scene["ssim"], scene["cpu"]["ratio"]) == (None, 0.996, 6)
+
+
+def test_json_that_cannot_be_written_leaves_what_was_there_and_the_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    found = LensBench("a device", True, 80, 60, 16, 2, [hall()], Sweeps("hall", [], [], [], []), 60.6)
+    monkeypatch.setattr("render.bench.lens.measure", lambda *_: found)
+    monkeypatch.setattr(os, "fsync", full)
+    (tmp_path / "bench.json").write_text("old")
+    ended = Command(capsys)("bench", "lens", "--json", tmp_path / "bench.json")
+    assert ended.status == 1
+    assert "the disk is full" in ended.err
+    assert "hall" in ended.out
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
 
 
 def test_whole_plan_is_what_the_goals_are_set_for() -> None:
@@ -190,6 +239,7 @@ def test_arguments_change_the_plan() -> None:
             "there is no folder no such folder to write bench.json in",
         ),
         (("lens", "--json", "."), 1, "--json: . is a folder, expected a file to write"),
+        (("lens", "--json", "/dev/null"), 1, "--json: /dev/null is a device or a pipe, expected a file to write"),
         (("lens", "--rays"), 2, "--rays"),
         ((), 2, "BENCH"),
         (("coffee",), 2, "coffee"),

@@ -16,8 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import OutputError, SettingsError
+from render.files import write_atomic
 from render.film import Grade
-from render.output import FrameMetadata, encode, format_of, write_atomic, write_frame
+from render.output import FrameMetadata, encode, format_of, write_frame
 from render.output.encode import to_8_bit
 from render.scene import Camera
 

@@ -19,8 +19,8 @@ from pathlib import Path
 
 from render.demo import write_demo
 from render.errors import OutputError, PullfocusError, SettingsError
+from render.files import write_atomic
 from render.frame import FrameRenderer
-from render.output.write import write_atomic
 from render.shot import Shot
 from tests.bench.lens_gallery.aberrations import aberration_sections
 from tests.bench.lens_gallery.entries import Section

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from render.files import write_atomic
 from render.film import Grade, develop
 from render.frame import FrameRenderer, FrameSettings
 from render.optics.sampling import MAX_RAYS
 from render.output import FrameMetadata
 from render.output.encode import encode_png
-from render.output.write import write_atomic
 from render.scene import Camera, FloatArray
 from render.shot import Shot
 from render.shot.lens_choice import choose_lens

@@ -13,7 +13,7 @@ from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Peeler
 from render.layers.umbra import umbra_reach
-from render.optics.thin_lens import focus_w, pupil_radius_m
+from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, FloatArray, Scene
@@ -77,9 +77,10 @@ class LensRig:
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         points = accumulated_rays(camera, settings.rays, settings.seed)
         sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
-        self._accumulator.accumulate(self._peeler, view, points[:1], focus_w(camera), sampling=sampling)  # compiles
+        plane = focal_surface(camera).plane
+        self._accumulator.accumulate(self._peeler, view, points[:1], plane, sampling=sampling)  # compiles
         clock = StageClock(self.graphics.ctx.finish)
-        picture = self._accumulator.accumulate(self._peeler, view, points, focus_w(camera), sampling=sampling)
+        picture = self._accumulator.accumulate(self._peeler, view, points, plane, sampling=sampling)
         clock("reference")
         return picture, clock.spent["reference"]
 
@@ -95,6 +96,7 @@ class LensRig:
 
     def close(self) -> None:
         """Give the device's memory and the context back."""
+        self.graphics.make_current()  # another context of the process may have been current since
         self._nbuffers.release()
         self._lens.release()
         self._peeler.release()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from render.gl.compat import GL
+from render.gl.held import Making
 from render.gl.shaders import ProgramCache
 from render.layers.lights import chosen_lights, dome_irradiance, pack_lights, unit_axes
 from render.layers.materials import HalfTexture
@@ -71,6 +72,7 @@ class Lighting:
         program["radiance"] = dome.radiance if dome is not None and dome.visible else (0.0, 0.0, 0.0)
         program["focal_px"] = (view.fx, view.fy)
         program["centre_px"] = (view.cx, view.cy)
+        program["unshear"] = tuple(np.linalg.inv(np.reshape(view.shear, (2, 2))).T.ravel())
         program["dome_map"] = DOME_UNIT
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         self._dome_map._bind()
@@ -79,9 +81,7 @@ class Lighting:
 
     def release(self) -> None:
         """Give the memory on the device back."""
-        if self._shadow_maps is not None:
-            GL.glDeleteTextures([self._shadow_maps[0]])
-            GL.glDeleteFramebuffers(1, [self._shadow_maps[1]])
+        self._release_shadow_maps()
         self._dome_map.delete()
 
     def _load_dome(self, dome: Dome | None) -> None:
@@ -104,12 +104,16 @@ class Lighting:
         layers = max(1, len(self._plan.clip_from_world))
         if self._shadow_maps is not None and self._shadow_layers >= layers:
             return self._shadow_maps
+        self._release_shadow_maps()
+        self._shadow_maps = (_depth_array(SHADOW_MAP_SIDE_PX, layers), GL.glGenFramebuffers(1))
+        self._shadow_layers = layers
+        return self._shadow_maps
+
+    def _release_shadow_maps(self) -> None:
         if self._shadow_maps is not None:
             GL.glDeleteTextures([self._shadow_maps[0]])
             GL.glDeleteFramebuffers(1, [self._shadow_maps[1]])
-        self._shadow_layers = layers
-        self._shadow_maps = (_depth_array(SHADOW_MAP_SIDE_PX, layers), GL.glGenFramebuffers(1))
-        return self._shadow_maps
+        self._shadow_maps = None
 
 
 def _dome_texture(dome: Dome | None) -> HalfTexture:
@@ -122,27 +126,29 @@ def _dome_texture(dome: Dome | None) -> HalfTexture:
 def _depth_array(side_px: int, layers: int) -> int:
     """A depth texture array for shadow comparison, lit where the reference is nearer or as near (reversed depth)."""
     name: int = GL.glGenTextures(1)
-    GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
-    GL.glTexImage3D(
-        GL.GL_TEXTURE_2D_ARRAY,
-        0,
-        GL.GL_DEPTH_COMPONENT32F,
-        side_px,
-        side_px,
-        layers,
-        0,
-        GL.GL_DEPTH_COMPONENT,
-        GL.GL_FLOAT,
-        None,
-    )
-    for parameter, value in (
-        (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR),
-        (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
-        (GL.GL_TEXTURE_WRAP_S, GL.GL_CLAMP_TO_EDGE),
-        (GL.GL_TEXTURE_WRAP_T, GL.GL_CLAMP_TO_EDGE),
-        (GL.GL_TEXTURE_COMPARE_MODE, GL.GL_COMPARE_REF_TO_TEXTURE),
-        (GL.GL_TEXTURE_COMPARE_FUNC, GL.GL_GEQUAL),
-    ):
-        GL.glTexParameteri(GL.GL_TEXTURE_2D_ARRAY, parameter, value)
-    GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
+    with Making() as making:
+        making.callback(GL.glDeleteTextures, [name])
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
+        GL.glTexImage3D(
+            GL.GL_TEXTURE_2D_ARRAY,
+            0,
+            GL.GL_DEPTH_COMPONENT32F,
+            side_px,
+            side_px,
+            layers,
+            0,
+            GL.GL_DEPTH_COMPONENT,
+            GL.GL_FLOAT,
+            None,
+        )
+        for parameter, value in (
+            (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR),
+            (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
+            (GL.GL_TEXTURE_WRAP_S, GL.GL_CLAMP_TO_EDGE),
+            (GL.GL_TEXTURE_WRAP_T, GL.GL_CLAMP_TO_EDGE),
+            (GL.GL_TEXTURE_COMPARE_MODE, GL.GL_COMPARE_REF_TO_TEXTURE),
+            (GL.GL_TEXTURE_COMPARE_FUNC, GL.GL_GEQUAL),
+        ):
+            GL.glTexParameteri(GL.GL_TEXTURE_2D_ARRAY, parameter, value)
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
     return name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from render.gl.compat import GL, half_float_image, pyrender
+from render.gl.held import Making
 from render.scene import FloatArray, Image, Material, TextureLookup, Wrap
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
@@ -30,17 +31,19 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
         self.anisotropy = anisotropy
 
     def _add_to_context(self) -> None:
-        self._texid = GL.glGenTextures(1)
-        GL.glBindTexture(GL.GL_TEXTURE_2D, self._texid)
-        half_float_image(self.image.pixels)
-        GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
-        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
-        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
-        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
-        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_T, _WRAPS[self.wraps[1]])
-        GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
-        GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
-        GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+        with Making() as making:
+            self._texid = GL.glGenTextures(1)
+            making.callback(self.delete)
+            GL.glBindTexture(GL.GL_TEXTURE_2D, self._texid)
+            half_float_image(self.image.pixels)
+            GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR_MIPMAP_LINEAR)
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_S, _WRAPS[self.wraps[0]])
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_WRAP_T, _WRAPS[self.wraps[1]])
+            GL.glTexParameterf(GL.GL_TEXTURE_2D, _GL_TEXTURE_MAX_ANISOTROPY, self.anisotropy)
+            GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.zeros(4, np.float32))
+            GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from render.gl.held import Making
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
@@ -93,8 +94,9 @@ class NBufferBuilder:
     def _sized(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
         if self._held is None or self._held[0].size != (width, height, levels):
             self.release()
-            ranges = self._ctx.texture_array((width, height, levels), 2, dtype="f4")
-            bins = self._ctx.texture_array((width, height, levels), 2, dtype="u4")
+            with Making() as making:
+                ranges = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="f4"))
+                bins = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="u4"))
             self._held = ranges, bins
             for texture in self._held:
                 texture.filter = (moderngl.NEAREST, moderngl.NEAREST)

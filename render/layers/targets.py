@@ -15,6 +15,7 @@ import numpy as np
 
 from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
+from render.gl.held import Making
 
 LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
@@ -93,25 +94,25 @@ class LayerTargets:
         Raises:
             GraphicsError: the device refuses the size.
         """
-        size = (width, height)
-        try:
-            radiance = ctx.texture_array((*size, layers), 4, dtype="f2")
-            packs = range(-(-layers // LAYERS_PER_PACK))
-            packed_w = tuple(ctx.texture(size, 4, dtype="f4") for _ in packs)
-            slopes = tuple(ctx.texture(size, 4, dtype="u2") for _ in packs)
-            background = ctx.texture(size, 4, dtype="f2")
-        except moderngl.Error as error:
-            raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
-        radiance.filter = _NEAREST
-        for texture in (*packed_w, *slopes, background):
-            texture.filter = _NEAREST
-        depth = _depth_buffer(width, height)
-        depth_framebuffer = _framebuffer(depth)
-        slots = []
-        for layer in range(layers):
-            pack, channel = divmod(layer, LAYERS_PER_PACK)
-            framebuffer = _framebuffer(depth, (radiance, layer), packed_w[pack], None, slopes[pack])
-            slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
+        size, packs = (width, height), range(-(-layers // LAYERS_PER_PACK))
+        with Making() as making:
+            try:
+                radiance = making.keep(ctx.texture_array((*size, layers), 4, dtype="f2"))
+                packed_w = tuple(making.keep(ctx.texture(size, 4, dtype="f4")) for _ in packs)
+                slopes = tuple(making.keep(ctx.texture(size, 4, dtype="u2")) for _ in packs)
+                background = making.keep(ctx.texture(size, 4, dtype="f2"))
+            except moderngl.Error as error:
+                raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
+            radiance.filter = _NEAREST
+            for texture in (*packed_w, *slopes, background):
+                texture.filter = _NEAREST
+            depth = _depth_buffer(making, width, height)
+            depth_framebuffer = _framebuffer(making, depth)
+            slots = []
+            for layer in range(layers):
+                pack, channel = divmod(layer, LAYERS_PER_PACK)
+                framebuffer = _framebuffer(making, depth, (radiance, layer), packed_w[pack], None, slopes[pack])
+                slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
         return cls(width, height, radiance, packed_w, slopes, background, tuple(slots), depth)
 
     def hold(self, width: int, height: int, layers: int) -> bool:
@@ -162,15 +163,16 @@ class SurfaceTargets:
         Raises:
             GraphicsError: the device refuses the size.
         """
-        try:
-            w = ctx.texture((width, height), 1, dtype="f4")
-            ids = ctx.texture((width, height), 2, dtype="u4")
-        except moderngl.Error as error:
-            raise GraphicsError(f"the device cannot hold the ids of {width}x{height} pixels: {error}") from error
-        for texture in (w, ids):
-            texture.filter = _NEAREST
-        depth = _depth_buffer(width, height)
-        slot = Slot(_framebuffer(depth), _framebuffer(depth, None, w, ids), w, 0)
+        with Making() as making:
+            try:
+                w = making.keep(ctx.texture((width, height), 1, dtype="f4"))
+                ids = making.keep(ctx.texture((width, height), 2, dtype="u4"))
+            except moderngl.Error as error:
+                raise GraphicsError(f"the device cannot hold the ids of {width}x{height} pixels: {error}") from error
+            for texture in (w, ids):
+                texture.filter = _NEAREST
+            depth = _depth_buffer(making, width, height)
+            slot = Slot(_framebuffer(making, depth), _framebuffer(making, depth, None, w, ids), w, 0)
         return cls(width, height, w, ids, slot, depth)
 
     def clear_ids(self) -> None:
@@ -203,16 +205,18 @@ def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
     return texels * texture.components * int(texture.dtype[1])
 
 
-def _depth_buffer(width: int, height: int) -> int:
+def _depth_buffer(making: Making, width: int, height: int) -> int:
     name: int = GL.glGenRenderbuffers(1)
+    making.callback(GL.glDeleteRenderbuffers, 1, [name])
     GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, name)
     GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, GL.GL_DEPTH_COMPONENT32F, width, height)
     return name
 
 
-def _framebuffer(depth: int, *colours: Attachment) -> int:
+def _framebuffer(making: Making, depth: int, *colours: Attachment) -> int:
     """A framebuffer of a depth buffer and what is drawn at each fragment output; an output that is None is not kept."""
     name: int = GL.glGenFramebuffers(1)
+    making.callback(_delete_framebuffers, name)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, name)
     GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_RENDERBUFFER, depth)
     buffers = []

@@ -12,12 +12,14 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
+from render.focal_surface import FocalPlane
+from render.gl.held import Held
 from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
 from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.sampling import lens_samples
-from render.optics.thin_lens import focus_w, pupil_radius_m
+from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
 from render.scene import Camera, DoubleArray, FloatArray
 
@@ -33,7 +35,7 @@ def accumulated_sampling(camera: Camera, view: PinholeView, rays: int, supersamp
     """How finely the views sample surfaces, as the layers do that they are compared with: the views' offsets sample between the
     pixels, and each view stands for its share of the pupil."""
     patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
-    return SurfaceSampling(supersample, 1.0, patch, (focus_w(camera), 0.0, 0.0))
+    return SurfaceSampling(supersample, 1.0, patch, view.across(focal_surface(camera).plane))
 
 
 class Accumulator:
@@ -48,7 +50,7 @@ class Accumulator:
         peeler: Peeler,
         view: PinholeView,
         lens_points: FloatArray | DoubleArray,
-        focus_w: float,
+        plane: FocalPlane,
         *,
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
@@ -60,7 +62,7 @@ class Accumulator:
             peeler: with the scene loaded.
             view: the picture, from the pupil's centre.
             lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
-            focus_w: inverse depth of the plane of focus, 1/m.
+            plane: the plane of focus.
             unlit: take base colour for radiance.
             sampling: `accumulated_sampling`.
             on_progress: called with the share that is done.
@@ -69,18 +71,15 @@ class Accumulator:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
         """
         size = (view.width, view.height)
-        total, seen = (self._ctx.texture(size, 4, dtype="f4") for _ in range(2))
-        total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
-        try:
+        with Held() as held:
+            total, seen = (held.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
+            total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
-                for group in peeler.groups(view.through(x, y, focus_w, (dx, dy)), unlit=unlit, sampling=sampling):
+                for group in peeler.groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
                     self._composite(group, seen, total, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))
             return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
-        finally:
-            total.release()
-            seen.release()
 
     def _composite(self, group: LayerGroup, seen: moderngl.Texture, total: moderngl.Texture, weight: float) -> None:
         """Put a group behind what is seen of the view; behind the last, the background, and the view into the total."""

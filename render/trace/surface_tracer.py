@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.lens import HeightField
 from render.optics.focusing import FocusedLens
@@ -69,15 +70,6 @@ class SurfaceTracer:
         count = len(film_mm)
         program = self._program(height_field)
         queries = np.concatenate([film_mm, stop_mm], axis=1).astype(np.float32)
-        buffers = [
-            self._ctx.buffer(_surfaces(lens, height_field).tobytes()),
-            self._ctx.buffer(_indices(lens, wavelengths_nm).tobytes()),
-            self._ctx.buffer(queries.tobytes()),
-            self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32),
-        ]
-        textures = self._bind_heights(program, height_field)
-        for binding, buffer in enumerate(buffers):
-            buffer.bind_to_storage_buffer(binding)
         near_axis = [_film_to_stop(lens, wavelength) for wavelength in wavelengths_nm]
         set_uniforms(
             program,
@@ -88,31 +80,31 @@ class SurfaceTracer:
             stop_mm=lens.stop_radius_mm,
             to_stop=near_axis + [(0.0, 1.0)] * (MAX_WAVELENGTHS - len(near_axis)),
         )
-        program.run(-(-count // _GROUP), len(wavelengths_nm))
-        self._ctx.memory_barrier()
-        found = np.frombuffer(buffers[-1].read(), np.float32).reshape(len(wavelengths_nm), count, 8)
-        for buffer in buffers:
-            buffer.release()
-        for texture in textures:
-            texture.release()
+        with Held() as held:
+            for binding, values in enumerate((_surfaces(lens, height_field), _indices(lens, wavelengths_nm), queries)):
+                held.keep(self._ctx.buffer(values.tobytes())).bind_to_storage_buffer(binding)
+            answers = held.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32))
+            answers.bind_to_storage_buffer(3)
+            self._bind_heights(held, program, height_field)
+            program.run(-(-count // _GROUP), len(wavelengths_nm))
+            self._ctx.memory_barrier()
+            found = np.frombuffer(answers.read(), np.float32).reshape(len(wavelengths_nm), count, 8)
         return _unpacked(found)
 
     def _program(self, height_field: HeightField | None) -> moderngl.ComputeShader:
         defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
         return self._programs.compute("lens_trace.comp", defines)
 
-    def _bind_heights(self, program: moderngl.ComputeShader, field: HeightField | None) -> list[moderngl.Texture]:
+    def _bind_heights(self, held: Held, program: moderngl.ComputeShader, field: HeightField | None) -> None:
         if field is None:
-            return []
-        textures = []
+            return
         for unit, heights in enumerate((field.front, field.back)):
             image = np.zeros((1, 1)) if heights is None else heights
-            texture = self._ctx.texture(image.shape[::-1], 1, image.astype(np.float32).tobytes(), dtype="f4")
+            pixels = image.astype(np.float32).tobytes()
+            texture = held.keep(self._ctx.texture(image.shape[::-1], 1, pixels, dtype="f4"))
             texture.filter, texture.repeat_x, texture.repeat_y = (moderngl.LINEAR, moderngl.LINEAR), False, False
             texture.use(unit)
-            textures.append(texture)
         set_uniforms(program, heights=[0, 1])
-        return textures
 
 
 def _unpacked(found: FloatArray) -> TracedLens:

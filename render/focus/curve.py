@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -12,6 +12,12 @@ from render.errors import SettingsError
 from render.focus.solve import PointState
 
 DoubleArray = NDArray[np.float64]
+
+LENS_COLUMNS = ("focus_distance_m", "f_stop", "focal_length_mm", "near_m", "far_m", "hyperfocal_m", "coc_limit_mm")
+"""Columns of numbers that every curve has, in the order of files."""
+
+ANGLE_COLUMNS = ("tilt_rad", "swing_rad")
+"""Columns of angles, which are 0 where nobody gives them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +45,9 @@ class PointTrack:
 class FocusCurve:
     """The lens, frame by frame.
 
+    A curve that was read from a file may hold NaN where the file does not say: `render.focus.files.ReadCurve` names the columns
+    that it does.
+
     Attributes:
         camera: prim path of the camera, empty for a camera that is no prim.
         frames_per_second: of the shot.
@@ -54,6 +63,12 @@ class FocusCurve:
         sources: for each frame, whether ``points`` decided or the ``camera``'s own focus distance was kept.
         reasons: for each frame, one sentence that says why.
         points: the focus points.
+        tilt_rad: ``(n,)`` turn of the lens about the axis to the right; positive looks up. All 0 when left out.
+        swing_rad: ``(n,)`` turn about the axis up, before the tilt; positive looks left. All 0 when left out.
+        limited: ``(n,)`` whether the lens could not do what was asked: its close focus, its infinity, its speed or its largest
+            angle held it back. All False when left out.
+        lens_name: what is engraved on the lens, or empty.
+        gate_mm: width and height of the film gate, where it is known.
     """
 
     camera: str
@@ -70,15 +85,23 @@ class FocusCurve:
     sources: tuple[Literal["points", "camera"], ...]
     reasons: tuple[str, ...]
     points: tuple[PointTrack, ...] = ()
+    tilt_rad: DoubleArray = field(default_factory=lambda: np.zeros(0))
+    swing_rad: DoubleArray = field(default_factory=lambda: np.zeros(0))
+    limited: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    lens_name: str = ""
+    gate_mm: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check that all columns have one length and that time rises.
+        """Fill the columns that were left out, and check that all have one length and that time rises.
 
         Raises:
             SettingsError: they do not.
         """
         count = len(self.time_codes)
-        columns = [getattr(self, name) for name in LENS_COLUMNS]
+        for name in (*ANGLE_COLUMNS, "limited"):
+            if len(getattr(self, name)) == 0:
+                object.__setattr__(self, name, np.zeros(count, getattr(self, name).dtype))
+        columns = [getattr(self, name) for name in (*LENS_COLUMNS, *ANGLE_COLUMNS, "limited")]
         columns += [column for p in self.points for column in (p.depth_m, p.weight, p.share, p.coc_mm, p.states)]
         columns += [self.sources, self.reasons]
         if any(len(column) != count for column in columns):
@@ -104,6 +127,3 @@ class FocusCurve:
         """
         limit_mm = self.coc_limit_mm[index]
         return tuple(point.name for point in self.points if point.coc_mm[index] <= limit_mm)
-
-
-LENS_COLUMNS = ("focus_distance_m", "f_stop", "focal_length_mm", "near_m", "far_m", "hyperfocal_m", "coc_limit_mm")

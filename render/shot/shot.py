@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
-
-from pxr import Sdf
 
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.shot.anchor import Picked, anchored
 from render.shot.lens import author_lens, set_focus_mode
 from render.shot.lens_choice import LensChoice
-from render.shot.view import ShotView, checked_time
+from render.shot.undoing import EditableShot
+from render.shot.view import checked_time
 from usd_schemas import FocusPoint, FocusPointView, Interpolation, LensCamera, Mounted, mount_lens
 
+FIELD_LABELS = {
+    "f_stop": "f-number",
+    "focal_length_mm": "focal length",
+    "focus_distance_m": "focus distance",
+    "focus_mode": "focus mode",
+}
 
-class Shot(ShotView):
+
+class Shot(EditableShot):
     """A USD stage, its cameras and focus, and the layer of edits over it.
 
     Each edit goes to the edit layer (`render.shot.edits`); no file of the user's is ever written. An edit that fails
@@ -29,11 +34,6 @@ class Shot(ShotView):
     is no such camera or its numbers are impossible. A time is a USD time code; one that is not finite raises
     `SettingsError`.
     """
-
-    @property
-    def edit_layer(self) -> Sdf.Layer:
-        """The layer that all edits go to."""
-        return self._edits.layer
 
     def add_focus_point(self, camera_path: str | None, name: str, anchor: Picked | FocusPoint) -> FocusPoint:
         """Add a focus point, and let the points decide the focus where it was set by hand.
@@ -54,7 +54,7 @@ class Shot(ShotView):
         if any(view.name == name for view in lens_camera.focus_points()):
             path = str(lens_camera.prim.GetPath())
             raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)
-        with self._edits.editing():
+        with self._edits.editing(f"add focus point {name}"):
             view = lens_camera.add_focus_point(name, replace(point, name=name))
             if lens_camera.focus.read().mode == "manual":
                 set_focus_mode(lens_camera, "points")
@@ -85,7 +85,7 @@ class Shot(ShotView):
         if unknown:
             raise SettingsError(f"focus points have no {', '.join(sorted(unknown))} to change", code="bad_field")
         keyed = {field for field in changes if time is not None and field != "target" and view.keys(field)}
-        with self._edits.editing():
+        with self._edits.editing(f"set {', '.join(changes)} of focus point {name}"):
             if keyed:
                 view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
             view.author(replace(view.read(), **{field: v for field, v in changes.items() if field not in keyed}))
@@ -98,7 +98,7 @@ class Shot(ShotView):
             NotFoundError: the camera has no such point.
         """
         self._editable_point(camera_path, name)
-        with self._edits.editing():
+        with self._edits.editing(f"remove focus point {name}"):
             self._editable(camera_path).remove_focus_point(name)
 
     def set_key(
@@ -125,7 +125,7 @@ class Shot(ShotView):
             SettingsError: the attribute takes no such key, value or interpolation, or the time is not finite.
         """
         view = self._editable_point(camera_path, name)
-        with self._edits.editing():
+        with self._edits.editing(f"key {attribute} of focus point {name} at {time:g}"):
             view.set_key(attribute, checked_time(time), value, interpolation or "linear")
 
     def remove_key(self, camera_path: str | None, name: str, attribute: str, time: float) -> None:
@@ -142,7 +142,7 @@ class Shot(ShotView):
             raise NotFoundError(
                 f"{attribute} of focus point {name!r} has no key at time {time:g}, its keys are: {told}"
             )
-        with self._edits.editing():
+        with self._edits.editing(f"remove the key of {attribute} of focus point {name} at {time:g}"):
             view.remove_key(attribute, time)
 
     def set_camera(
@@ -173,8 +173,12 @@ class Shot(ShotView):
         """
         camera = self._editable(camera_path)
         mode = focus_mode or ("manual" if focus_distance_m is not None else None)
-        with self._edits.editing():
-            author_lens(camera, time, f_stop=f_stop, focal_length_mm=focal_length_mm, focus_distance_m=focus_distance_m)
+        numbers = {"f_stop": f_stop, "focal_length_mm": focal_length_mm, "focus_distance_m": focus_distance_m}
+        said = [
+            FIELD_LABELS[name] for name, value in (numbers | {"focus_mode": focus_mode}).items() if value is not None
+        ]
+        with self._edits.editing(f"set {' and '.join(said)} of {camera.prim.GetName()}"):
+            author_lens(camera, time, **numbers)
             if mode is not None:
                 set_focus_mode(camera, mode)
 
@@ -192,7 +196,7 @@ class Shot(ShotView):
             SettingsError: the lens has a value that USD does not allow.
         """
         camera = self._editable(camera_path)
-        with self._edits.editing():
+        with self._edits.editing(f"mount a lens on {camera.prim.GetName()}"):
             return mount_lens(
                 camera,
                 choice.lens,
@@ -200,29 +204,6 @@ class Shot(ShotView):
                 f_stop=choice.f_stop,
                 aperture=choice.aperture,
             )
-
-    def replace_edits(self, text: str) -> None:
-        """Put other edits in place of all there are.
-
-        Args:
-            text: of a usda layer, as `export_edits` gives it.
-
-        Raises:
-            StageError: it is no usda; the edits there were stay.
-        """
-        self._edits.replace(text)
-
-    def save_edits(self, path: Path) -> None:
-        """Write the edit layer, as a whole or not at all.
-
-        Args:
-            path: of a .usda file; a file that the shot itself is made of is refused.
-
-        Raises:
-            SettingsError: it is not named .usda, or the shot is made of that file.
-            OutputError: it cannot be written.
-        """
-        self._edits.save(path)
 
     def _editable(self, camera_path: str | None) -> LensCamera:
         camera = self._lens_camera(camera_path)

@@ -71,7 +71,7 @@ def test_edits_can_be_replaced_by_text_and_bad_text_changes_nothing(path, shot):
     other = Shot.open(path)
     other.replace_edits(shot.export_edits())
     assert [p.point.name for p in other.focus_points(CAMERA, 1)] == ["hero"]
-    for bad in ("", "#usda 1.0\ndef {", "nonsense"):
+    for bad in (" ", "#usda 1.0\ndef {", "nonsense"):
         with pytest.raises(StageError, match="readable"):
             other.replace_edits(bad)
     assert other.export_edits() == shot.export_edits()

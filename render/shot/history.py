@@ -1,0 +1,170 @@
+"""The states that an edit layer has had, in order: what undo and redo walk along.
+
+A state is the whole layer as text. Layers are some kilobytes and pack well, and a whole state can neither be undone by half nor
+depend on how an edit was made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import zlib
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+
+from render.errors import InputError
+
+MAX_STATES = 200
+"""States that are kept; the oldest go first."""
+
+MAX_PACKED_BYTES = 32 * 2**20
+"""Of all states together, packed: a curve of many thousand keys is some hundred kilobytes."""
+
+
+def revision_of(text: str) -> str:
+    """A word that is another one for every other edit layer.
+
+    Args:
+        text: of the layer; empty for no edits.
+    """
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class EditState:
+    """One state of an edit layer.
+
+    Attributes:
+        packed: the layer's text, packed.
+        revision: names the state.
+        label: what was done to come to it, such as "set fStop"; empty for the state that a history begins with.
+        made_at: when.
+        gesture: names the drag of a hand that the edit was part of; empty for none.
+    """
+
+    packed: bytes = field(repr=False)
+    revision: str
+    label: str
+    made_at: datetime
+    gesture: str = ""
+
+    @classmethod
+    def of(cls, text: str, label: str = "", gesture: str = "") -> EditState:
+        """A state that is made now.
+
+        Args:
+            text: of the layer; empty for no edits.
+            label: what was done.
+            gesture: names the drag of a hand that it was part of.
+        """
+        return cls(zlib.compress(text.encode()), revision_of(text), label, datetime.now(UTC), gesture)
+
+    @property
+    def text(self) -> str:
+        """The layer."""
+        return zlib.decompress(self.packed).decode()
+
+
+@dataclass(frozen=True)
+class EditHistory:
+    """A row of states, and which of them is the present one; those behind it were undone.
+
+    Attributes:
+        states: oldest first; there is always one.
+        now: index of the present one.
+    """
+
+    states: tuple[EditState, ...]
+    now: int = 0
+
+    @classmethod
+    def beginning_with(cls, text: str) -> EditHistory:
+        """A history in which nothing can be undone.
+
+        Args:
+            text: of the layer; empty for no edits.
+        """
+        return cls((EditState.of(text),))
+
+    @property
+    def present(self) -> EditState:
+        """The state that the layer is in."""
+        return self.states[self.now]
+
+    @property
+    def undo_label(self) -> str | None:
+        """What would be undone; None for nothing."""
+        return self.present.label if self.now > 0 else None
+
+    @property
+    def redo_label(self) -> str | None:
+        """What would be done again; None for nothing."""
+        return self.states[self.now + 1].label if self.now + 1 < len(self.states) else None
+
+    def after(self, text: str, label: str, gesture: str = "") -> EditHistory:
+        """The history after an edit. What was undone before it cannot be done again.
+
+        An edit that changes nothing leaves no trace. Edits of one gesture, one after the other, are one step.
+
+        Args:
+            text: of the layer after the edit.
+            label: what was done.
+            gesture: names the drag of a hand that it was part of.
+        """
+        if revision_of(text) == self.present.revision:
+            return self
+        until = self.now if gesture and self.now > 0 and self.present.gesture == gesture else self.now + 1
+        kept = self.states[:until]
+        if kept[-1].revision == revision_of(text):  # dragged back to where the gesture began
+            return EditHistory(kept, len(kept) - 1)
+        states = (*kept, EditState.of(text, label, gesture))
+        return EditHistory(states, len(states) - 1)._bounded()
+
+    def undone(self) -> EditHistory:
+        """One step back.
+
+        Raises:
+            InputError: there is nothing to undo.
+        """
+        if self.now == 0:
+            raise InputError("there is no edit to undo", code="nothing_to_undo")
+        return replace(self, now=self.now - 1)
+
+    def redone(self) -> EditHistory:
+        """One step forward.
+
+        Raises:
+            InputError: there is nothing to do again.
+        """
+        if self.now + 1 == len(self.states):
+            raise InputError("there is no undone edit to do again", code="nothing_to_redo")
+        return replace(self, now=self.now + 1)
+
+    def find(self, revision: str) -> EditState | None:
+        """The state of that name, the nearest to the present one's, or None.
+
+        Args:
+            revision: its name.
+        """
+        found = [index for index, state in enumerate(self.states) if state.revision == revision]
+        return self.states[min(found, key=lambda index: abs(index - self.now))] if found else None
+
+    def agreeing_with(self, text: str) -> EditHistory:
+        """This history if its present state is the layer as it was found; else with that as its present state.
+
+        A program that was ended between writing the layer and writing the history leaves them apart.
+
+        Args:
+            text: of the layer as it was found.
+        """
+        near = sorted(range(len(self.states)), key=lambda index: abs(index - self.now))
+        for index in near:
+            if self.states[index].revision == revision_of(text):
+                return replace(self, now=index)
+        return self.after(text, "edited elsewhere")
+
+    def _bounded(self) -> EditHistory:
+        """Without the oldest states where there are too many, or they are too large; the present one stays."""
+        kept = self.states[-MAX_STATES:]
+        while len(kept) > 1 and sum(len(state.packed) for state in kept) > MAX_PACKED_BYTES:
+            kept = kept[1:]
+        return EditHistory(kept, len(kept) - 1)

@@ -9,7 +9,7 @@ import numpy as np
 from render.errors import InputError
 from render.lens import Prescription, Surface
 from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM, refractive_index
-from render.optics.paraxial import focal_points, paraxial_system
+from render.optics.paraxial import ParaxialSystem, focal_points, paraxial_ray, paraxial_system
 from render.optics.surface_shape import clearance_mm, conic_extent_mm
 
 MAX_SURFACES = 200
@@ -128,10 +128,24 @@ def _check_whole(prescription: Prescription) -> None:
     if group is not None and not 0 <= group[0] <= group[1] <= last:
         what = f"its focus group must be surfaces between 1 and {last + 1} in order"
         raise bad_lens(prescription, f"{what}, got {group[0] + 1} to {group[1] + 1}")
-    focal, back, _ = focal_points(paraxial_system(prescription), prescription.name)
+    system = paraxial_system(prescription)
+    focal, back, _ = focal_points(system, prescription.name)
     if focal <= 0:
-        raise bad_lens(prescription, f"its focal length must be positive (light must converge), got {focal:.4g} mm")
+        raise _not_converging(prescription, system, focal)
     if back <= 0:
         raise bad_lens(
             prescription, f"its focal point lies {-back:.4g} mm before its last surface, where no film can be", last
         )
+
+
+def _not_converging(prescription: Prescription, system: ParaxialSystem, focal_length_mm: float) -> InputError:
+    """The error of a lens whose focal length is not positive, at the surface that has most to do with it."""
+    wanted = (
+        f"makes the focal length {focal_length_mm:.4g} mm, expected a positive one: light must converge behind the lens"
+    )
+    crossed = np.flatnonzero(paraxial_ray(system, 0.0, 1.0, 0.0).heights_mm <= 0)
+    if len(crossed):
+        return bad_lens(prescription, f"parallel light meets before it already, which {wanted}", int(crossed[0]))
+    most = int(np.argmin(system.powers))
+    what = f"its power of {1000 * system.powers[most]:.4g} dioptres spreads light the most, which"
+    return bad_lens(prescription, f"{what} {wanted}", most)

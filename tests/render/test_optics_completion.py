@@ -30,6 +30,11 @@ def changed(prescription: Prescription, index: int, **changes: object) -> Prescr
     return replace(prescription, surfaces=tuple(surfaces))
 
 
+def unstopped(prescription: Prescription) -> Prescription:
+    surfaces = tuple(replace(surface, is_stop=False) for surface in prescription.surfaces)
+    return replace(prescription, surfaces=surfaces)
+
+
 def without_diameters(lens: KnownLens) -> Prescription:
     bare = tuple(replace(surface, semi_diameter_mm=0.0) for surface in lens.prescription.surfaces)
     return replace(lens.prescription, surfaces=bare, f_stop=lens.f_stop)
@@ -187,7 +192,14 @@ def test_bad_numbers_are_named_by_surface(index: int, changes: dict[str, object]
     [
         (replace(SINGLET, surfaces=()), "Singlet: expected 1 to 200 surfaces, got 0"),
         (changed(SINGLET, 0, glass=Glass(1.0)), "Singlet: no surface refracts"),
-        (changed(changed(SINGLET, 0, radius_mm=-50.0), 1, radius_mm=50.0), "focal length must be positive .* got -49"),
+        (
+            changed(changed(SINGLET, 0, radius_mm=-40.0), 1, radius_mm=50.0),
+            "surface 1 of Singlet: its power of -12.5 dioptres .* the focal length -43.* mm, expected a positive one",
+        ),
+        (
+            replace(SINGLET, surfaces=(*changed(SINGLET, 1, thickness_mm=200.0).surfaces, *unstopped(SINGLET).surfaces)),
+            "surface 3 of Singlet: parallel light meets before it already, which makes the focal length -.* mm, expected",
+        ),
         (changed(changed(SINGLET, 0, radius_mm=0.0), 1, radius_mm=0.0), "Singlet has no focal length"),
         (changed(SINGLET, 0, thickness_mm=160.0), "surface 2 of Singlet: its focal point lies .* mm before its last surface"),
         (replace(SINGLET, f_stop=0.3), "Singlet: f/0.3 wide open is impossible"),

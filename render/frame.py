@@ -27,7 +27,7 @@ from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import Sphere
 from render.optics.distortion import seen_at
-from render.optics.thin_lens import focus_w
+from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
 from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, Dome, FloatArray, Light, Scene
@@ -46,7 +46,8 @@ class Frame:
         color: ``(height, width, 4)`` float32 scene-linear radiance, not exposed; premultiplied, alpha is coverage.
         aovs: the asked arrays by name, ``(height, width)``, of what the ray through the pupil's centre meets at pixel centres:
             ``depth`` float32 metres (inf where nothing is); ``coc`` float32 radius in pixels, negative in front of the focus;
-            ``focus_depth`` float32 metres, where the pixel is sharpest; ``prim_id`` uint32, the index in `prim_paths` plus one, 0
+            ``defocus`` float32 1/m, inverse depth less that in focus, negative behind it; ``focus_depth`` float32 metres, where
+            the pixel is sharpest; ``prim_id`` uint32, the index in `prim_paths` plus one, 0
             where nothing is; ``face_id`` int32, -1 where nothing is. And ``albedo`` ``(height, width, 3)`` float32: base colours
             through the lens, as blurred as the picture.
         prim_paths: what ``prim_id`` indexes.
@@ -206,7 +207,13 @@ class FrameRenderer:
         points = accumulated_rays(camera, settings.rays, settings.seed)
         sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
         return self._accumulator.accumulate(
-            self._peeler, view, points, focus_w(camera), unlit=unlit, sampling=sampling, on_progress=on_progress
+            self._peeler,
+            view,
+            points,
+            focal_surface(camera).plane,
+            unlit=unlit,
+            sampling=sampling,
+            on_progress=on_progress,
         )
 
     def _aovs(
@@ -239,6 +246,11 @@ def check_thin(camera: Camera) -> None:
         raise SettingsError(
             f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
             f"{camera.lens.model}: use engine lens"
+        )
+    if not focal_surface(camera).is_plane:
+        raise SettingsError(
+            f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is none: "
+            "use engine lens"
         )
 
 

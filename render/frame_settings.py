@@ -12,7 +12,7 @@ from render.optics.view import check_picture_size
 
 ENGINES = ("lens", "accumulation", "pinhole")
 LATER_ENGINES = ("scatter", "flag", "importance")
-AOVS = ("color", "depth", "coc", "focus_depth", "albedo", "prim_id", "face_id")
+AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MAX_SUPERSAMPLE = 4
 

@@ -88,7 +88,7 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--aov",
         default="color",
         metavar="LIST",
-        help="parts of an EXR: color, depth, coc, focus_depth, albedo, prim_id, face_id",
+        help="parts of an EXR: color, depth, coc, defocus, focus_depth, albedo, prim_id, face_id",
     )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from render.focal_surface import FocalPlane, FocalSurface
 from render.scene import Camera, FloatArray
 
 
@@ -19,6 +20,11 @@ def focus_w(camera: Camera) -> float:
     """Inverse depth of the plane of focus in 1/m; 0 when focused at infinity."""
     d = camera.focus_distance_m
     return 0.0 if d <= 0 or np.isinf(d) else 1.0 / d
+
+
+def focal_surface(camera: Camera) -> FocalSurface:
+    """The camera's focal surface, or the upright plane at its focus distance."""
+    return camera.focal_surface or FocalSurface(FocalPlane(focus_w(camera)))
 
 
 def coc_radius_px(f_px: float, pupil_m: float, w: FloatArray | float, w_f: float) -> FloatArray:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import CameraError, SettingsError
+from render.focal_surface import FocalPlane
 from render.optics.mounting import breathing_ratio, has_surfaces
 from render.scene import Camera, DoubleArray
 
@@ -22,7 +23,7 @@ class PinholeView:
     """Projection through one point ``eye`` of the entrance pupil.
 
     A world point with camera coordinates ``(X, Y, -z)`` lands at
-    ``(cx + fx·(X - eye_x)/z,  cy - fy·(Y - eye_y)/z)``.
+    ``(cx + fx·(X - eye_x)/z,  cy - fy·(Y - eye_y)/z)``, but for the shear.
 
     Attributes:
         width: of the picture in pixels.
@@ -36,6 +37,8 @@ class PinholeView:
         camera_from_world: ``(4, 4)`` float64.
         eye_x_m: offset of the eye from the pupil's centre to the right.
         eye_y_m: likewise, up.
+        shear: what slopes ``(X - eye_x, Y - eye_y)/z``, right and up, are multiplied by before they become pixels: ``(xx, xy, yx,
+            yy)``; other than the identity for a view that keeps a tilted plane in place.
     """
 
     width: int
@@ -49,6 +52,7 @@ class PinholeView:
     camera_from_world: DoubleArray
     eye_x_m: float = 0.0
     eye_y_m: float = 0.0
+    shear: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
 
     @classmethod
     def from_camera(cls, camera: Camera, width: int, height: int) -> PinholeView:
@@ -91,8 +95,9 @@ class PinholeView:
         x, y, z = (points @ self.camera_from_world[:3, :3].T + self.camera_from_world[:3, 3]).T
         depth = -z
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            px = self.cx + self.fx * (x - self.eye_x_m) / depth
-            py = self.cy - self.fy * (y - self.eye_y_m) / depth
+            slope_x, slope_y = (x - self.eye_x_m) / depth, (y - self.eye_y_m) / depth
+            px = self.cx + self.fx * (self.shear[0] * slope_x + self.shear[1] * slope_y)
+            py = self.cy - self.fy * (self.shear[2] * slope_x + self.shear[3] * slope_y)
         pixels = np.stack([px, py], axis=-1)
         pixels[depth <= 0] = np.nan
         return pixels, depth
@@ -100,23 +105,37 @@ class PinholeView:
     def ray(self, x: float, y: float) -> tuple[DoubleArray, DoubleArray]:
         """World ray of a picture position: origin ``(3,)`` and direction ``(3,)`` of unit depth (metres per metre of z)."""
         world_from_camera = np.linalg.inv(self.camera_from_world)
-        direction = np.array([(x - self.cx) / self.fx, -(y - self.cy) / self.fy, -1.0])
+        slopes = np.linalg.solve(np.reshape(self.shear, (2, 2)), [(x - self.cx) / self.fx, -(y - self.cy) / self.fy])
+        direction = np.array([*slopes, -1.0])
         origin = np.array([self.eye_x_m, self.eye_y_m, 0.0, 1.0])
         return (world_from_camera @ origin)[:3], world_from_camera[:3, :3] @ direction
 
-    def through(self, x_m: float, y_m: float, focus_w: float, jitter_px: tuple[float, float] = (0, 0)) -> PinholeView:
-        """The view through another point of the pupil that keeps the plane at inverse depth ``focus_w`` (1/m) in place.
+    def through(
+        self, x_m: float, y_m: float, plane: FocalPlane, jitter_px: tuple[float, float] = (0, 0)
+    ) -> PinholeView:
+        """The view through another point of the pupil that keeps a plane of focus in place.
 
-        It is the shear of Haeberli & Akeley 1990 (section 5): what stands at that depth lands where the central view has it.
+        It is the shear of Haeberli & Akeley 1990 (section 5): what stands in the plane lands where the central view has it. With
+        ``e`` the point, ``s`` a slope from the centre and ``w_f = w0 + g·σ``, the picture shows at σ what lies at
+        ``s = σ + e·(w - w_f)``, so that ``σ = (I - e gᵀ)⁻¹ (s - e·w + e·w0)``: a projection again.
         ``jitter_px`` moves the sensor's sampling point: the picture at ``p`` shows what the central view has at ``p + jitter``.
         """
+        eye, slopes = np.array([x_m, y_m]), np.array([plane.slope_x, plane.slope_y])
+        shear = np.linalg.inv(np.eye(2) - np.outer(eye, slopes))
+        x, y = shear @ eye * plane.w0
         return replace(
             self,
-            cx=self.cx + self.fx * x_m * focus_w - jitter_px[0],
-            cy=self.cy - self.fy * y_m * focus_w - jitter_px[1],
+            cx=self.cx + self.fx * float(x) - jitter_px[0],
+            cy=self.cy - self.fy * float(y) - jitter_px[1],
             eye_x_m=x_m,
             eye_y_m=y_m,
+            shear=(float(shear[0, 0]), float(shear[0, 1]), float(shear[1, 0]), float(shear[1, 1])),
         )
+
+    def across(self, plane: FocalPlane) -> tuple[float, float, float]:
+        """w of a plane at the picture's top left corner, 1/m, and its change from pixel to pixel to the right and down."""
+        right, down = plane.slope_x / self.fx, -plane.slope_y / self.fy
+        return plane.w0 - right * self.cx - down * self.cy, right, down
 
     def projection_matrix(self) -> DoubleArray:
         """``(4, 4)`` clip from camera space, for OpenGL with a zero-to-one depth range.
@@ -126,18 +145,11 @@ class PinholeView:
         """
         w_near, w_far = 1.0 / self.near_m, 0.0 if np.isinf(self.far_m) else 1.0 / self.far_m
         matrix = np.zeros((4, 4))
-        matrix[0] = [
-            2 * self.fx / self.width,
-            0,
-            1 - 2 * self.cx / self.width,
-            -2 * self.fx * self.eye_x_m / self.width,
-        ]
-        matrix[1] = [
-            0,
-            -2 * self.fy / self.height,
-            1 - 2 * self.cy / self.height,
-            2 * self.fy * self.eye_y_m / self.height,
-        ]
+        xx, xy, yx, yy = self.shear
+        across, down = 2 * self.fx / self.width, -2 * self.fy / self.height
+        at_x, at_y = xx * self.eye_x_m + xy * self.eye_y_m, yx * self.eye_x_m + yy * self.eye_y_m
+        matrix[0] = [across * xx, across * xy, 1 - 2 * self.cx / self.width, -across * at_x]
+        matrix[1] = [down * yx, down * yy, 1 - 2 * self.cy / self.height, -down * at_y]
         matrix[2] = [0, 0, w_far / (w_near - w_far), 1 / (w_near - w_far)]
         matrix[3] = [0, 0, -1, 0]
         return matrix

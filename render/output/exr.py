@@ -8,6 +8,7 @@ part         channels     type    what it holds
 rgba         R, G, B, A   half    exposed radiance in the working space, times coverage; coverage
 depth        Z            float   metres along the view axis; infinite where there is nothing
 coc          radius       float   circle of confusion in pixels, negative in front of the focus
+defocus      w            float   1/m, inverse depth less that in focus, negative behind it
 focus_depth  Z            float   metres along the view axis at which the pixel is sharpest
 albedo       R, G, B      half    base colours through the lens
 prim_id      id           uint    index of the prim; the attribute ``pullfocus:primPaths`` says its path
@@ -39,6 +40,7 @@ NO_ID = 0xFFFFFFFF
 _AOV_CHANNELS = {
     "depth": (["Z"], "float"),
     "coc": (["radius"], "float"),
+    "defocus": (["w"], "float"),
     "focus_depth": (["Z"], "float"),
     "albedo": (["R", "G", "B"], "half"),
     "prim_id": (["id"], "uint"),

@@ -11,10 +11,11 @@ from typing import Protocol
 import numpy as np
 
 from render.errors import SettingsError
+from render.focus.surface import focused_at
 from render.lens import AberrationScales, SeidelErrors
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import has_surfaces, mounted
-from render.optics.thin_lens import focus_w, pupil_radius_m
+from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.reference.prescription_rays import PrescriptionRays, SceneRays
 from render.scene import Camera, DoubleArray
 
@@ -56,6 +57,8 @@ def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float])
     if camera.f_stop > 0 and lens.model == "seidel" and lens.seidel is not None:
         return _Seidel(camera, pupil, lens.seidel)
     if has_surfaces(camera):
+        if camera.focal_surface is not None:
+            raise SettingsError("the ray-by-ray reference knows lenses with surfaces focused at a distance alone")
         if lens.scales != AberrationScales():
             raise SettingsError(f"the ray-by-ray reference knows lenses with surfaces as they are, got {lens.scales}")
         return PrescriptionRays(
@@ -65,16 +68,17 @@ def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float])
 
 
 class _Thin:
-    """A thin lens without errors: ``s(w) = p + l·(w − w_f)`` (DESIGN, section 2)."""
+    """A thin lens without errors: ``s(w) = p + l·(w − w_f)`` (DESIGN, section 2), with whatever focal surface."""
 
     has_colours = False
 
     def __init__(self, camera: Camera, pupil: DoubleArray) -> None:
-        self._points_m, self._focus_w = pupil * pupil_radius_m(camera), focus_w(camera)
+        self._points_m, self._surface = pupil * pupil_radius_m(camera), focal_surface(camera)
 
     def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
-        point = self._points_m[sample]
-        return SceneRays(np.broadcast_to(point, ideal.shape), ideal - point * self._focus_w, np.ones(ideal.shape[:2]))
+        w_f, pupil = focused_at(self._surface, ideal)
+        points = pupil[..., None] * self._points_m[sample]
+        return SceneRays(points, ideal - points * w_f[..., None], np.ones(ideal.shape[:2]))
 
 
 class _Squeezed:

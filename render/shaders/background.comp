@@ -11,6 +11,7 @@ uniform mat4 dome_from_camera;
 uniform vec3 radiance;
 uniform vec2 focal_px;
 uniform vec2 centre_px;
+uniform mat2 unshear;           // from the picture's slopes, right and up, to those of space
 
 #include "latlong.glsl"
 
@@ -21,7 +22,7 @@ void main()
     vec3 colour = vec3(0.0);
     if (radiance != vec3(0.0)) {
         vec2 slope = (vec2(pixel) + 0.5 - centre_px) / focal_px;
-        vec3 d = normalize(mat3(dome_from_camera) * vec3(slope.x, -slope.y, -1.0));
+        vec3 d = normalize(mat3(dome_from_camera) * vec3(unshear * vec2(slope.x, -slope.y), -1.0));
         colour = radiance * textureLod(dome_map, latlong_uv(d), 0.0).rgb;
     }
     imageStore(background, pixel, vec4(min(colour, vec3(65000.0)), 0.0));

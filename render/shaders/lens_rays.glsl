@@ -36,6 +36,7 @@ struct PixelRays {
     vec2 slope;         // of the ideal chief ray
     vec2 outward;       // unit vector from the axis to the pixel
     float w_f;
+    float pupil;        // its radius over the lens's own
     int pattern;
     vec4 shift;
     vec2 turn;          // cosine and sine of the pattern's turn
@@ -43,7 +44,7 @@ struct PixelRays {
 
 struct LensRay { vec2 a; vec2 b; float weight; };
 
-PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f)
+PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupil)
 {
     PixelRays rays;
     rays.centre = centre;
@@ -51,6 +52,7 @@ PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f)
     float height = length(rays.slope);
     rays.outward = height > 1e-9 ? rays.slope / height : vec2(1.0, 0.0);
     rays.w_f = w_f;
+    rays.pupil = pupil;
     rays.pattern = jitters * pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)];
     rays.shift = pattern_shifts[rays.pattern];
     float angle = 6.283185307179586 * rays.shift.y;
@@ -149,7 +151,7 @@ LensRay lens_ray(PixelRays rays, int i)
     ray.a *= narrowing;
     ray.b *= narrowing;
 #endif
-    ray.b *= focal_px;
+    ray.b *= rays.pupil * focal_px;
     ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
     return ray;
 }

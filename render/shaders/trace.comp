@@ -13,7 +13,11 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 uniform int first_line;         // of the picture's lines that this dispatch works on
 uniform vec2 offset;            // of the picture's corner in the layers
 uniform vec2 axis;              // where the view axis meets the layers
+#ifdef FOCAL_MAP
+uniform sampler2D focal_map;    // w_f and the pupil's radius over the lens's own, of the picture's pixels (focal_surface.comp)
+#else
 uniform vec3 focus;             // w_f at the picture's pixel (x, y) is focus.x + focus.y·x + focus.z·y
+#endif
 uniform int first_ray;
 uniform int ray_count;
 uniform vec4 light;             // of this wavelength in red, green, blue and coverage, over the number of rays
@@ -30,13 +34,13 @@ const int SLABS = 8;
 void footprint(PixelRays rays, float w, out vec2 centre, out vec2 radius)
 {
 #ifdef POLYNOMIAL_LENS
-    float off = w - rays.w_f;
+    float off = rays.pupil * (w - rays.w_f);
     vec2 px = focal_px * narrowing;
     centre = rays.centre + px * (row[BOUND] + row[BOUND + 2] * off) * rays.outward;
     radius = px * (row[BOUND + 1] + row[BOUND + 3] * abs(off));
 #else
     centre = rays.centre;
-    radius = abs(focal_px * pupil_m * (w - rays.w_f));
+    radius = abs(focal_px * pupil_m * rays.pupil * (w - rays.w_f));
 #endif
 }
 #endif
@@ -121,7 +125,12 @@ void main()
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_line);
     if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
     vec2 place = vec2(pixel) + 0.5;
-    PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focus.x + dot(focus.yz, place));
+#ifdef FOCAL_MAP
+    vec2 focused = texelFetch(focal_map, pixel, 0).xy;
+#else
+    vec2 focused = vec2(focus.x + dot(focus.yz, place), 1.0);
+#endif
+    PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focused.x, focused.y);
     float reach = 0.5 * scale + 1.0;
     vec2 range = bound_footprint(rays, reach);
     run_count = 0;

@@ -15,16 +15,17 @@ from render.optics.distortion import ChiefRays
 from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
 from render.scene import DoubleArray, IntArray
 from render.trace.layer_view import MAX_SLOPE
-from render.trace.rays import FocalSurface, RayBundle
+from render.trace.picture_focus import PictureFocus
+from render.trace.rays import RayBundle
 from render.trace.sharpness import sharpness
 
-MEASURED = ("depth", "coc", "focus_depth", "prim_id", "face_id")
+MEASURED = ("depth", "coc", "defocus", "focus_depth", "prim_id", "face_id")
 MAX_AREA_RATIO = 8.0
 """Surfaces are drawn with at most this many times the picture's pixels: a lens that sees further is measured less finely."""
 
 
 def measured(
-    peeler: Peeler, view: PinholeView, bundle: RayBundle, surface: FocalSurface, chief: ChiefRays | None
+    peeler: Peeler, view: PinholeView, bundle: RayBundle, focus: PictureFocus, chief: ChiefRays | None
 ) -> dict[str, NDArray[Any]]:
     """All of `MEASURED`, each ``(height, width)``.
 
@@ -32,16 +33,17 @@ def measured(
         peeler: with the scene loaded.
         view: the picture.
         bundle: the lens.
-        surface: where it is focused.
+        focus: where it is focused.
         chief: where its chief rays go; None where they go straight.
     """
     w, prim_id, face_id = _nearest(peeler, view, chief)
-    sharp = sharpness(bundle, surface, view)
+    sharp = sharpness(bundle, focus, view)
     with np.errstate(divide="ignore"):
         depth, focus_depth = (1.0 / np.maximum(values, 0.0) for values in (w.astype(np.float64), sharp.w))
     return {
         "depth": depth.astype(np.float32),
         "coc": (view.fx * sharp.pupil_m * (sharp.w - w)).astype(np.float32),
+        "defocus": (w - sharp.w).astype(np.float32),
         "focus_depth": focus_depth.astype(np.float32),
         "prim_id": prim_id,
         "face_id": face_id,

@@ -9,7 +9,8 @@ import numpy as np
 from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
 from render.scene import DoubleArray
 from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
-from render.trace.rays import FocalSurface, RayBundle
+from render.trace.picture_focus import PictureFocus
+from render.trace.rays import RayBundle
 
 MAX_BLUR_SHARE = 0.25
 """The guard band for blur is at most this share of the picture's longer side on each side: beyond it, rays see the edge's pixels
@@ -33,18 +34,18 @@ class Extent:
 
 
 def layer_view(
-    view: PinholeView, bundle: RayBundle, surface: FocalSurface, supersample: float, nearest_w: float
+    view: PinholeView, bundle: RayBundle, focus: PictureFocus, supersample: float, nearest_w: float
 ) -> PinholeView:
     """The view to peel.
 
     Args:
         view: the picture.
         bundle: the lens.
-        surface: where it is focused.
+        focus: where it is focused.
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
-    extent = reached(view, bundle, surface, nearest_w)
+    extent = reached(view, bundle, focus, nearest_w)
     margins = [
         max(0.0, view.cx + extent.right * view.fx - view.width),
         max(0.0, -(view.cx + extent.left * view.fx)),
@@ -66,11 +67,11 @@ def layer_view(
     )
 
 
-def reached(view: PinholeView, bundle: RayBundle, surface: FocalSurface, nearest_w: float) -> Extent:
+def reached(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float) -> Extent:
     """The slopes that the rays of the picture's edge reach, at any depth from infinity to the nearest surface."""
     edge = _edge_points(view)
-    focus = surface.w0 + surface.slope_x * edge[:, 0] + surface.slope_y * edge[:, 1]
-    off_focus = np.maximum(np.abs(focus), np.abs(nearest_w - focus))
+    w_f, pupil = focus.at(edge)
+    off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
     slopes = (edge - [view.cx, view.cy]) / [view.fx, view.fy]
     centres, radii = _bounds(bundle, slopes, off_focus)
     cap = MAX_BLUR_SHARE * max(view.width / view.fx, view.height / view.fy)

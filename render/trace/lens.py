@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import moderngl
+import numpy as np
 from numpy.typing import NDArray
 
 from render.gl.shaders import ProgramCache
@@ -21,7 +22,8 @@ from render.scene import Camera, FloatArray
 from render.trace.aovs import measured
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view
-from render.trace.rays import RayPattern, plane_of_focus, ray_pattern
+from render.trace.picture_focus import picture_focus
+from render.trace.rays import RayPattern, ray_pattern
 from render.trace.tracer import RAYS_PER_PASS, SHOWN_RAYS_PER_PASS, Tracer
 
 OnPass = Callable[[FloatArray, int], None]
@@ -89,18 +91,22 @@ class LensEngine:
         """
         bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
         on_stage("rays")
-        surface = plane_of_focus(camera)
-        widest = layer_view(view, bundle, surface, supersample, 1 / view.near_m)
+        focus = picture_focus(camera, view)
+        w_f, pupil = focus.over_picture()
+        widest = layer_view(view, bundle, focus, supersample, 1 / view.near_m)
         nearest_w = peeler.nearest_w(widest)
-        wide = layer_view(view, bundle, surface, supersample, nearest_w)
+        wide = layer_view(view, bundle, focus, supersample, nearest_w)
         f_px = max(wide.fx, wide.fy)
-        pupil_px = f_px * bundle.reach_m
-        bundle = shared_rays(bundle, f_px, max(surface.w0, nearest_w - surface.w0))
+        pupil_px = f_px * bundle.reach_m * float(pupil.max())
+        off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
+        bundle = shared_rays(bundle, f_px, float(off_focus.max()))
         if peeler.is_opaque:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
         umbra = umbra_reach(pupil_px)
-        focus = (surface.w0, surface.slope_x, surface.slope_y)
-        sampling = sampling_of_layers(wide, view, focus, bundle.reach_m, bundle.count)
+        plane = focus.affine
+        sampling = sampling_of_layers(
+            wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, bundle.count if plane else 1
+        )
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")
         nbuffers = self._nbuffers.build(peeled)
@@ -108,7 +114,7 @@ class LensEngine:
         rays_per_pass = RAYS_PER_PASS if on_pass is None else SHOWN_RAYS_PER_PASS
         shown = 0
         for done in self._tracer.passes(
-            peeled, nbuffers, bundle, surface, view, rays_per_pass=rays_per_pass, bound_by_rays=bound_by_rays
+            peeled, nbuffers, bundle, focus, view, rays_per_pass=rays_per_pass, bound_by_rays=bound_by_rays
         ):
             if on_progress is not None:
                 on_progress(done.share)
@@ -123,7 +129,7 @@ class LensEngine:
         """What is measured beside the colour: see `render.trace.aovs.measured`."""
         bundle = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()))
         chief = chief_rays(camera)
-        return measured(peeler, view, bundle, plane_of_focus(camera), chief)
+        return measured(peeler, view, bundle, picture_focus(camera, view), chief)
 
     def release(self) -> None:
         """Give the memory back."""

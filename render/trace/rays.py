@@ -9,26 +9,11 @@ import numpy as np
 from render.lens import IrisShape
 from render.optics.iris import transmission
 from render.optics.sampling import PATTERNS, LensSamples, base_points, lens_samples, pattern_shifts
-from render.optics.thin_lens import focus_w, pupil_radius_m
+from render.optics.thin_lens import pupil_radius_m
 from render.scene import Camera, DoubleArray, FloatArray
 from render.trace.lens_table import GridTable, PolynomialTable
 
 IRIS_IMAGE_SIDE = 256
-
-
-@dataclass(frozen=True)
-class FocalSurface:
-    """Where a pixel is focused: ``w_f = w0 + slope_x·x + slope_y·y`` at picture position (x, y).
-
-    Attributes:
-        w0: inverse depth at the picture's top left corner, 1/m.
-        slope_x: per pixel to the right; not 0 for a swung plane (Scheimpflug).
-        slope_y: per pixel down; not 0 for a tilted plane.
-    """
-
-    w0: float
-    slope_x: float = 0.0
-    slope_y: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,11 +97,6 @@ def thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
     """Rays of the camera's thin lens; a pinhole has its rays through one point."""
     radius = pupil_radius_m(camera)
     return RayBundle(pattern, (radius / camera.lens.squeeze, radius), transmittance=camera.lens.transmittance)
-
-
-def plane_of_focus(camera: Camera) -> FocalSurface:
-    """The plane at the camera's focus distance."""
-    return FocalSurface(focus_w(camera))
 
 
 def _downward(samples: LensSamples) -> FloatArray:

@@ -10,7 +10,8 @@ from render.optics.view import PinholeView
 from render.scene import DoubleArray
 from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes
 from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, GridTable, PolynomialTable
-from render.trace.rays import FocalSurface, RayBundle
+from render.trace.picture_focus import PictureFocus
+from render.trace.rays import RayBundle
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,19 +27,19 @@ class Sharpness:
     pupil_m: DoubleArray
 
 
-def sharpness(bundle: RayBundle, surface: FocalSurface, view: PinholeView) -> Sharpness:
+def sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Sharpness:
     """Fit the least spread of each pixel's rays: ``s(w) = δ + X·(w - w_f)`` is least where ``w = w_f - ⟨δ·X⟩ / ⟨X·X⟩``."""
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
-    w_f = surface.w0 + surface.slope_x * x + surface.slope_y * y
+    w_f, pupil = focus.at(np.stack([x, y], axis=-1))
     if bundle.table is None:
-        return Sharpness(w_f, np.full_like(w_f, max(bundle.pupil_m)))
+        return Sharpness(w_f, pupil * max(bundle.pupil_m))
     if isinstance(bundle.table, GridTable):
         shift, radius = _over_fields(bundle.table, (x - view.cx) / view.fx, (y - view.cy) / view.fy)
-        return Sharpness(w_f + shift, radius)
+        return Sharpness(w_f + shift / pupil, pupil * radius)
     heights = np.linspace(0.0, bundle.table.last_slope, bundle.table.rows.shape[1])
     shift, radius = _over_heights(bundle.table)
     height = np.hypot((x - view.cx) / view.fx, (y - view.cy) / view.fy)
-    return Sharpness(w_f + np.interp(height, heights, shift), np.interp(height, heights, radius))
+    return Sharpness(w_f + np.interp(height, heights, shift) / pupil, pupil * np.interp(height, heights, radius))
 
 
 def _over_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:

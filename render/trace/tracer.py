@@ -13,8 +13,10 @@ from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
 from render.scene import FloatArray
+from render.trace.focal_map import FocalMaps
+from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
-from render.trace.rays import FocalSurface, RayBundle
+from render.trace.rays import RayBundle
 
 RAYS_PER_PASS = 128
 """What is worked out for a pixel before its rays, its footprint's bounds and its row of the lens table, is done once a pass."""
@@ -23,8 +25,8 @@ SHOWN_RAYS_PER_PASS = 32
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
-_LAYER_UNITS = 8
-"""Textures of layers and N-buffers that a program reads at most."""
+_LAYER_UNITS = 9
+"""Textures of layers, N-buffers and focus that a program reads at most."""
 _TILE = 8  # side of the shader's work groups
 
 Progress = Callable[[float], None]
@@ -50,6 +52,7 @@ class Tracer:
         self._ctx = ctx
         self._programs = programs
         self._buffers = RayBuffers(ctx)
+        self._maps = FocalMaps(ctx, programs)
         self._sum: moderngl.Texture | None = None
 
     def passes(
@@ -57,7 +60,7 @@ class Tracer:
         layers: Layers,
         nbuffers: NBuffers,
         bundle: RayBundle,
-        surface: FocalSurface,
+        focus: PictureFocus,
         view: PinholeView,
         *,
         rays_per_pass: int = RAYS_PER_PASS,
@@ -69,16 +72,18 @@ class Tracer:
             layers: peeled from the picture's own eye, at any resolution and with any margin.
             nbuffers: of those layers.
             bundle: the lens.
-            surface: where it is focused.
+            focus: where it is focused.
             view: the picture.
             rays_per_pass: at most.
             bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form.
         """
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
-        program = self._program(layers, bundle, bound_by_rays=bound_by_rays)
-        self._bind(program, layers, nbuffers)
+        focal_map = None if focus.affine is not None else self._maps.made(focus)
+        program = self._program(layers, bundle, bound_by_rays=bound_by_rays, by_map=focal_map is not None)
+        self._bind(program, layers, nbuffers, focal_map)
         self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
-        self._set_uniforms(program, layers, nbuffers, surface, view)
+        self._set_uniforms(program, layers, nbuffers, view)
+        set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
             set_uniforms(program, first_ray=first, ray_count=count)
@@ -123,8 +128,11 @@ class Tracer:
         if self._sum is not None:
             self._sum.release()
         self._buffers.release()
+        self._maps.release()
 
-    def _program(self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool) -> moderngl.ComputeShader:
+    def _program(
+        self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool, by_map: bool
+    ) -> moderngl.ComputeShader:
         defines: dict[str, int | float | str] = {}
         if layers.count > 4:
             defines["EIGHT_LAYERS"] = 1
@@ -132,9 +140,17 @@ class Tracer:
             defines["MAY_BE_FADED"] = 1
         if bound_by_rays:
             defines["BOUND_BY_RAYS"] = 1
+        if by_map:
+            defines["FOCAL_MAP"] = 1
         return self._programs.compute("trace.comp", defines | self._buffers.defines(bundle))
 
-    def _bind(self, program: moderngl.ComputeShader, layers: Layers, nbuffers: NBuffers) -> None:
+    def _bind(
+        self,
+        program: moderngl.ComputeShader,
+        layers: Layers,
+        nbuffers: NBuffers,
+        focal_map: moderngl.Texture | None,
+    ) -> None:
         targets = layers.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[0],
@@ -146,6 +162,8 @@ class Tracer:
         }
         if layers.count > 4:
             textures |= {"packed_w_far": targets.packed_w[1], "slopes_far": targets.packed_slopes[1]}
+        if focal_map is not None:
+            textures["focal_map"] = focal_map
         for unit, (name, texture) in enumerate(textures.items(), start=_FIRST_UNIT):
             texture.use(unit)
             program[name] = unit
@@ -155,7 +173,6 @@ class Tracer:
         program: moderngl.ComputeShader,
         layers: Layers,
         nbuffers: NBuffers,
-        surface: FocalSurface,
         view: PinholeView,
     ) -> None:
         scale = layers.view.fx / view.fx
@@ -165,7 +182,6 @@ class Tracer:
             offset=(layers.view.cx - scale * view.cx, layers.view.cy - scale * view.cy),
             axis=(layers.view.cx, layers.view.cy),
             focal_px=(layers.view.fx, layers.view.fy),
-            focus=(surface.w0, surface.slope_x, surface.slope_y),
             last_level=nbuffers.levels - 1,
         )
 

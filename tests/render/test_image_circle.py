@@ -16,7 +16,8 @@ from render.scene import Camera, DoubleArray
 from render.trace.bundles import BundleMaker
 from render.trace.layer_view import reached
 from render.trace.lens_table import LIGHT, SLOPE_T, WEIGHT, PolynomialTable
-from render.trace.rays import RayBundle, plane_of_focus, ray_pattern
+from render.trace.picture_focus import picture_focus
+from render.trace.rays import RayBundle, ray_pattern
 
 pytestmark = pytest.mark.gl
 
@@ -61,7 +62,7 @@ def test_the_layers_show_all_that_the_lens_sees(bundle: RayBundle) -> None:
     seen, light = seen_slopes(bundle.table)
     farthest = seen[light > 0].max()
     assert farthest > 3  # 72 degrees
-    extent = reached(VIEW, bundle, plane_of_focus(CAMERA), nearest_w=1.0)
+    extent = reached(VIEW, bundle, picture_focus(CAMERA, VIEW), nearest_w=1.0)
     assert extent.right >= farthest
     assert extent.left <= -farthest
     upper = CAMERA.vertical_aperture_mm / 2 / CAMERA.focal_length_mm  # the circle is cut above and below

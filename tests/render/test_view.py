@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import CameraError, SettingsError
+from render.focal_surface import FocalPlane
 from render.optics.view import PinholeView
 from render.scene import Camera
 
@@ -64,7 +65,10 @@ def test_through_the_pupil_a_point_moves_by_the_one_equation(
     """s(w) = p + f·l·(w − w_f): what lands at p through l is seen from the centre at s(w) (DESIGN, the one equation)."""
     origin, direction = VIEW.ray(*place[:2])
     world = (origin + place[2] * direction)[None]
-    central, through = VIEW.project(world)[0][0], VIEW.through(lens_x, lens_y, 1 / focus_m).project(world)[0][0]
+    central, through = (
+        VIEW.project(world)[0][0],
+        VIEW.through(lens_x, lens_y, FocalPlane(1 / focus_m)).project(world)[0][0],
+    )
     shift = 1 / place[2] - 1 / focus_m
     np.testing.assert_allclose(central - through, [VIEW.fx * lens_x * shift, -VIEW.fy * lens_y * shift], atol=1e-6)
 

@@ -1,0 +1,103 @@
+"""The focal surface pixel by pixel, on the device: ``focal_surface.comp``."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from render.focal_surface import Controls
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.scene import FloatArray
+from render.trace.picture_focus import PictureFocus
+
+_POINTS, _BENDS, _STRETCH, _IMAGE = 0, 1, 2, 1  # as the shader binds them
+_CHIEF_RAYS = 513
+_TILE = 8
+
+
+class FocalMaps:
+    """Makes focal maps, keeping the texture for the next picture of the same size."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._map: moderngl.Texture | None = None
+
+    def made(self, focus: PictureFocus) -> moderngl.Texture:
+        """``(width, height)`` of w_f in 1/m and the pupil's radius over the lens's own; valid until the next one."""
+        program = self._programs.compute("focal_surface.comp", {})
+        surface, view = focus.surface, focus.view
+        texture = self._sized((view.width, view.height))
+        held = [
+            self._controls(program, "point", surface.controls, _POINTS),
+            self._controls(program, "bend", surface.bends, _BENDS),
+            self._chief_rays(program, focus),
+        ]
+        try:
+            plane = surface.plane
+            set_uniforms(
+                program,
+                centre=(view.cx, view.cy),
+                focal_px=(view.fx, view.fy),
+                plane=(plane.w0, plane.slope_x, plane.slope_y),
+                blend=surface.blend,
+            )
+            self._halves(program, focus)
+            texture.bind_to_image(_IMAGE, read=False, write=True)
+            program.run(-(-view.width // _TILE), -(-view.height // _TILE))
+            self._ctx.memory_barrier()
+        finally:
+            for buffer in held:
+                buffer.release()
+        return texture
+
+    def release(self) -> None:
+        """Give the memory back."""
+        if self._map is not None:
+            self._map.release()
+            self._map = None
+
+    def _controls(
+        self, program: moderngl.ComputeShader, name: str, controls: Controls | None, binding: int
+    ) -> moderngl.Buffer:
+        rows = np.zeros((1, 8), np.float32)
+        if controls is not None and len(controls.places):
+            rows = np.zeros((len(controls.places), 8), np.float32)
+            rows[:, :2], rows[:, 2], rows[:, 3] = controls.places, controls.weights, controls.falloffs
+            rows[:, 4 : 4 + controls.values.shape[1]] = controls.values
+        set_uniforms(program, **{f"{name}_count": 0 if controls is None else len(controls.places)})
+        set_uniforms(program, **{f"{name}_exponent": 3.0 if controls is None else controls.exponent})
+        return self._buffer(rows, binding)
+
+    def _chief_rays(self, program: moderngl.ComputeShader, focus: PictureFocus) -> moderngl.Buffer:
+        chief = focus.chief
+        if chief is None:
+            set_uniforms(program, stretch_count=0)
+            return self._buffer(np.ones((1,), np.float32), _STRETCH)
+        last = float(chief.ideal[-1])
+        heights = np.linspace(0.0, last, _CHIEF_RAYS)
+        heights[0] = 1e-6 * last
+        ratios = np.interp(heights, chief.ideal, chief.seen) / heights
+        set_uniforms(program, stretch_count=_CHIEF_RAYS, last_height=last, squeeze=chief.squeeze)
+        return self._buffer(ratios.astype(np.float32), _STRETCH)
+
+    def _halves(self, program: moderngl.ComputeShader, focus: PictureFocus) -> None:
+        halves = focus.surface.halves
+        edges, ws = np.zeros((2, 4), np.float32), np.zeros(2, np.float32)
+        for i, half in enumerate(halves):
+            edges[i], ws[i] = (*half.direction, half.offset, half.width), half.w
+        set_uniforms(program, half_count=len(halves))
+        program["half_edges"].write(edges.tobytes())  # type: ignore[union-attr]
+        program["half_w"].write(ws.tobytes())  # type: ignore[union-attr]
+
+    def _buffer(self, rows: FloatArray, binding: int) -> moderngl.Buffer:
+        buffer = self._ctx.buffer(np.ascontiguousarray(rows, np.float32).tobytes())
+        buffer.bind_to_storage_buffer(binding)
+        return buffer
+
+    def _sized(self, size: tuple[int, int]) -> moderngl.Texture:
+        if self._map is None or self._map.size != size:
+            self.release()
+            self._map = self._ctx.texture(size, 2, dtype="f4")
+            self._map.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        return self._map

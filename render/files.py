@@ -25,10 +25,9 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
         OutputError: the file cannot be written; what was there before is still there.
     """
     target = Path(path)
+    _check_kind(target)
     beside = target.with_name(f".{target.name[:100]}.{uuid.uuid4().hex}.part")
     try:
-        if target.is_dir():
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         try:
             _write_through(beside, content)
             os.replace(beside, target)
@@ -38,6 +37,30 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
             raise
     except OSError as error:
         raise _explained(error, target) from error
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Raise now what `write_atomic` would raise, as far as one can tell: for what takes long to compute.
+
+    Args:
+        path: the file that is to be written.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    target = Path(path)
+    _check_kind(target)
+    if not os.path.isdir(target.parent):
+        raise _explained(OSError(errno.ENOENT, os.strerror(errno.ENOENT)), target)
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise _explained(OSError(errno.EACCES, os.strerror(errno.EACCES)), target)
+
+
+def _check_kind(target: Path) -> None:
+    """Raise `OutputError` where a folder, a device or a pipe is in the file's place: it is not to be renamed over."""
+    if os.path.exists(target) and not os.path.isfile(target):  # unlike Path, these raise nothing
+        what = "a folder" if os.path.isdir(target) else "a device or a pipe"
+        raise OutputError(f"cannot write {target}: it is {what}, expected a file", path=str(target))
 
 
 def _write_through(path: Path, content: bytes) -> None:

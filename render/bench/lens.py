@@ -7,7 +7,6 @@ python -m render.bench.lens --json -      the same where only numpy, pyrender an
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -29,8 +28,8 @@ from render.bench.plan import PICTURE, SWEPT, Plan, add_arguments, asked_plan
 from render.bench.results import LensBench, Sweeps, as_json
 from render.bench.rig import LensRig
 from render.bench.text import report
-from render.errors import OutputError, PullfocusError, SettingsError
-from render.files import write_atomic
+from render.errors import PullfocusError, SettingsError
+from render.files import check_writable, write_atomic
 from render.reference.bench_scenes import SCENES
 
 Row = TypeVar("Row")
@@ -110,15 +109,8 @@ def _asked_file(typed: str | None) -> Path | None:
     """Where the JSON goes; that no file can be written there is said before anything is measured."""
     if typed is None or typed == "-":
         return None
-    target = Path(typed)
-    if not target.parent.is_dir():
-        raise OutputError(f"--json: there is no folder {target.parent} to write {target.name} in", path=str(target))
-    if target.exists() and not target.is_file():
-        what = "a folder" if target.is_dir() else "a device or a pipe"
-        raise OutputError(f"--json: {target} is {what}, expected a file to write", path=str(target))
-    if not os.access(target.parent, os.W_OK):
-        raise OutputError(f"--json: writing in the folder {target.parent} is not allowed", path=str(target))
-    return target
+    check_writable(typed)
+    return Path(typed)
 
 
 def _sweep(of: Subject, plan: Plan, say: Callable[[str], None]) -> Sweeps:

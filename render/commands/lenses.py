@@ -14,9 +14,9 @@ from rich.table import Table
 
 from render.commands.lens_numbers import as_json, as_table
 from render.commands.report import print_json, say
-from render.errors import NotFoundError, OutputError, SettingsError
-from render.files import write_atomic
-from render.optics.report import lens_report
+from render.errors import InputError, NotFoundError, OutputError, SettingsError
+from render.files import check_writable, write_atomic
+from render.optics.report import LensReport, lens_report
 from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from usd_schemas import library_lenses
 
@@ -86,12 +86,12 @@ def run_show(arguments: argparse.Namespace) -> None:
 
     Raises:
         SettingsError: the library has no such lens, or a setting is out of range.
-        InputError: the file is no lens.
+        InputError: the file is no lens, or one that has to be told a focus distance.
         OutputError: the sheet cannot be written.
     """
     lens = _asked(arguments.lens)
     target = None if arguments.out is None else _sheet_path(arguments.out, lens.name)
-    report = lens_report(lens.set_to(arguments.f_stop, arguments.focus, _gate(arguments.gate)), lens.f_stop)
+    report = _report(lens, arguments)
     if arguments.json:
         print_json(as_json(lens, report))
     else:
@@ -103,6 +103,18 @@ def run_show(arguments: argparse.Namespace) -> None:
         say(f"drawn: {target}")
 
 
+def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
+    camera = lens.set_to(arguments.f_stop, arguments.focus, _gate(arguments.gate))
+    try:
+        return lens_report(camera, lens.f_stop)
+    except SettingsError as error:
+        if (
+            error.code == "focus_out_of_reach" and arguments.focus is None
+        ):  # nobody asked for infinity: it is the lens's fault
+            raise InputError(f"{error.detail}; --focus sets another distance", code=error.code) from error
+        raise
+
+
 def _asked(name_or_file: str) -> LensAlone:
     try:
         return lens_alone(name_or_file)
@@ -111,8 +123,12 @@ def _asked(name_or_file: str) -> LensAlone:
 
 
 def _sheet_path(out: Path, name: str) -> Path:
-    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none."""
+    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none.
+
+    Whether it can be written is looked at before anything is computed.
+    """
     if out.suffix.lower() in SHEET_SUFFIXES and not out.is_dir():
+        check_writable(out)
         return out
     if out.suffix and not out.is_dir():
         raise SettingsError(f"--out takes a folder, or a file that ends in .png or .svg, got {out}")
@@ -120,6 +136,7 @@ def _sheet_path(out: Path, name: str) -> Path:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder {out}: {error.strerror}", path=str(out)) from error
+    check_writable(out / f"{name}.png")
     return out / f"{name}.png"
 
 

@@ -236,10 +236,10 @@ def test_arguments_change_the_plan() -> None:
         (
             ("lens", "--json", "no such folder/bench.json"),
             1,
-            "there is no folder no such folder to write bench.json in",
+            "cannot write no such folder/bench.json: the folder no such folder does not exist",
         ),
-        (("lens", "--json", "."), 1, "--json: . is a folder, expected a file to write"),
-        (("lens", "--json", "/dev/null"), 1, "--json: /dev/null is a device or a pipe, expected a file to write"),
+        (("lens", "--json", "."), 1, "cannot write .: it is a folder, expected a file"),
+        (("lens", "--json", "/dev/null"), 1, "cannot write /dev/null: it is a device or a pipe, expected a file"),
         (("lens", "--rays"), 2, "--rays"),
         ((), 2, "BENCH"),
         (("coffee",), 2, "coffee"),

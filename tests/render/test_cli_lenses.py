@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -169,12 +171,38 @@ def test_a_broken_lens_file_names_the_surface(pullfocus: Command, tmp_path: Path
     assert "surface 1" in line
 
 
-def test_a_sheet_that_cannot_be_written_leaves_what_was_there(pullfocus: Command, tmp_path: Path) -> None:
-    folder = tmp_path / "lens.png"
-    folder.mkdir()
-    (folder / "kept").touch()
-    ended = pullfocus("lenses", "show", "thin_50", "--out", folder / "kept" / "lens.svg")
+def test_a_lens_that_does_not_reach_infinity_is_no_wrong_argument(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "near.txt"
+    file.write_text(FILES["zoom.txt"])
+    ended = pullfocus("lenses", "show", file)
+    assert (ended.status, ended.err.count("\n")) == (1, 1)
+    assert "An example cannot focus at infinity: the farthest that it reaches is 0.2484 m; --focus sets" in ended.err
+    assert pullfocus("lenses", "show", file, "--focus", "1").status == 2
+    assert 0 < shown(pullfocus, file, "--focus", "0.2")["nearestFocusM"] < 0.2
+
+
+@pytest.mark.parametrize("out", ["kept/lens.svg", "missing/lens.png", "kept"])
+def test_a_sheet_that_cannot_be_written_is_refused_before_anything_is_computed(
+    out: str, pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "kept").touch()
+    monkeypatch.setattr("render.commands.lenses.lens_report", lambda *_: pytest.fail("it was computed"))
+    ended = pullfocus("lenses", "show", "thin_50", "--out", tmp_path / out)
+    assert (ended.status, ended.out, ended.err.count("\n")) == (1, "", 1)
+    assert "cannot " in ended.err
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_a_full_disk_leaves_the_numbers_and_what_was_there(
+    pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    (tmp_path / "lens.svg").write_text("old")
+    monkeypatch.setattr(os, "fsync", full)
+    ended = pullfocus("lenses", "show", "thin_50", "--out", tmp_path / "lens.svg")
     assert ended.status == 1
-    assert "cannot write" in ended.err
-    assert "50.00 mm" in ended.out  # the numbers are not lost
-    assert [path.name for path in folder.iterdir()] == ["kept"]
+    assert "the disk is full" in ended.err
+    assert "50.00 mm" in ended.out
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import OutputError, SettingsError
-from render.files import write_atomic
+from render.files import check_writable, write_atomic
 from render.film import Grade
 from render.output import FrameMetadata, encode, format_of, write_frame
 from render.output.encode import to_8_bit
@@ -213,10 +213,30 @@ def test_a_missing_folder_is_named(tmp_path: Path) -> None:
 def test_a_folder_in_the_files_place_is_kept(tmp_path: Path) -> None:
     (tmp_path / "a.png").mkdir()
 
-    with pytest.raises(OutputError, match="Is a directory"):
+    with pytest.raises(OutputError, match="it is a folder, expected a file"):
         write_atomic(tmp_path / "a.png", b"new")
 
     assert os.listdir(tmp_path) == ["a.png"]
+
+
+def test_a_pipe_in_the_files_place_is_kept(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.png")
+
+    for refusing in (lambda: write_atomic(tmp_path / "a.png", b"new"), lambda: check_writable(tmp_path / "a.png")):
+        with pytest.raises(OutputError, match="it is a device or a pipe, expected a file"):
+            refusing()
+
+    assert (tmp_path / "a.png").is_fifo()
+
+
+def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_writable(tmp_path / "a.png")
+    assert os.listdir(tmp_path) == []
+    with pytest.raises(OutputError, match=r"cannot write .*: the folder .*/no/such does not exist"):
+        check_writable(tmp_path / "no" / "such" / "a.png")
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(OutputError, match=r"writing in the folder .* is not allowed"):
+        check_writable(tmp_path / "a.png")
 
 
 def test_an_encoder_without_room_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

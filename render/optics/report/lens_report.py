@@ -112,7 +112,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         f_stop=f_stop,
         set_f_stop=set_f_stop,
         wide_open=lens.prescription.f_stop if lens else wide_open,
-        nearest_m=_nearest_m(camera),
+        nearest_m=nearest_m(lens, camera.focus_distance_m) if lens else 0.0,
         field_of_view_deg=(float(view[0]), float(view[1]), float(view[2])),
         image_circle_mm=circle,
         airy_um=2.44 * D_LINE_NM * 1e-3 * f_stop,
@@ -140,12 +140,6 @@ def film_rays(camera: Camera) -> FilmRays:
 def corner_mm(camera: Camera) -> float:
     """Image height of the gate's corner."""
     return float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)) / 2
-
-
-def _nearest_m(camera: Camera) -> float:
-    if not has_surfaces(camera):
-        return 0.0
-    return nearest_m(mounted(replace(camera, focus_distance_m=0.0)).prescription)
 
 
 def _third_order(camera: Camera, lens: FocusedLens | None) -> ThirdOrder | None:

@@ -13,7 +13,7 @@ from render.optics.glass import D_LINE_NM
 from render.optics.seidel_sums import seidel_sums
 
 _BISECTIONS = 30
-_NEAREST_LOOKED_AT_M = 1e-3
+_FARTHEST_LOOKED_AT_M, _NEAREST_LOOKED_AT_M = 1e4, 1e-3
 
 
 @dataclass(frozen=True)
@@ -121,19 +121,25 @@ def third_order_of_errors(errors: SeidelErrors, f_stop: float, corner_mm: float)
     )
 
 
-def nearest_m(prescription: Prescription) -> float:
-    """The nearest distance from the entrance pupil that the lens or its focusing group reaches; infinite for a fixed focus."""
+def nearest_m(lens: FocusedLens, focus_distance_m: float) -> float:
+    """The nearest distance from the entrance pupil that the lens or its focusing group reaches; infinite for a fixed focus.
+
+    Args:
+        lens: as focused.
+        focus_distance_m: at which it is; infinity or 0 for infinity.
+    """
 
     def reaches(nearness_per_m: float) -> bool:
         try:
-            focused(prescription, 1 / nearness_per_m, 22.0, by="paraxial")
+            focused(lens.prescription, 1 / nearness_per_m, 22.0, by="paraxial")
         except SettingsError:
             return False
         return True
 
-    far, near = 1e-4, 1 / _NEAREST_LOOKED_AT_M
+    reached_m = focus_distance_m or float("inf")
+    far, near = 1 / min(reached_m, _FARTHEST_LOOKED_AT_M), 1 / _NEAREST_LOOKED_AT_M
     if not reaches(far):
-        return float("inf")
+        return reached_m
     for _ in range(_BISECTIONS):
         middle = float(np.sqrt(far * near))
         far, near = (middle, near) if reaches(middle) else (far, middle)

@@ -221,8 +221,8 @@ def test_a_point_outside_its_triangle_is_not_moved(stage: Usd.Stage) -> None:
 
 
 def test_a_hidden_spline_is_removed_and_the_picture_stays(stage: Usd.Stage) -> None:
-    camera_of(stage).set_key("focusDistance", 1, 3.0)
-    attribute = stage.GetAttributeAtPath("/cam.focusDistance")
+    camera_of(stage).set_key("fStop", 1, 2.8)
+    attribute = stage.GetAttributeAtPath("/cam.fStop")
     attribute.Set(5.0, 1)  # beside the spline, as an exporter might
     problem = the_problem(stage)
     assert problem.rule == "HiddenSplines"

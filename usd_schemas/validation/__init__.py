@@ -12,13 +12,14 @@ from pxr import Sdf, Usd, UsdValidation
 
 from usd_schemas.validation.camera_rules import CAMERA_RULES
 from usd_schemas.validation.focus_rules import FOCUS_RULES
+from usd_schemas.validation.key_rules import KEY_RULES
 from usd_schemas.validation.layer_rules import LAYER_RULES
 from usd_schemas.validation.rule import Fault, Fix, Rule, Severity
 
 __all__ = ["KEYWORD", "RULES", "Fault", "Fix", "Problem", "Rule", "Severity", "fix", "validate"]
 
 KEYWORD = "pullfocus"
-RULES: tuple[Rule, ...] = (*CAMERA_RULES, *FOCUS_RULES, *LAYER_RULES)
+RULES: tuple[Rule, ...] = (*CAMERA_RULES, *FOCUS_RULES, *KEY_RULES, *LAYER_RULES)
 _BY_NAME = {rule.name: rule for rule in RULES}
 
 

@@ -14,7 +14,7 @@ from typing import NoReturn
 
 from render.commands import bench, demo, focus_curve, inspect, lenses, record
 from render.commands.report import say
-from render.errors import PullfocusError, SettingsError
+from render.errors import PullfocusError, SettingsError, one_line
 from render.stage.opening import quiet_diagnostics
 
 DONE, FAILED, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
@@ -87,7 +87,7 @@ class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(WRONG_ARGUMENTS, f"{self.prog}: {message} ({self.prog} --help says more)\n")
+        self.exit(WRONG_ARGUMENTS, f"{self.prog}: {one_line(message)} ({self.prog} --help says more)\n")
 
 
 def _argument_tree(added: Sequence[str]) -> argparse.ArgumentParser:

@@ -9,17 +9,29 @@
     ├── GraphicsError      no OpenGL context, or the driver refused a shader or a buffer   (exit 1, HTTP 503)
     └── OutputError        a result could not be written                                   (exit 1, HTTP 507)
 
-Each message is one sentence that names the thing, what was expected and what was got.
+Each message is one sentence, on one line, that names the thing, what was expected and what was got.
 The command line and the service translate them, once each.
 """
 
 from __future__ import annotations
+
+import unicodedata
+
+_BREAKS_A_LINE = frozenset(
+    {"Cc", "Cs", "Zl", "Zp"}
+)  # control characters, halves of pairs, separators of lines and paragraphs
+
+
+def one_line(text: str) -> str:
+    """Text with words of others in it, such as a file's name: what would break the line is written as Python's repr has it."""
+    return "".join(repr(c)[1:-1] if unicodedata.category(c) in _BREAKS_A_LINE else c for c in text)
 
 
 class PullfocusError(Exception):
     """Root of all errors that are raised on purpose.
 
     Attributes:
+        detail: the message.
         code: a short stable word for programs, such as ``stage_unreadable``.
         path: the file or prim path that the error is about, if any.
     """
@@ -27,8 +39,8 @@ class PullfocusError(Exception):
     default_code = "error"
 
     def __init__(self, detail: str, *, code: str | None = None, path: str | None = None) -> None:
-        super().__init__(detail)
-        self.detail = detail
+        self.detail = one_line(detail)
+        super().__init__(self.detail)
         self.code = code or self.default_code
         self.path = path
 
@@ -67,6 +79,9 @@ class GraphicsError(PullfocusError):
     """No OpenGL context could be made, or the driver refused a shader or a buffer."""
 
     default_code = "graphics"
+
+    def __init__(self, detail: str, *, code: str | None = None, path: str | None = None) -> None:
+        super().__init__(" ".join(detail.split()), code=code, path=path)  # drivers say things in several lines
 
 
 class OutputError(PullfocusError):

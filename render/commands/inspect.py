@@ -10,6 +10,7 @@ from typing import Any
 
 from render.commands import arguments as shared
 from render.commands.report import camel_case_keys, finite, print_json
+from render.errors import one_line
 from render.shot import Readout, Shot
 from render.shot.inspection import Inspection, inspect_shot
 
@@ -35,7 +36,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({"stage": arguments.stage, **as_json(found)})
     else:
-        print("\n".join(_lines(arguments.stage, found)))
+        print("\n".join(map(one_line, _lines(arguments.stage, found))))
 
 
 def as_json(found: Inspection) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from rich import box
 from rich.table import Table
 
 from render.commands.report import camel_case_keys, finite
+from render.errors import one_line
 from render.lens import DoubleArray
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.field import WAVELENGTHS_NM
@@ -88,7 +89,9 @@ def as_table(lens: LensAlone, report: LensReport) -> Table:
         lens: which one.
         report: of it.
     """
-    table = Table(box=box.SIMPLE_HEAD, show_header=False, title=lens.title, title_justify="left", pad_edge=False)
+    table = Table(
+        box=box.SIMPLE_HEAD, show_header=False, title=one_line(lens.title), title_justify="left", pad_edge=False
+    )
     table.add_column(style="dim", no_wrap=True)
     table.add_column(overflow="fold")
     for group in data_sheet(report):
@@ -96,5 +99,5 @@ def as_table(lens: LensAlone, report: LensReport) -> Table:
             table.add_row(*row)
         table.add_section()
     for note in report.notes:
-        table.add_row("note", note)
+        table.add_row("note", one_line(note))
     return table

@@ -13,6 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from render.errors import one_line
 from render.stage.findings import Finding
 
 MAX_WARNINGS = 8
@@ -26,7 +27,7 @@ def say(message: str) -> None:
     Args:
         message: the line.
     """
-    _console.print(message)
+    _console.print(one_line(message))
 
 
 def warn_of(findings: Sequence[Finding], stage: str) -> None:

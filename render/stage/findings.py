@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from render.errors import one_line
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -18,6 +20,10 @@ class Finding:
     code: str
     path: str
     message: str
+
+    def __post_init__(self) -> None:
+        """The message is one line, whatever the names in it."""
+        object.__setattr__(self, "message", one_line(self.message))
 
 
 class FindingLog:

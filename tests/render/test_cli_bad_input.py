@@ -10,9 +10,14 @@ from pathlib import Path
 
 import pytest
 from cli_shots import CAMERA, SQUARE, Command, Ended, small, write_shot
+from hypothesis import given
+from hypothesis import strategies as st
 from pxr import Usd
 
-FAILED, WRONG_ARGUMENTS = 1, 2
+from render.errors import InputError, one_line
+from render.stage.findings import Finding
+
+DONE, FAILED, WRONG_ARGUMENTS = 0, 1, 2
 
 
 @pytest.fixture
@@ -305,3 +310,51 @@ def test_settings_are_checked_without_loading_opengl() -> None:
 def test_a_demo_where_a_file_lies_says_so(pullfocus: Command, good: Path) -> None:
     assert_one_sentence(pullfocus("demo", good), FAILED, f"{good} is to be a directory", "is a file")
     assert good.read_text().startswith("#usda")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("record", "no\nshot.usda", "frame.png"),
+        ("record", "{good}", "no\nfolder/frame.png"),
+        ("record", "{good}", "frame.png", "--camera", "/no\ncamera"),
+        ("record", "{good}", "frame.png", "--lens", "no\nlens.zmx"),
+        ("record", "{good}", "frame.png", "--no\nsuch-option"),
+        ("inspect", "no\nshot.usda"),
+        ("lenses", "show", "no\nlens.zmx"),
+        ("lenses", "show", "{folder}/two\nlines.dat"),
+        ("lenses", "show", "thin_50", "--out", "no\nfolder/lens.png"),
+        ("bench", "lens", "--json", "no\nfolder/bench.json"),
+    ],
+)
+def test_a_name_with_a_line_break_does_not_break_the_message(
+    arguments: tuple[str, ...], pullfocus: Command, good: Path
+) -> None:
+    (good.parent / "two\nlines.dat").write_text("50 5 -1.5 20\n-50 0 1 20\n")
+    typed = [word.format(good=good, folder=good.parent) for word in arguments]
+    ended = pullfocus(*typed)
+    assert ended.status in (FAILED, WRONG_ARGUMENTS)
+    assert_one_sentence(ended, ended.status, r"\n")
+    assert len(ended.err.splitlines()) == 1
+
+
+def test_what_a_lens_is_called_stays_on_its_line(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "two\nlines.dat"
+    file.write_text("50 5 1.5 20\n-50 0 1 20\n")
+    ended = pullfocus("lenses", "show", file)
+    assert ended.status == DONE
+    assert ended.out.splitlines()[0].strip() == r"two\nlines"
+
+
+@given(st.text())
+def test_any_words_stay_on_one_line(text: str) -> None:
+    line = one_line(text)
+    assert len(line.splitlines()) <= 1
+    line.encode()  # which halves of pairs could not be
+    assert one_line(line) == line
+    assert Finding("code", "/path", text).message == InputError(text).detail == line
+
+
+@pytest.mark.parametrize("name", ["Objektiv für Nähe", "ロケ\u3000地", "a\u00a0b", r"c:\new", "Ω × 2"])
+def test_words_of_any_script_are_left_as_they_are(name: str) -> None:
+    assert one_line(name) == name

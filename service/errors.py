@@ -18,6 +18,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from render.edit_history import EndOfHistoryError
 from render.errors import (
     GraphicsError,
     InputError,
@@ -26,12 +27,15 @@ from render.errors import (
     PullfocusError,
     SettingsError,
 )
+from service.terms import ChangedMeanwhileError
 
 log = logging.getLogger("pullfocus.service")
 
 # Nearest base class first: the first that matches gives the status.
 STATUS_OF_ERROR: tuple[tuple[type[PullfocusError], int], ...] = (
     (NotFoundError, 404),
+    (ChangedMeanwhileError, 412),
+    (EndOfHistoryError, 409),
     (SettingsError, 422),
     (InputError, 422),
     (GraphicsError, 503),

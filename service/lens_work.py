@@ -10,6 +10,7 @@ from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
 from service.opened import OpenedShots
 from service.store import ShotRecord
+from service.terms import Terms
 
 if TYPE_CHECKING:
     from render.shot.lens_choice import LensChoice
@@ -37,14 +38,16 @@ class MountLensFile:
     camera: str | None
     name: str
     data: bytes
+    terms: Terms
 
     def run(self, opened: OpenedShots) -> CameraState:
         """The camera as it is then. Raises `InputError`: it is no lens file, or no lens."""
         from render.shot.lens_choice import file_choice
-        from service.reading import read_camera_state
+        from service.reading import camera_tag, read_camera_state
 
         choice = file_choice(self.data, self.name)
-        with opened.edit(self.record) as shot:
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
             shot.mount_lens(self.camera, choice)
             return read_camera_state(shot, self.camera, shot.frame_range.start)
 

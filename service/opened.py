@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from render.errors import NotFoundError, PullfocusError
-from service.store import ShotRecord, revision_of
+from service.edit_files import load_history, save_history
+from service.store import ShotRecord
+from service.terms import ANY_TERMS, Terms
 
 if TYPE_CHECKING:
     from render.shot import Shot
 
 MAX_OPEN = 4
-MAX_KEPT = 200
-"""Edit layers that can be gone back to, of all shots together; each is some kilobytes."""
 
 
 class OpenedShots:
@@ -26,15 +26,14 @@ class OpenedShots:
 
     def __init__(self) -> None:
         self._shots: OrderedDict[str, Shot] = OrderedDict()
-        self._kept: OrderedDict[tuple[str, str], str] = OrderedDict()
 
     @contextmanager
-    def use(self, record: ShotRecord, edit_text: str = "") -> Iterator[Shot]:
+    def use(self, record: ShotRecord, edit_text: str | None = None) -> Iterator[Shot]:
         """Work with a shot. Errors that come out name files as they were sent, not as they lie on this machine.
 
         Args:
             record: which shot.
-            edit_text: its edit layer; empty takes the one that it has, or else the saved one.
+            edit_text: its edit layer, empty for no edits; None takes the one that it has, or else the saved one.
 
         Raises:
             NotFoundError: it was removed in the meantime.
@@ -42,45 +41,42 @@ class OpenedShots:
         """
         try:
             shot = self._get(record)
-            if edit_text and edit_text != shot.export_edits():
+            if edit_text is not None and edit_text != shot.history.present.text:
                 shot.replace_edits(edit_text)
             yield shot
         except PullfocusError as error:
             raise _error_as_sent(error, record) from error
 
     @contextmanager
-    def edit(self, record: ShotRecord) -> Iterator[Shot]:
-        """Change a shot. What was changed is on disk when this ends, or else it is as if it had never been."""
+    def edit(self, record: ShotRecord, terms: Terms = ANY_TERMS, label: str = "") -> Iterator[Shot]:
+        """Change a shot, in one step of its history. What was changed is on disk when this ends, or it never was.
+
+        Args:
+            record: which shot.
+            terms: its gesture; the tag is for the caller to check, who knows what is edited.
+            label: what is done; empty takes what the shot says of its edits.
+        """
+        with self.change(record) as shot, shot.one_edit(label, terms.gesture):
+            yield shot
+
+    @contextmanager
+    def change(self, record: ShotRecord) -> Iterator[Shot]:
+        """Edit a shot, or walk along its history. What was changed is on disk when this ends, or it never was.
+
+        Args:
+            record: which shot.
+        """
         with self.use(record) as shot:
-            before, revision = shot.export_edits(), revision_of(record.edit_text())
+            before = shot.snapshot_edits()
             try:
                 yield shot
-                shot.save_edits(record.edits)
-                self._keep(record, revision, before)
+                if shot.history != before.history:
+                    _save(record, shot)
             except BaseException:
-                if shot.export_edits() != before:
-                    shot.replace_edits(before)
+                if shot.history != before.history:
+                    shot.back_to(before)
+                    _save_history_again(record, shot)
                 raise
-
-    def kept(self, record: ShotRecord, revision: str) -> str:
-        """The edits as they were at a revision, as text.
-
-        Raises:
-            NotFoundError: it is too long ago, or the worker was started anew since.
-        """
-        if (record.id, revision) not in self._kept:
-            raise NotFoundError(
-                f"The edits of shot {record.id!r} at revision {revision!r} are not kept any more.",
-                code="revision_not_found",
-                path=revision,
-            )
-        return self._kept[record.id, revision]
-
-    def _keep(self, record: ShotRecord, revision: str, text: str) -> None:
-        self._kept[record.id, revision] = text
-        self._kept.move_to_end((record.id, revision))
-        if len(self._kept) > MAX_KEPT:
-            self._kept.popitem(last=False)
 
     def forget(self, shot_id: str) -> None:
         """Close a shot, if it is open."""
@@ -93,11 +89,30 @@ class OpenedShots:
             if not record.root_path.is_file():
                 raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
             edits = record.edits if record.edits.is_file() else None
-            self._shots[record.id] = Shot.open(record.root_path, confined_to=record.files, edits=edits)
+            shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
+            kept = load_history(record.history)
+            if kept is not None:
+                shot.go_on_from(kept)
+            self._shots[record.id] = shot
             if len(self._shots) > MAX_OPEN:
                 self._shots.popitem(last=False)
         self._shots.move_to_end(record.id)
         return self._shots[record.id]
+
+
+def _save(record: ShotRecord, shot: Shot) -> None:
+    """Write the history, then the edits: these say which of its states is the present one if only one gets written."""
+    save_history(record.history, shot.history)
+    if shot.history.present.text:
+        shot.save_edits(record.edits)
+    else:
+        record.edits.unlink(missing_ok=True)
+
+
+def _save_history_again(record: ShotRecord, shot: Shot) -> None:
+    """Take an edit that failed out of the history on disk; where that fails too, `Shot.go_on_from` sorts it out."""
+    with suppress(PullfocusError):
+        save_history(record.history, shot.history)
 
 
 def as_sent(text: str, record: ShotRecord) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, get_args
 
+from render.edit_history import revision_of
 from render.errors import CameraError, NotFoundError, SettingsError, StageError
 from render.frame_spec import parse_frames
 from render.scene import Camera
@@ -21,12 +22,13 @@ from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, K
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
 from service.opened import as_sent
-from service.store import ShotRecord, revision_of
+from service.store import ShotRecord
+from service.terms import tag_of
 from usd_schemas import FocusPoint as AuthoredPoint
 
 # The one name that differs between REST and the schema: it carries its unit.
 FIELD_OF_NAME = {"blur_mm": "blur"}
-CAMERA_NAMES = set(CameraState.model_fields) - {"path", "time", "focus_mode", "lens_name", "lens_model"}
+CAMERA_NAMES = set(CameraState.model_fields) - {"path", "time", "focus_mode", "lens_name", "lens_model", "etag"}
 AUTHORED_NAMES = tuple(FocusPointEdit.model_fields)
 
 
@@ -90,7 +92,7 @@ def list_cameras(shot: OpenShot, time: float) -> CameraList:
             unusable.append(Finding(path=path, detail=error.detail))
     choice = shot.default_camera()
     if choice.framing is not None:
-        usable.append(_camera_state(choice.framing, None, time, "manual"))
+        usable.append(_camera_state(choice.framing, None, time, "manual", tag_of("framing")))
     return CameraList(default=_default_camera(shot), cameras=usable, unusable=unusable)
 
 
@@ -102,14 +104,16 @@ def read_camera_state(shot: OpenShot, path: str | None, time: float) -> CameraSt
     """
     lens = shot.readout(path, time)
     camera = replace(read_camera(shot.stage, lens.camera, time), focus_distance_m=lens.focus_distance_m)
-    return _camera_state(camera, lens.camera, time, lens.focus_mode)
+    return _camera_state(camera, lens.camera, time, lens.focus_mode, camera_tag(shot, path))
 
 
-def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str) -> CameraState:
+def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str, etag: str) -> CameraState:
     values = {name: getattr(camera, name) for name in CAMERA_NAMES}
     values["focus_distance_m"] = camera.focus_distance_m or math.inf  # a scene's camera may say 0 for infinity
     lens = {"lens_name": camera.lens.name, "lens_model": camera.lens.model}
-    return CameraState.model_validate(values | lens | {"path": path, "time": time, "focus_mode": focus_mode})
+    return CameraState.model_validate(
+        values | lens | {"path": path, "time": time, "focus_mode": focus_mode, "etag": etag}
+    )
 
 
 def read_points(shot: OpenShot, camera: str | None, time: float, aspect: float | None = None) -> list[FocusPoint]:
@@ -144,7 +148,24 @@ def _point(shot: OpenShot, camera: str | None, placed: PlacedPoint) -> FocusPoin
         coc_mm=placed.coc_mm,
         problem=placed.problem,
         keys=_keys(shot, camera, point.name),
+        etag=point_tag(shot, camera, point.name),
     )
+
+
+def camera_tag(shot: OpenShot, camera: str | None) -> str:
+    """Tag of what is edited on a camera, its focus points aside. Raises `CameraError`."""
+    return tag_of("camera", *shot.camera_edits(camera))
+
+
+def points_tag(shot: OpenShot, camera: str | None) -> str:
+    """Tag of what is edited on all focus points of a camera. Raises `CameraError`."""
+    framed = camera is None and shot.default_camera().framing is not None
+    return tag_of("points", *(() if framed else shot.point_edits(camera)))
+
+
+def point_tag(shot: OpenShot, camera: str | None, name: str) -> str:
+    """Tag of what is edited on one of them. Raises `NotFoundError`."""
+    return tag_of("point", *shot.point_edits(camera, name))
 
 
 def _place(position: Sequence[float] | None) -> Vector3 | None:

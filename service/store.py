@@ -4,14 +4,14 @@
 
     DATA/lock                    held by the one service that works here
     DATA/shots/ID/files/...      what was sent, unpacked
-    DATA/shots/ID/edits.usda     every edit since (absent until there is one)
+    DATA/shots/ID/edits.usda     every edit since (absent where there is none)
+    DATA/shots/ID/history/       the states that it has had (`service.edit_files`)
     DATA/shots/ID/shot.json      the record; written last, so a folder without it was never accepted
 """
 
 from __future__ import annotations
 
 import fcntl
-import hashlib
 import json
 import logging
 import os
@@ -66,6 +66,11 @@ class ShotRecord:
         """The edit layer; may not exist yet."""
         return self.folder / "edits.usda"
 
+    @property
+    def history(self) -> Path:
+        """Folder of the states that the edit layer has had; may not exist yet."""
+        return self.folder / "history"
+
     def with_root(self, root: str) -> ShotRecord:
         """The same shot with another root layer."""
         return replace(self, root=root)
@@ -76,11 +81,6 @@ class ShotRecord:
             return self.edits.read_text(encoding="utf-8")
         except FileNotFoundError:
             return ""
-
-
-def revision_of(edit_text: str) -> str:
-    """A word that is another one for every other edit layer."""
-    return hashlib.sha256(edit_text.encode()).hexdigest()[:16]
 
 
 class ShotStore:

@@ -6,7 +6,7 @@ saved, downloaded and sublayered over the shot by anyone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +14,9 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
+from render.edit_history import EditHistory
 from render.errors import SettingsError, StageError
 from render.files import write_atomic
-from render.shot.history import EditHistory
 from render.shot.own_files import check_not_own
 from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys
@@ -139,7 +139,7 @@ class Edits:
         """Take back the last step.
 
         Raises:
-            InputError: there is none.
+            EndOfHistoryError: there is none.
         """
         self._show(self.history.undone())
 
@@ -147,7 +147,7 @@ class Edits:
         """Do again the step that was undone last.
 
         Raises:
-            InputError: there is none.
+            EndOfHistoryError: there is none.
         """
         self._show(self.history.redone())
 
@@ -187,6 +187,17 @@ class Edits:
             raise SettingsError(f"edits are saved as a .usda file, not as {path}", path=str(path))
         check_not_own(self._attached(), path)
         write_atomic(path, self.export().encode())
+
+    def said_of(self, prim: Sdf.Path, chosen: Callable[[str], bool]) -> tuple[str, ...]:
+        """What the edit layer says of properties of a prim, as usda text, in order of their names.
+
+        Args:
+            prim: its path.
+            chosen: whether a property of that name is asked for.
+        """
+        spec = self.layer.GetPrimAtPath(prim)
+        properties = sorted((spec.properties if spec else ()), key=lambda said: str(said.name))
+        return tuple(said.GetAsText() for said in properties if chosen(said.name))
 
     def _show(self, history: EditHistory) -> None:
         self.replace(history.present.text)

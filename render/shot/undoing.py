@@ -8,9 +8,12 @@ from pathlib import Path
 
 from pxr import Sdf
 
+from render.edit_history import EditHistory
 from render.shot.edits import EditsSnapshot
-from render.shot.history import EditHistory
 from render.shot.view import ShotView
+
+FOCUS_POINTS = "focusPoint:"
+"""What the names of all properties of focus points begin with."""
 
 
 class EditableShot(ShotView):
@@ -36,7 +39,7 @@ class EditableShot(ShotView):
         """Take back the last edit.
 
         Raises:
-            InputError: there is none.
+            EndOfHistoryError: there is none.
         """
         self._edits.undo()
 
@@ -44,7 +47,7 @@ class EditableShot(ShotView):
         """Do again the edit that was undone last.
 
         Raises:
-            InputError: there is none.
+            EndOfHistoryError: there is none.
         """
         self._edits.redo()
 
@@ -95,3 +98,33 @@ class EditableShot(ShotView):
             OutputError: it cannot be written.
         """
         self._edits.save(path)
+
+    def camera_edits(self, camera_path: str | None) -> tuple[str, ...]:
+        """What is edited on a camera, its focus points aside: the same words as long as nobody changes that.
+
+        Args:
+            camera_path: of a camera.
+
+        Raises:
+            CameraError: there is no such camera.
+        """
+        prim = self._lens_camera(camera_path).prim.GetPath()
+        return (str(prim), *self._edits.said_of(prim, lambda name: not name.startswith(FOCUS_POINTS)))
+
+    def point_edits(self, camera_path: str | None, name: str | None = None) -> tuple[str, ...]:
+        """What is edited on focus points: the same words as long as nobody changes that.
+
+        Args:
+            camera_path: of a camera.
+            name: of a focus point; None for all of them, and which there are.
+
+        Raises:
+            CameraError: there is no such camera.
+            NotFoundError: it has no such point.
+        """
+        prim = self._lens_camera(camera_path).prim.GetPath()
+        if name is None:
+            names = [view.name for view in self._lens_camera(camera_path).focus_points()]
+            return (str(prim), *names, *self._edits.said_of(prim, lambda name: name.startswith(FOCUS_POINTS)))
+        prefix = f"{FOCUS_POINTS}{self._point(camera_path, name).name}:"
+        return (str(prim), name, *self._edits.said_of(prim, lambda name: name.startswith(prefix)))

@@ -23,6 +23,7 @@ CAMERA_EXAMPLE: JsonDict = {
     "exposureScale": 1.0,
     "lensName": "Planar 50 mm f/1.4",
     "lensModel": "prescription",
+    "etag": '"92c4bf18a0860070"',
 }
 READOUT_EXAMPLE: JsonDict = {
     "camera": "/World/Camera",
@@ -61,6 +62,9 @@ class CameraState(Model):
     exposure_scale: float = Field(description="What the camera's exposure attributes multiply radiance by.")
     lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
     lens_model: LensModel = Field(description="How light passes it.")
+    etag: str = Field(
+        description="Its `ETag`, which changes when the camera is edited, its focus points aside: for `If-Match`."
+    )
 
 
 class CameraList(Model):

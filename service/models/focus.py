@@ -48,6 +48,7 @@ POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "cocMm": 0.0,
     "problem": "",
     "keys": {"weight": [KEY_EXAMPLE]},
+    "etag": '"0b64bf18a0860070"',
 }
 
 Kind = Literal["sharp", "soft"]
@@ -180,11 +181,13 @@ class FocusPoint(Model):
     coc_mm: Distance = Field(description="Diameter of its circle of confusion on the film; null behind the camera.")
     problem: str = Field(description="Why it has no place, or empty.")
     keys: dict[KeyedAttribute, list[Key]] = Field(description="Keys in order of time, for each attribute that has any.")
+    etag: str = Field(description="Its `ETag`, which changes when the point is edited: for `If-Match`.")
 
 
 class FocusPointList(Model):
     """The focus points of a camera at one time."""
 
-    model_config = shown_as({"focusPoints": [POINT_EXAMPLE]})
+    model_config = shown_as({"etag": '"77aebf18a0860070"', "focusPoints": [POINT_EXAMPLE]})
 
+    etag: str = Field(description="Changes when any of the points is edited: for `If-Match` where one is added.")
     focus_points: list[FocusPoint]

@@ -73,16 +73,6 @@ class Shot(ShotSummary):
     default_camera: CameraChoice
 
 
-class Restore(Model):
-    """Which state of the edits to go back to."""
-
-    model_config = shown_as({"revision": "5f70bf18a0860070"})
-
-    revision: str = Field(
-        max_length=80, description="A `revision` that the shot has had since the service started; the newest are kept."
-    )
-
-
 class PickRequest(Model):
     """Which pixel of which picture."""
 

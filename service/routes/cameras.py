@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 
+from service.camera_work import EditCamera, ListCameras, ReadCamera, ReadLens
 from service.hub import HubDep
 from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
-from service.routes.parameters import CameraQuery, ShotId, Time, problems
-from service.stage_work import EditCamera, ListCameras, ReadLens
+from service.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
 
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
+EDITED = problems(412)
 
 
 @router.get("/shots/{shot}/cameras", operation_id="listCameras")
@@ -18,10 +19,24 @@ async def list_cameras(hub: HubDep, shot: ShotId, time: Time) -> CameraList:
     return await hub.ask_stage(ListCameras(hub.store.get(shot), time))
 
 
-@router.patch("/shots/{shot}/camera", operation_id="editCamera")
-async def edit_camera(hub: HubDep, shot: ShotId, edit: CameraEdit, camera: CameraQuery = None) -> CameraState:
+@router.get("/shots/{shot}/camera", operation_id="getCamera")
+async def get_camera(
+    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+) -> CameraState:
+    """One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside."""
+    state = await hub.ask_stage(ReadCamera(hub.store.get(shot), camera, time))
+    tagged(response, state.etag)
+    return state
+
+
+@router.patch("/shots/{shot}/camera", operation_id="editCamera", responses=EDITED)
+async def edit_camera(
+    hub: HubDep, response: Response, shot: ShotId, edit: CameraEdit, terms: TermsDep, camera: CameraQuery = None
+) -> CameraState:
     """Set f-number, focal length or focus distance: for all time, or as a key at `time`."""
-    return await hub.ask_stage(EditCamera(hub.store.get(shot), camera, edit))
+    state = await hub.ask_stage(EditCamera(hub.store.get(shot), camera, edit, terms))
+    tagged(response, state.etag)
+    return state
 
 
 @router.get("/shots/{shot}/readout", operation_id="getReadout")

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
 
+from render.edit_history import revision_of
 from service.errors import ServiceError
 from service.frame_cache import frame_tag, matches
 from service.hub import Hub, HubDep
@@ -15,7 +16,7 @@ from service.models.focus import Pick
 from service.models.shots import PickRequest
 from service.picture_work import PickSurface, RenderPicture
 from service.routes.parameters import ShotId, problems
-from service.store import ShotRecord, revision_of
+from service.store import ShotRecord
 
 router = APIRouter(tags=["frames"])
 

@@ -10,7 +10,7 @@ from service.hub import HubDep
 from service.lens_work import DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
-from service.routes.parameters import CameraQuery, ShotId, problems
+from service.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
 from service.upload import lens_file_name
 
 router = APIRouter(tags=["lenses"])
@@ -49,17 +49,21 @@ async def get_lens_section(hub: HubDep, name: LensName) -> Response:
 @router.put(
     "/shots/{shot}/camera/lens",
     operation_id="mountLensFile",
-    responses=problems(404, 413, 415, 503, 504),
+    responses=problems(404, 412, 413, 415, 503, 504),
     tags=["cameras"],
 )
 async def mount_lens_file(
     hub: HubDep,
+    response: Response,
     shot: ShotId,
     file: Annotated[
         UploadFile, File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.")
     ],
+    terms: TermsDep,
     camera: CameraQuery = None,
 ) -> CameraState:
     """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
     name = lens_file_name(file.filename)
-    return await hub.ask_stage(MountLensFile(hub.store.get(shot), camera, name, await file.read()))
+    state = await hub.ask_stage(MountLensFile(hub.store.get(shot), camera, name, await file.read(), terms))
+    tagged(response, state.etag)
+    return state

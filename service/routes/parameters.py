@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import Path, Query
+from fastapi import Depends, Header, Path, Query, Response
 
 from service.models.base import PrimPath, Problem, TimeCode
+from service.terms import Terms
 
 ShotId = Annotated[str, Path(alias="shot", description="A shot's id.", examples=["demo"], max_length=80)]
 PointNameInPath = Annotated[str, Path(alias="name", description="A focus point's name.", examples=["driver"])]
@@ -17,11 +18,50 @@ CameraQuery = Annotated[
 ]
 
 
+def _terms(
+    if_match: Annotated[
+        str | None,
+        Header(
+            max_length=1000,
+            description="The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it "
+            "since. Left out: whatever is there is edited.",
+            examples=['"5f70bf18a0860070"'],
+        ),
+    ] = None,
+    gesture: Annotated[
+        str,
+        Query(
+            max_length=64,
+            description="Names one drag of a hand: its edits, one after the other, are one step of undo.",
+            examples=["drag-17"],
+        ),
+    ] = "",
+) -> Terms:
+    return Terms(if_match, gesture)
+
+
+TermsDep = Annotated[Terms, Depends(_terms)]
+
+
+def tagged(response: Response, etag: str) -> None:
+    """Give an answer the entity tag of what it is about.
+
+    What is solved may differ under the same tag (`service.terms`), so nobody may keep the answer.
+
+    Args:
+        response: FastAPI's, which the answer's headers come from.
+        etag: quotes included.
+    """
+    response.headers["ETag"] = etag
+    response.headers["Cache-Control"] = "no-store"
+
+
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI's description of the errors that a route answers with, beside 422."""
     said = {
         404: "There is no such shot, camera, lens, focus point, key or revision.",
-        409: "`superseded`: a newer request of the same client took this one's place.",
+        409: "`superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`.",
+        412: "Somebody changed it since it was read: its `ETag` is not what `If-Match` says.",
         413: "More was sent, or unpacked, than is taken.",
         415: "What was sent is no file of the kinds that are taken.",
         422: "The request, or the stage that it is about, cannot be used; says why.",

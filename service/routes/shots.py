@@ -10,9 +10,9 @@ from starlette.concurrency import run_in_threadpool
 from service.errors import ServiceError
 from service.hub import HubDep
 from service.models.inspection import Inspection
-from service.models.shots import Restore, Shot, ShotList, ShotSummary
+from service.models.shots import Shot, ShotList, ShotSummary
 from service.routes.parameters import ShotId, problems
-from service.stage_work import DescribeShot, InspectShot, RestoreEdits
+from service.stage_work import DescribeShot, InspectShot
 from service.upload import file_name, place
 
 router = APIRouter(tags=["shots"])
@@ -74,24 +74,3 @@ async def delete_shot(hub: HubDep, shot: ShotId) -> None:
     record = hub.store.get(shot)
     await run_in_threadpool(hub.store.remove, record)
     hub.forget(record.id)
-
-
-@router.get(
-    "/shots/{shot}/edits",
-    operation_id="getEdits",
-    response_class=Response,
-    responses=problems(404)
-    | {200: {"content": {"text/plain": {"schema": {"type": "string"}, "example": "#usda 1.0\n"}}}},
-)
-async def get_edits(hub: HubDep, shot: ShotId) -> Response:
-    """Every edit of a shot as one USD layer, to be sublayered over it."""
-    record = hub.store.get(shot)
-    headers = {"Content-Disposition": f'attachment; filename="{record.id}-edits.usda"'}
-    text = record.edit_text() or "#usda 1.0\n"
-    return Response(text, media_type="text/plain; charset=utf-8", headers=headers)
-
-
-@router.put("/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 503, 504))
-async def restore_edits(hub: HubDep, shot: ShotId, restore: Restore) -> Shot:
-    """Take back every edit since a revision: the edits are then what they were."""
-    return await hub.ask_stage(RestoreEdits(hub.store.get(shot), restore.revision))

@@ -5,9 +5,9 @@ from focus_shot import CAMERA, NEAR, write_shot
 from hypothesis import given
 from hypothesis import strategies as st
 
+from render.edit_history import MAX_STATES, EditHistory, revision_of
 from render.errors import InputError, SettingsError
 from render.shot import Shot
-from render.shot.history import MAX_STATES, EditHistory, revision_of
 from usd_schemas import FocusPoint
 
 HERO = FocusPoint("hero", target=(NEAR,), face=0, barycentric=(1 / 3, 1 / 3, 1 / 3))

@@ -164,3 +164,12 @@ def test_a_revision_that_is_not_kept_is_told(client, shot):
     answer = client.put(f"{shot}/edits", json={"revision": "0123456789abcdef"})
     assert (answer.status_code, answer.json()["code"]) == (404, "revision_not_found")
     assert client.get(f"{shot}/readout", params={"time": 1}).json()["lensName"] == PLANAR
+
+
+def test_a_lens_goes_on_the_camera_that_was_seen(client, shot):
+    seen = client.get(f"{shot}/camera", params={"time": 1})
+    mount(client, shot, fStop=4)
+    file = {"file": ("lens.seq", ACHROMAT.encode())}
+    refused = client.put(f"{shot}/camera/lens", files=file, headers={"If-Match": seen.headers["etag"]})
+    assert (refused.status_code, refused.json()["code"]) == (412, "changed_meanwhile")
+    assert client.get(f"{shot}/camera", params={"time": 1}).json()["lensName"] == seen.json()["lensName"]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from render.edit_history import revision_of
 from render.errors import NotFoundError, OutputError
-from service.store import ShotStore, revision_of
+from service.store import ShotStore
 
 
 @pytest.fixture

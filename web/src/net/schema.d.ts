@@ -179,7 +179,11 @@ export interface paths {
             readonly path?: never;
             readonly cookie?: never;
         };
-        readonly get?: never;
+        /**
+         * Get Camera
+         * @description One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside.
+         */
+        readonly get: operations["getCamera"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -241,15 +245,75 @@ export interface paths {
         };
         /**
          * Get Edits
-         * @description Every edit of a shot as one USD layer, to be sublayered over it.
+         * @description Every edit of a shot as one USD layer, to be sublayered over it. Its `ETag` is the shot's `revision`.
          */
         readonly get: operations["getEdits"];
         /**
          * Restore Edits
-         * @description Take back every edit since a revision: the edits are then what they were.
+         * @description Take back every edit since a revision: the edits are then what they were. This can be undone.
          */
         readonly put: operations["restoreEdits"];
         readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/edits/history": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Edit History
+         * @description The states that the edits have had, and what an undo and a redo would do.
+         */
+        readonly get: operations["getEditHistory"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/edits/redo": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Redo Edit
+         * @description Do the edit again that was undone last; the next edit drops what was undone.
+         */
+        readonly post: operations["redoEdit"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/edits/undo": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Undo Edit
+         * @description Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since.
+         */
+        readonly post: operations["undoEdit"];
         readonly delete?: never;
         readonly options?: never;
         readonly head?: never;
@@ -291,7 +355,7 @@ export interface paths {
         readonly put?: never;
         /**
          * Create Focus Point
-         * @description Place a focus point: send the `anchor` that a pick gave, with what is wanted there.
+         * @description Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag.
          */
         readonly post: operations["createFocusPoint"];
         readonly delete?: never;
@@ -309,7 +373,7 @@ export interface paths {
         };
         /**
          * Get Focus Point
-         * @description One focus point at one time.
+         * @description One focus point at one time. Its `ETag` is made of what is edited on it.
          */
         readonly get: operations["getFocusPoint"];
         readonly put?: never;
@@ -338,13 +402,13 @@ export interface paths {
         readonly get?: never;
         /**
          * Set Key
-         * @description Set a key; one at the same time is replaced. Answers with the point at the key's time.
+         * @description Set a key; one at the same time is replaced. Answers with the point at the key's time; `If-Match` takes its tag.
          */
         readonly put: operations["setKey"];
         readonly post?: never;
         /**
          * Delete Key
-         * @description Remove the key at `time`. Answers with the point at that time.
+         * @description Remove the key at `time`. Answers with the point at that time; `If-Match` takes its tag.
          */
         readonly delete: operations["deleteKey"];
         readonly options?: never;
@@ -580,6 +644,7 @@ export interface components {
          * @example {
          *       "cameras": [
          *         {
+         *           "etag": "\"92c4bf18a0860070\"",
          *           "exposureScale": 1,
          *           "fStop": 2,
          *           "focalLengthMm": 50,
@@ -617,6 +682,7 @@ export interface components {
          * CameraState
          * @description A camera at one time, focus points solved in.
          * @example {
+         *       "etag": "\"92c4bf18a0860070\"",
          *       "exposureScale": 1,
          *       "fStop": 2,
          *       "focalLengthMm": 50,
@@ -631,6 +697,11 @@ export interface components {
          *     }
          */
         readonly CameraState: {
+            /**
+             * Etag
+             * @description Its `ETag`, which changes when the camera is edited, its focus points aside: for `If-Match`.
+             */
+            readonly etag: string;
             /**
              * Exposurescale
              * @description What the camera's exposure attributes multiply radiance by.
@@ -754,6 +825,72 @@ export interface components {
             readonly timeCode: number;
         };
         /**
+         * EditHistory
+         * @description The states of the edits, oldest first.
+         * @example {
+         *       "now": 1,
+         *       "revision": "5f70bf18a0860070",
+         *       "steps": [
+         *         {
+         *           "label": "",
+         *           "madeAt": "2026-11-21T08:00:00Z",
+         *           "revision": "e3b0c44298fc1c14"
+         *         },
+         *         {
+         *           "label": "add focus point driver",
+         *           "madeAt": "2026-11-21T08:00:09Z",
+         *           "revision": "5f70bf18a0860070"
+         *         }
+         *       ],
+         *       "undo": "add focus point driver"
+         *     }
+         */
+        readonly EditHistory: {
+            /**
+             * Now
+             * @description Index of the present state in `steps`; those behind it were undone.
+             */
+            readonly now: number;
+            /**
+             * Redo
+             * @description What a redo does again; null for nothing.
+             */
+            readonly redo: string | null;
+            /**
+             * Revision
+             * @description Of the present state.
+             */
+            readonly revision: string;
+            /** Steps */
+            readonly steps: readonly components["schemas"]["EditStep"][];
+            /**
+             * Undo
+             * @description What an undo takes back; null for nothing.
+             */
+            readonly undo: string | null;
+        };
+        /**
+         * EditStep
+         * @description A state of the edits.
+         */
+        readonly EditStep: {
+            /**
+             * Label
+             * @description What was done to come to it; empty for the oldest that is kept.
+             */
+            readonly label: string;
+            /**
+             * Madeat
+             * Format: date-time
+             */
+            readonly madeAt: string;
+            /**
+             * Revision
+             * @description Names it; a shot's `revision` is that of its present one.
+             */
+            readonly revision: string;
+        };
+        /**
          * Finding
          * @description One thing that was found, and what it is about.
          */
@@ -839,6 +976,7 @@ export interface components {
          *       "cocMm": 0,
          *       "depthM": 3.42,
          *       "enabled": true,
+         *       "etag": "\"0b64bf18a0860070\"",
          *       "extent": 1,
          *       "face": 1042,
          *       "falloff": 0,
@@ -901,6 +1039,11 @@ export interface components {
             readonly depthM: number | null;
             /** Enabled */
             readonly enabled: boolean;
+            /**
+             * Etag
+             * @description Its `ETag`, which changes when the point is edited: for `If-Match`.
+             */
+            readonly etag: string;
             /** Extent */
             readonly extent: number;
             /** Face */
@@ -1140,6 +1283,7 @@ export interface components {
          * FocusPointList
          * @description The focus points of a camera at one time.
          * @example {
+         *       "etag": "\"77aebf18a0860070\"",
          *       "focusPoints": [
          *         {
          *           "barycentric": [
@@ -1151,6 +1295,7 @@ export interface components {
          *           "cocMm": 0,
          *           "depthM": 3.42,
          *           "enabled": true,
+         *           "etag": "\"0b64bf18a0860070\"",
          *           "extent": 1,
          *           "face": 1042,
          *           "falloff": 0,
@@ -1195,6 +1340,11 @@ export interface components {
          *     }
          */
         readonly FocusPointList: {
+            /**
+             * Etag
+             * @description Changes when any of the points is edited: for `If-Match` where one is added.
+             */
+            readonly etag: string;
             /** Focuspoints */
             readonly focusPoints: readonly components["schemas"]["FocusPoint"][];
         };
@@ -1930,7 +2080,7 @@ export interface components {
         readonly Restore: {
             /**
              * Revision
-             * @description A `revision` that the shot has had since the service started; the newest are kept.
+             * @description A `revision` that the shot has had; the newest 200 are kept.
              */
             readonly revision: string;
         };
@@ -2546,11 +2696,13 @@ export interface operations {
             };
         };
     };
-    readonly editCamera: {
+    readonly getCamera: {
         readonly parameters: {
-            readonly query?: {
+            readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
             };
             readonly header?: never;
             readonly path: {
@@ -2559,11 +2711,7 @@ export interface operations {
             };
             readonly cookie?: never;
         };
-        readonly requestBody: {
-            readonly content: {
-                readonly "application/json": components["schemas"]["CameraEdit"];
-            };
-        };
+        readonly requestBody?: never;
         readonly responses: {
             /** @description Successful Response */
             readonly 200: {
@@ -2612,13 +2760,98 @@ export interface operations {
             };
         };
     };
+    readonly editCamera: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["CameraEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["CameraState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly mountLensFile: {
         readonly parameters: {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -2642,6 +2875,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -2761,7 +3003,9 @@ export interface operations {
     readonly getEdits: {
         readonly parameters: {
             readonly query?: never;
-            readonly header?: never;
+            readonly header?: {
+                readonly "if-none-match"?: string | null;
+            };
             readonly path: {
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -2779,6 +3023,13 @@ export interface operations {
                     /** @example #usda 1.0 */
                     readonly "text/plain": string;
                 };
+            };
+            /** @description The edits are those that `If-None-Match` names. */
+            readonly 304: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
@@ -2802,8 +3053,14 @@ export interface operations {
     };
     readonly restoreEdits: {
         readonly parameters: {
-            readonly query?: never;
-            readonly header?: never;
+            readonly query?: {
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -2827,6 +3084,240 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getEditHistory: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["EditHistory"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly redoEdit: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["EditHistory"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly undoEdit: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["EditHistory"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3006,10 +3497,15 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -3033,6 +3529,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3140,8 +3645,13 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A focus point's name. */
                 readonly name: string;
@@ -3161,6 +3671,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3202,10 +3721,15 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description A focus point's name. */
                 readonly name: string;
@@ -3231,6 +3755,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3272,8 +3805,13 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description What the key is of. */
                 readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
@@ -3301,6 +3839,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3342,10 +3889,15 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
-            readonly header?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
             readonly path: {
                 /** @description What the key is of. */
                 readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
@@ -3369,6 +3921,15 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -3473,7 +4034,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client took this one's place. */
+            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;

@@ -13,6 +13,11 @@ from datetime import UTC, datetime
 
 from render.errors import InputError
 
+
+class EndOfHistoryError(InputError):
+    """There is no further edit to undo, or to do again."""
+
+
 MAX_STATES = 200
 """States that are kept; the oldest go first."""
 
@@ -123,20 +128,20 @@ class EditHistory:
         """One step back.
 
         Raises:
-            InputError: there is nothing to undo.
+            EndOfHistoryError: there is nothing to undo.
         """
         if self.now == 0:
-            raise InputError("there is no edit to undo", code="nothing_to_undo")
+            raise EndOfHistoryError("there is no edit to undo", code="nothing_to_undo")
         return replace(self, now=self.now - 1)
 
     def redone(self) -> EditHistory:
         """One step forward.
 
         Raises:
-            InputError: there is nothing to do again.
+            EndOfHistoryError: there is nothing to do again.
         """
         if self.now + 1 == len(self.states):
-            raise InputError("there is no undone edit to do again", code="nothing_to_redo")
+            raise EndOfHistoryError("there is no undone edit to do again", code="nothing_to_redo")
         return replace(self, now=self.now + 1)
 
     def find(self, revision: str) -> EditState | None:

@@ -1,0 +1,88 @@
+"""What the stage process is asked about cameras; see `service.stage_work`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from service.lens_work import lens_to_mount
+from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
+from service.opened import OpenedShots
+from service.store import ShotRecord
+from service.terms import Terms
+
+
+@dataclass(frozen=True)
+class ListCameras:
+    """The cameras at one time."""
+
+    record: ShotRecord
+    time: float
+
+    def run(self, opened: OpenedShots) -> CameraList:
+        """Cameras that make no picture are listed as such."""
+        from service.reading import list_cameras
+
+        with opened.use(self.record) as shot:
+            return list_cameras(shot, self.time)
+
+
+@dataclass(frozen=True)
+class ReadCamera:
+    """One camera at one time."""
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+
+    def run(self, opened: OpenedShots) -> CameraState:
+        """Raises `CameraError`."""
+        from service.reading import read_camera_state
+
+        with opened.use(self.record) as shot:
+            return read_camera_state(shot, self.camera, self.time)
+
+
+@dataclass(frozen=True)
+class EditCamera:
+    """Set the lens."""
+
+    record: ShotRecord
+    camera: str | None
+    edit: CameraEdit
+    terms: Terms
+
+    def run(self, opened: OpenedShots) -> CameraState:
+        """The camera as it is then. Raises `CameraError` or `SettingsError`."""
+        from service.reading import camera_tag, read_camera_state
+
+        edit = self.edit
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
+            if "lens" in edit.model_fields_set:
+                shot.mount_lens(self.camera, lens_to_mount(edit.lens))
+            shot.set_camera(
+                self.camera,
+                f_stop=edit.f_stop,
+                focal_length_mm=edit.focal_length_mm,
+                focus_distance_m=math.inf if edit.focus_distance_m == 0 else edit.focus_distance_m,
+                focus_mode=edit.focus_mode,
+                time=edit.time,
+            )
+            return read_camera_state(shot, self.camera, shot.frame_range.start if edit.time is None else edit.time)
+
+
+@dataclass(frozen=True)
+class ReadLens:
+    """Read the lens off at one time."""
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+
+    def run(self, opened: OpenedShots) -> Readout:
+        """Raises `CameraError`."""
+        from service.reading import as_readout
+
+        with opened.use(self.record) as shot:
+            return as_readout(shot.readout(self.camera, self.time), self.time)

@@ -33,6 +33,7 @@ from usd_schemas import Prescription as PrescriptionData
 from usd_schemas import Seidel as SeidelData
 
 _SURFACES = {"spherical": 2, "heightField": 2}
+_SQUEEZES = 0.1, 10.0  # as the schema has it; lenses that are made squeeze by 1.25 to 2
 
 
 def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
@@ -51,8 +52,9 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
     for name, value in _numbers(data):
         if not math.isfinite(value):
             raise _error(camera, f"lens:{name}", "a finite number", f"{value}")
-    if not data.squeeze > 0:
-        raise _error(camera, "lens:squeeze", "above 0", f"{data.squeeze:g}")
+    least, most = _SQUEEZES
+    if not least <= data.squeeze <= most:
+        raise _error(camera, "lens:squeeze", f"from {least:g} to {most:g}", f"{data.squeeze:g}")
     if not (0 <= data.transmittance <= 1 and data.neutral_density >= 0):
         got = f"{data.transmittance:g} and {data.neutral_density:g}"
         raise _error(camera, "lens:transmittance (0 to 1) and lens:neutralDensity (0 or more)", "in range", got)

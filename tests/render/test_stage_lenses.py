@@ -21,7 +21,7 @@ from render.scene import Camera
 from render.shot.findings import camera_findings
 from render.stage import read_camera
 from render.stage.lens_data import lens_data
-from render.stage.lenses import iris_of
+from render.stage.lenses import iris_of, lens_of
 from render.stage.planes import turned
 from usd_schemas import (
     AberrationScales,
@@ -222,6 +222,14 @@ def test_a_lens_that_cannot_be_is_named(stage: Usd.Stage, camera: LensCamera, da
     camera.lens.author(data)
     with pytest.raises(CameraError, match=expected):
         _read(stage)
+
+
+@pytest.mark.parametrize("squeeze", [1e30, 10.1, 0.09, 0.0, -2.0, float("nan")])
+def test_a_squeeze_beyond_all_lenses_is_refused(squeeze: float) -> None:
+    with pytest.raises(
+        CameraError, match=r"lens:squeeze of camera /cam must be (from 0\.1 to 10|a finite number), got"
+    ):
+        lens_of(LensData(squeeze=squeeze), "/cam")
 
 
 @pytest.mark.parametrize("rotation", [float("inf"), float("nan")])

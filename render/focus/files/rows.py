@@ -1,0 +1,133 @@
+"""A focus curve's file taken apart: what its rows say, before anyone asks whether that makes a curve."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from render.focus.solve import STATES, PointState
+
+
+class BadRowError(ValueError):
+    """A row cannot be used; the message is the end of a sentence that begins with the row's name."""
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How time is counted.
+
+    Attributes:
+        frames_per_second: frames.
+        time_codes_per_second: USD time codes.
+    """
+
+    frames_per_second: float
+    time_codes_per_second: float
+
+    @property
+    def time_codes_per_frame(self) -> float:
+        """Time codes that one frame takes."""
+        return self.time_codes_per_second / self.frames_per_second
+
+
+@dataclass(frozen=True)
+class PointCell:
+    """One focus point in one row."""
+
+    state: PointState
+    depth_m: float
+    weight: float
+    share: float
+    coc_mm: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One frame of a file.
+
+    Attributes:
+        place: where in the file it is, such as ``row 7``.
+        time_code: of the file's own rate; NaN where it cannot be read.
+        numbers: by the names of `FocusCurve`'s columns, in their units; what is absent is not said.
+        problem: why it cannot be used, or empty.
+        limited: whether the lens could not do what was asked.
+        source: whose focus it is.
+        reason: one sentence that says why.
+        points: the focus points by name.
+    """
+
+    place: str
+    time_code: float
+    numbers: dict[str, float] = field(default_factory=dict)
+    problem: str = ""
+    limited: bool = False
+    source: str = "camera"
+    reason: str = ""
+    points: dict[str, PointCell] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A file, taken apart.
+
+    Attributes:
+        what: what it is, for messages, such as ``the CSV``.
+        rates: how it counts time.
+        rows: in the order of the file.
+        camera: prim path, or empty.
+        lens_name: or empty.
+        gate_mm: width and height of the film gate, where it says so.
+        on_shot_time: whether its times are those of a shot, and not of a clock that ran beside it.
+        notes: what was found beside the rows.
+    """
+
+    what: str
+    rates: Rates
+    rows: tuple[Row, ...]
+    camera: str = ""
+    lens_name: str = ""
+    gate_mm: tuple[float, float] | None = None
+    on_shot_time: bool = True
+    notes: tuple[str, ...] = ()
+
+
+def json_number(value: Any, name: str) -> float:
+    """A number of a JSON file.
+
+    Args:
+        value: what stands there.
+        name: its name, for the message.
+
+    Raises:
+        BadRowError: it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise BadRowError(f"{name} must be a number, but it is {shown(value)}")
+    try:
+        return float(value)
+    except OverflowError as error:  # JSON's whole numbers have no end
+        raise BadRowError(f"{name} is beyond all numbers") from error
+
+
+def known_state(value: Any) -> PointState:
+    """A focus point's state.
+
+    Raises:
+        BadRowError: there is no such state.
+    """
+    for state in STATES:
+        if state == value:
+            return state
+    raise BadRowError(f"a focus point's state must be one of {', '.join(STATES)}, but it is {shown(value)}")
+
+
+def shown(value: Any) -> str:
+    """Something of a file as a message quotes it: not too long."""
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def said(numbers: dict[str, float]) -> dict[str, float]:
+    """The numbers without those that are none (NaN)."""
+    return {name: value for name, value in numbers.items() if not math.isnan(value)}

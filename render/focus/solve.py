@@ -1,14 +1,16 @@
-"""From focus points to one focus distance.
+"""From focus points to focus distances, frame by frame.
 
 The circle of confusion grows in proportion to the difference in *inverse* depth (DESIGN section 2), so the distance
 that blurs all points least is sought there: it minimises
 
-    E(w_f) = Σ a_i · (|w_i − w_f| − d_i)²        w = 1 / depth, a_i the weight
+    E(w_f) = Σ a_i · (s(w_f)·|w_i − w_f| − c_i)²        w = 1 / depth, a_i the weight
 
-where ``d_i`` is 0 for a point that must be sharp and, for one that must be soft by a circle of confusion, the
-difference in inverse depth which gives it. (A point that must be soft by a distance asks for focus that far behind it,
-and ``w_i`` is there.) With sharp points alone this is their weighted mean inverse depth: one point gets the focus
-whole, and a cross-fade of weights racks from one to the other at the pace at which an eye sees blur change.
+where s is the growth of the circle of confusion and ``c_i`` is 0 for a point that must be sharp and, for one that must be soft by
+a circle of confusion, that circle. (A point that must be soft by a distance asks for focus that far behind it, and ``w_i`` is
+there.) With sharp points alone and a thin lens this is their weighted mean inverse depth: one point gets the focus whole, and a
+cross-fade of weights racks from one to the other at the pace at which an eye sees blur change.
+
+All is done for all frames at once, on arrays of frames by points (`render.focus.least_squares`).
 """
 
 from __future__ import annotations
@@ -16,73 +18,41 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
+from render.focus.influence import STATES, Occluded, PointState, counts, state_codes
+from render.focus.least_squares import BestFocus, best_focus
+from render.focus.points import FocusTarget, FocusTargets
+from render.lens_law import LensLaw
+
+__all__ = [
+    "STATES",
+    "FocusLimit",
+    "FocusSolution",
+    "FocusSolutions",
+    "FocusSource",
+    "FocusTarget",
+    "FocusTargets",
+    "Occluded",
+    "PointState",
+    "solve_distances",
+    "solve_focus",
+]
 
 DoubleArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
-PointKind = Literal["sharp", "soft"]
-
-PointState = Literal["used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "pinhole"]
-"""What became of a focus point: it counts, or why it does not.
-
-``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing.
-``behind_camera``: it, or the focus that it asks for, is not in front. ``pinhole``: it should be soft, but a pinhole makes
-nothing soft.
-"""
-
-STATES: tuple[PointState, ...] = get_args(PointState)
-
-_INFINITE_DEPTH_M = 1e100
-"""Stands for an infinite depth where its logarithm is taken."""
-
-_TIE = 1e-12
-"""Energies closer than this share of the weights' sum × w² are held equal: rounding must not choose."""
-
-
-@dataclass(frozen=True)
-class FocusTarget:
-    """One focus point as the lens sees it at one time.
-
-    Attributes:
-        name: the focus point's name.
-        depth_m: along the view axis, positive in front of the camera; NaN where the point has no place.
-        weight: how much it counts, 0 or more.
-        kind: whether it must be ``sharp`` or ``soft``.
-        blur_mm: wanted diameter of a soft point's circle of confusion on the film; 0 leaves it to ``surface_offset_m``.
-        surface_offset_m: for a soft point, how far behind it the focus shall lie; negative is before it.
-        enabled: whether it counts at all.
-        in_frame: whether it lies inside the picture.
-    """
-
-    name: str
-    depth_m: float
-    weight: float = 1.0
-    kind: PointKind = "sharp"
-    blur_mm: float = 0.0
-    surface_offset_m: float = 0.0
-    enabled: bool = True
-    in_frame: bool = True
-
-    @property
-    def is_blurred(self) -> bool:
-        """Whether it must be soft by a circle of confusion."""
-        return self.kind == "soft" and self.blur_mm > 0
-
-    @property
-    def aim_m(self) -> float:
-        """Depth at which it would have the focus: its own, or off it where it must be soft by a distance."""
-        return self.depth_m + self.surface_offset_m if self.kind == "soft" and self.blur_mm == 0 else self.depth_m
+FocusSource = Literal["points", "camera"]
+FocusLimit = Literal["", "close_focus", "infinity"]
 
 
 @dataclass(frozen=True)
 class FocusSolution:
-    """The focus distance, and whose it is.
+    """The focus distance at one time, and whose it is.
 
     Attributes:
         focus_distance_m: depth of the plane of focus; infinite for infinity.
@@ -91,13 +61,129 @@ class FocusSolution:
         shares: for each given point, its share of the weight that decided, 0 to 1; they add up to 1, or to 0 where no
             point counts.
         states: for each given point, what became of it.
+        limit: where the points would have the focus beyond what the lens reaches, which end of it was kept to.
     """
 
     focus_distance_m: float
-    source: Literal["points", "camera"]
+    source: FocusSource
     reason: str
     shares: tuple[float, ...] = ()
     states: tuple[PointState, ...] = ()
+    limit: FocusLimit = ""
+
+
+@dataclass(frozen=True, eq=False)
+class FocusSolutions:
+    """Focus distances over n frames, and whose they are; `FocusSolution` says what each means.
+
+    Attributes:
+        focus_distance_m: ``(n,)``.
+        shares: ``(n, k)``.
+        state_codes: ``(n, k)`` int8 indices into `STATES`.
+        sources: n sources.
+        reasons: n sentences.
+        limits: n limits.
+    """
+
+    focus_distance_m: DoubleArray
+    shares: DoubleArray
+    state_codes: NDArray[np.int8]
+    sources: tuple[FocusSource, ...]
+    reasons: tuple[str, ...]
+    limits: tuple[FocusLimit, ...]
+
+    @property
+    def focus_w(self) -> DoubleArray:
+        """``(n,)`` inverse depth of the focus, 1/m; 0 is infinity."""
+        return np.asarray(1 / self.focus_distance_m)
+
+    @property
+    def states(self) -> NDArray[np.str_]:
+        """``(n, k)`` what became of the points."""
+        return np.array(STATES)[self.state_codes]
+
+    def states_of(self, point: int) -> tuple[PointState, ...]:
+        """What became of one point in every frame.
+
+        Args:
+            point: index of it.
+        """
+        return tuple(STATES[code] for code in self.state_codes[:, point].tolist())
+
+    def at(self, frame: int) -> FocusSolution:
+        """The solution at one frame.
+
+        Args:
+            frame: index of it.
+        """
+        return FocusSolution(
+            focus_distance_m=float(self.focus_distance_m[frame]),
+            source=self.sources[frame],
+            reason=self.reasons[frame],
+            shares=tuple(self.shares[frame].tolist()),
+            states=tuple(STATES[code] for code in self.state_codes[frame].tolist()),
+            limit=self.limits[frame],
+        )
+
+
+def solve_distances(
+    targets: FocusTargets,
+    camera_distances_m: ArrayLike = math.inf,
+    coc_slopes_mm_m: ArrayLike = 0.0,
+    *,
+    law: LensLaw | None = None,
+    keep_outside: bool = False,
+    near_priority: ArrayLike = 0.0,
+    occluded: Occluded = "keep",
+) -> FocusSolutions:
+    """The focus distances that serve the points best: weighted least squares of circles of confusion.
+
+    Points that are disabled, of no weight, without a place, behind the camera or outside the picture do not count. Soft points
+    that overlap sharp ones on the screen count less (`render.focus.overlap`).
+
+    Args:
+        targets: k focus points over n frames.
+        camera_distances_m: ``(n,)`` or one for all: the camera's own focus distances, kept when no point counts; 0 or
+            infinite is infinity. They also decide between two answers that serve equally well (a soft point may lie before or
+            behind the focus).
+        coc_slopes_mm_m: ``(n,)`` or one for all: `render.optics.depth_of_field.coc_slope_mm_m`, the growth of the circle of
+            confusion of a thin lens that focuses anywhere and does not breathe; 0 for a pinhole.
+        law: of any other lens, for each frame or one for all, in place of the slopes. Where it ends the focus ends, and the
+            solution says so.
+        keep_outside: let points outside the picture count too.
+        near_priority: ``(n,)`` or one for all: an exponent p that makes nearer points count more: weights are multiplied by
+            (1 / depth in m)^p.
+        occluded: of points that something stands before: ``keep`` them, ``ignore`` those of which less than half is seen, or
+            ``fade``: multiply weights by what is seen.
+
+    Returns:
+        The solutions.
+
+    Raises:
+        SettingsError: the near priority is negative or not finite, or an array has the wrong number of frames.
+    """
+    law = law or LensLaw.even(_frames(coc_slopes_mm_m, targets.frames, "growths of the circle of confusion"))
+    if law.frames not in (1, targets.frames):
+        raise SettingsError(f"a focus law of {law.frames} frames does not go with {targets.frames} frames of points")
+    own_m = _frames(camera_distances_m, targets.frames, "camera distances")
+    own_w = np.where(own_m > 0, 1 / np.where(own_m > 0, own_m, 1.0), 0.0)
+    codes = state_codes(targets, law.f_stops > 0, keep_outside=keep_outside, occluded=occluded)
+    used = codes == STATES.index("used")
+    shares = counts(targets, used, _frames(near_priority, targets.frames, "near priorities"), occluded)
+    decided = np.asarray(shares.any(axis=1))
+    circles = np.where(used & targets.is_blurred, targets.blurs_mm, 0.0)
+    best = best_focus(shares, np.where(used, targets.aims_w, 0.0), circles, law, own_w)
+    w = np.where(decided, best.w, own_w)
+    sources: list[FocusSource] = ["points" if by_points else "camera" for by_points in decided.tolist()]
+    limits = tuple(_limits(best, decided))
+    return FocusSolutions(
+        focus_distance_m=np.where(w > 0, 1 / np.where(w > 0, w, 1.0), np.inf),
+        shares=shares,
+        state_codes=codes,
+        sources=tuple(sources),
+        reasons=_reasons(targets.names, codes, decided, limits, law),
+        limits=limits,
+    )
 
 
 def solve_focus(
@@ -105,101 +191,83 @@ def solve_focus(
     camera_distance_m: float = math.inf,
     *,
     coc_slope_mm_m: float = 0.0,
+    law: LensLaw | None = None,
     keep_outside: bool = False,
     near_priority: float = 0.0,
+    occluded: Occluded = "keep",
 ) -> FocusSolution:
-    """The focus distance that serves the points best: weighted least squares in inverse depth.
-
-    Points that are disabled, of no weight, without a place, behind the camera or outside the picture do not count.
+    """The focus distance that serves the points best at one time (`solve_distances`).
 
     Args:
         points: the focus points.
-        camera_distance_m: the camera's own focus distance, kept when no point counts; 0 or infinite is infinity. It
-            also decides between two answers that serve equally well (a soft point may lie before or behind the focus).
-        coc_slope_mm_m: `render.optics.depth_of_field.coc_slope_mm_m`, the growth of the circle of confusion; 0 for a
-            pinhole.
-        keep_outside: let points outside the picture count too.
-        near_priority: an exponent p that makes nearer points count more: weights are multiplied by (1 / depth in m)^p.
-
-    Returns:
-        The solution.
+        camera_distance_m: see `solve_distances`.
+        coc_slope_mm_m: see `solve_distances`.
+        law: see `solve_distances`.
+        keep_outside: see `solve_distances`.
+        near_priority: see `solve_distances`.
+        occluded: see `solve_distances`.
 
     Raises:
         SettingsError: a weight, a blur or the near priority is negative or not finite, or an offset is not finite.
     """
-    _check("near priority of the focus", near_priority)
-    camera_w = 1 / camera_distance_m if camera_distance_m > 0 else 0.0
-    states = tuple(_state(point, coc_slope_mm_m, keep_outside) for point in points)
-    used = [point for point, state in zip(points, states, strict=True) if state == "used"]
-    if not used:
-        reason = _why_none(points, states)
-        return FocusSolution(1 / camera_w if camera_w else math.inf, "camera", reason, (0.0,) * len(points), states)
-    weights = _counts(used, near_priority)
-    inverse_depths = np.array([1 / point.aim_m for point in used])
-    offsets = np.array([point.blur_mm / coc_slope_mm_m if point.is_blurred else 0.0 for point in used])
-    w = _least_squares(weights, inverse_depths, offsets, camera_w)
-    shares = iter(weights)
-    names = ", ".join(point.name for point in used)
-    return FocusSolution(
-        focus_distance_m=1 / w if w > 0 else math.inf,
-        source="points",
-        reason=f"focused by {names}",
-        shares=tuple(float(next(shares)) if state == "used" else 0.0 for state in states),
-        states=states,
-    )
+    return solve_distances(
+        FocusTargets.at_one_time(points),
+        camera_distance_m,
+        coc_slope_mm_m,
+        law=law,
+        keep_outside=keep_outside,
+        near_priority=near_priority,
+        occluded=occluded,
+    ).at(0)
 
 
-def _counts(points: Sequence[FocusTarget], near_priority: float) -> DoubleArray:
-    """How much each point counts; the sum is 1. By logarithms, so that no weight and no exponent overflows."""
-    depths = np.array([min(point.depth_m, _INFINITE_DEPTH_M) for point in points])
-    logs = np.log([point.weight for point in points]) - near_priority * np.log(depths)
-    counts = np.exp(logs - logs.max())
-    return np.asarray(counts / counts.sum())
+def _limits(best: BestFocus, decided: BoolArray) -> list[FocusLimit]:
+    rows = zip(decided.tolist(), best.too_near.tolist(), best.too_far.tolist(), strict=True)
+    return [
+        "" if not by_points else "close_focus" if near else "infinity" if far else "" for by_points, near, far in rows
+    ]
 
 
-def _state(point: FocusTarget, coc_slope_mm_m: float, keep_outside: bool) -> PointState:
-    _check(f"weight of focus point {point.name!r}", point.weight)
-    _check(f"blur in mm of focus point {point.name!r}", point.blur_mm)
-    _check(f"size of the surface offset in m of focus point {point.name!r}", abs(point.surface_offset_m))
-    rules: tuple[tuple[PointState, bool], ...] = (
-        ("disabled", not point.enabled),
-        ("zero_weight", point.weight == 0),
-        ("lost", math.isnan(point.depth_m)),
-        ("behind_camera", point.depth_m <= 0 or point.aim_m <= 0),
-        ("outside_frame", not point.in_frame and not keep_outside),
-        ("pinhole", point.is_blurred and coc_slope_mm_m == 0),
-    )
-    return next((state for state, holds in rules if holds), "used")
+def _reasons(
+    names: Sequence[str],
+    codes: NDArray[np.int8],
+    decided: BoolArray,
+    limits: Sequence[FocusLimit],
+    law: LensLaw,
+) -> tuple[str, ...]:
+    """A sentence for every frame. Frames that fared alike share it: it is written once."""
+    near_w, far_w = (np.broadcast_to(ends, len(codes)).tolist() for ends in (law.near_w, law.far_w))
+    told: dict[tuple[bytes, bool], str] = {}
+    reasons = []
+    for row, by_points, limit, nearest, farthest in zip(codes, decided.tolist(), limits, near_w, far_w, strict=True):
+        key = (row.tobytes(), by_points)
+        if key not in told:
+            told[key] = _why(names, row, by_points)
+        reasons.append(told[key] + _at_the_end(limit, nearest, farthest))
+    return tuple(reasons)
 
 
-def _least_squares(weights: DoubleArray, w: DoubleArray, offsets: DoubleArray, camera_w: float) -> float:
-    """The exact minimiser of ``Σ a (|w − x| − d)²`` over ``x ≥ 0``.
-
-    Between two neighbouring soft points every absolute value has a fixed sign and the sum is one parabola; so each
-    stretch has one best place, its parabola's vertex or the nearer end, and the best of those few is the answer.
-    """
-    bounds = [0.0, *sorted(set(w[offsets > 0].tolist())), math.inf]
-    places = []
-    for low, high in pairwise(bounds):
-        farther = w <= low
-        wanted = np.where(farther, w + offsets, w - offsets)
-        places.append(min(max(float(np.average(wanted, weights=weights)), low), high))
-    energies = [float(np.sum(weights * (np.abs(w - place) - offsets) ** 2)) for place in places]
-    slack = _TIE * float(np.sum(weights * (w + offsets) ** 2))
-    best = min(energies) + slack
-    equally_good = [place for place, energy in zip(places, energies, strict=True) if energy <= best]
-    return float(min(equally_good, key=lambda place: abs(place - camera_w)))
-
-
-def _why_none(points: Sequence[FocusTarget], states: Sequence[PointState]) -> str:
-    if not points:
+def _why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
+    states = [STATES[code] for code in codes.tolist()]
+    if by_points:
+        return "focused by " + ", ".join(name for name, s in zip(names, states, strict=True) if s == "used")
+    if not names:
         return "there is no focus point, so the camera's own focus distance is kept"
-    told = ", ".join(f"{p.name} ({s.replace('_', ' ')})" for p, s in zip(points, states, strict=True))
+    told = ", ".join(f"{name} ({s.replace('_', ' ')})" for name, s in zip(names, states, strict=True))
     return f"no focus point counts, so the camera's own focus distance is kept: {told}"
 
 
-def _check(what: str, value: float) -> None:
-    if not (math.isfinite(value) and value >= 0):
-        raise SettingsError(
-            f"the {what} must be a finite number of 0 or more, but it is {value:g}", code="bad_focus_point"
-        )
+def _at_the_end(limit: FocusLimit, near_w: float, far_w: float) -> str:
+    if limit == "close_focus":
+        return f", but the lens focuses no nearer than {1 / near_w:.4g} m"
+    if limit == "infinity":
+        return f", but the lens focuses no farther than {f'{1 / far_w:.4g} m' if far_w > 0 else 'infinity'}"
+    return ""
+
+
+def _frames(values: ArrayLike, frames: int, what: str) -> DoubleArray:
+    """``(n,)`` of what is given for every frame, or once for all."""
+    array = np.asarray(values, np.float64)
+    if array.shape not in ((), (1,), (frames,)):
+        raise SettingsError(f"expected {frames} {what}, one for each frame of the focus points, got {array.shape}")
+    return np.broadcast_to(array, (frames,))

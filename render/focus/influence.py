@@ -1,0 +1,103 @@
+"""How much each focus point counts for the focus, and why some do not."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from render.errors import SettingsError
+from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
+from render.focus.points import NEAREST_DEPTH_M, FocusTargets
+
+DoubleArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+PointState = Literal[
+    "used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "hidden", "pinhole"
+]
+"""What became of a focus point: it counts, or why it does not.
+
+``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing.
+``behind_camera``: it, or the focus that it asks for, is not in front. ``hidden``: something stands before it.
+``pinhole``: it should be soft, but a pinhole makes nothing soft.
+"""
+
+STATES: tuple[PointState, ...] = get_args(PointState)
+
+Occluded = Literal["keep", "ignore", "fade"]
+
+SEEN = 0.5
+"""A point of which less is seen counts as hidden where hidden points are left out."""
+
+_INFINITE_DEPTH_M = 1e100
+"""Stands for an infinite depth where its logarithm is taken."""
+
+
+def state_codes(
+    targets: FocusTargets, has_pupil: BoolArray, *, keep_outside: bool = False, occluded: Occluded = "keep"
+) -> NDArray[np.int8]:
+    """Whether points count, or why they do not: the first reason of those that hold.
+
+    Args:
+        targets: k points over n frames.
+        has_pupil: ``(n,)`` or ``(1,)`` whether the lens is no pinhole.
+        keep_outside: let points outside the picture count too.
+        occluded: what becomes of points that something stands before.
+
+    Returns:
+        ``(n, k)`` int8 indices into `STATES`.
+    """
+    hidden = {"keep": -1.0, "ignore": SEEN, "fade": 0.0}[occluded]
+    with np.errstate(invalid="ignore"):
+        behind = ~((targets.depths_m >= NEAREST_DEPTH_M) & (targets.aims_m >= NEAREST_DEPTH_M))
+    rules: dict[PointState, BoolArray] = {
+        "disabled": ~targets.enabled,
+        "zero_weight": targets.weights == 0,
+        "lost": np.isnan(targets.depths_m),
+        "behind_camera": behind,
+        "outside_frame": ~targets.in_frame & (not keep_outside),
+        "hidden": (targets.visible <= hidden) if occluded == "fade" else (targets.visible < hidden),
+        "pinhole": targets.is_blurred & ~has_pupil[:, None],
+    }
+    codes = [np.int8(STATES.index(state)) for state in rules]
+    return np.asarray(np.select(list(rules.values()), codes, np.int8(STATES.index("used"))), np.int8)
+
+
+def counts(
+    targets: FocusTargets, used: BoolArray, near_priority: ArrayLike = 0.0, occluded: Occluded = "keep"
+) -> DoubleArray:
+    """How much each point counts. By logarithms, so that no weight and no exponent overflows.
+
+    Args:
+        targets: k points over n frames.
+        used: ``(n, k)`` which count at all.
+        near_priority: ``(n,)`` or one for all: see `solve_distances`.
+        occluded: whether points ``fade`` with what is seen of them.
+
+    Returns:
+        ``(n, k)`` that add up to 1 in every frame, or are all 0 where no point counts.
+
+    Raises:
+        SettingsError: the near priority is negative or not finite.
+    """
+    power = np.atleast_1d(np.asarray(near_priority, np.float64))
+    if not (np.isfinite(power).all() and (power >= 0).all()):
+        worst = power[~(np.isfinite(power) & (power >= 0))][0]
+        raise SettingsError(
+            f"the near priority of the focus must be a finite number of 0 or more, but it is {worst:g}",
+            code="bad_focus_point",
+        )
+    seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
+    weights = np.where(used, targets.weights * seen, 0.0)
+    falloffs = np.where(targets.falloffs > 0, targets.falloffs, OVERLAP_FRAME_WIDTHS)
+    reaches = falloffs * targets.frame_widths[:, None]
+    soft = targets.is_soft
+    weights = weights * kept_beside_sharp(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft)
+    depths = np.where(used, np.minimum(targets.depths_m, _INFINITE_DEPTH_M), 1.0)
+    with np.errstate(divide="ignore"):
+        logs = np.log(weights) - power[:, None] * np.log(depths)
+    heaviest = logs.max(axis=1, keepdims=True, initial=-np.inf)
+    shares = np.exp(logs - np.where(np.isfinite(heaviest), heaviest, 0.0))
+    return np.asarray(shares / np.maximum(shares.sum(axis=1, keepdims=True), 1.0))

@@ -1,0 +1,307 @@
+"""Focus points as the lens sees them over many frames: arrays of frames by points, with nothing of USD left in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from render.errors import SettingsError
+
+DoubleArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+PointKind = Literal["sharp", "soft"]
+
+NEAREST_DEPTH_M = 1e-100
+"""What is nearer counts as behind the camera, so that inverse depths can be squared."""
+
+
+@dataclass(frozen=True)
+class FocusTarget:
+    """One focus point as the lens sees it at one time.
+
+    Attributes:
+        name: the focus point's name.
+        depth_m: along the view axis, positive in front of the camera; NaN where the point has no place.
+        weight: how much it counts, 0 or more.
+        kind: whether it must be ``sharp`` or ``soft``.
+        blur_mm: of a soft point the wanted diameter of the circle of confusion on the film, 0 leaves it to ``surface_offset_m``;
+            of a sharp one what it may have at most where the points also set the stop, 0 for the limit that holds for all.
+        surface_offset_m: for a soft point, how far behind it the focus shall lie; negative is before it.
+        enabled: whether it counts at all.
+        in_frame: whether it lies inside the picture.
+        slope: ``(X/z, Y/z)`` from the entrance pupil, x right and y up; NaN where that is not known.
+        falloff: screen distance in frame widths at which its influence ends; 0 for nowhere.
+        extent: of the depth of field around it, relative to the lens's own.
+        visible: how much of it is seen, from 0, where something stands before it, to 1.
+    """
+
+    name: str
+    depth_m: float
+    weight: float = 1.0
+    kind: PointKind = "sharp"
+    blur_mm: float = 0.0
+    surface_offset_m: float = 0.0
+    enabled: bool = True
+    in_frame: bool = True
+    slope: tuple[float, float] = (math.nan, math.nan)
+    falloff: float = 0.0
+    extent: float = 1.0
+    visible: float = 1.0
+
+    @property
+    def is_blurred(self) -> bool:
+        """Whether it must be soft by a circle of confusion."""
+        return self.kind == "soft" and self.blur_mm > 0
+
+    @property
+    def aim_m(self) -> float:
+        """Depth at which it would have the focus: its own, or off it where it must be soft by a distance."""
+        return self.depth_m + self.surface_offset_m if self.kind == "soft" and self.blur_mm == 0 else self.depth_m
+
+
+@dataclass(frozen=True, eq=False)
+class FocusTargets:
+    """k focus points over n frames. `of` makes one from what is known.
+
+    Attributes:
+        names: k names.
+        kinds: k kinds.
+        depths_m: ``(n, k)`` along the view axis; NaN where a point has no place.
+        slopes: ``(n, k, 2)`` from the entrance pupil, x right and y up; NaN where there is none, as behind the camera.
+        weights: ``(n, k)`` 0 or more.
+        blurs_mm: ``(n, k)`` as in `FocusTarget`.
+        surface_offsets_m: ``(n, k)`` as in `FocusTarget`.
+        falloffs: ``(n, k)`` frame widths; 0 ends nowhere.
+        extents: ``(n, k)`` of the depth of field around each, relative to the lens's own.
+        enabled: ``(n, k)``.
+        in_frame: ``(n, k)``.
+        visible: ``(n, k)`` from 0, hidden, to 1, seen.
+        frame_widths: ``(n,)`` of the picture in slopes.
+    """
+
+    names: tuple[str, ...]
+    kinds: tuple[PointKind, ...]
+    depths_m: DoubleArray
+    slopes: DoubleArray
+    weights: DoubleArray
+    blurs_mm: DoubleArray
+    surface_offsets_m: DoubleArray
+    falloffs: DoubleArray
+    extents: DoubleArray
+    enabled: BoolArray
+    in_frame: BoolArray
+    visible: DoubleArray
+    frame_widths: DoubleArray
+
+    def __post_init__(self) -> None:
+        """Check shapes and numbers.
+
+        Raises:
+            SettingsError: a column has the wrong shape, or a number no meaning; of the points, the first is named.
+        """
+        shape = self.depths_m.shape
+        if len(shape) != 2 or len(self.names) != shape[1] or len(self.kinds) != shape[1]:
+            raise SettingsError(f"focus points over time must be frames by their {len(self.names)} names, got {shape}")
+        wrong = [name for name in _COLUMNS if np.shape(getattr(self, name)) != shape]
+        wrong += ["slopes"] * (self.slopes.shape != (*shape, 2))
+        wrong += ["frame_widths"] * (self.frame_widths.shape != shape[:1])
+        if wrong:
+            raise SettingsError(f"the {wrong[0]} of focus points must be as many as their depths, {shape}")
+        if not set(self.kinds) <= set(get_args(PointKind)):
+            raise SettingsError(f"a focus point must be sharp or soft, got {self.kinds}", code="bad_focus_point")
+        for fault in number_faults(self.names, {column: getattr(self, column) for column in _CHECKED}).values():
+            raise SettingsError(fault, code="bad_focus_point")
+
+    @classmethod
+    def of(
+        cls,
+        names: Sequence[str],
+        depths_m: ArrayLike,
+        *,
+        kinds: Sequence[PointKind] | PointKind = "sharp",
+        slopes: ArrayLike = math.nan,
+        weights: ArrayLike = 1.0,
+        blurs_mm: ArrayLike = 0.0,
+        surface_offsets_m: ArrayLike = 0.0,
+        falloffs: ArrayLike = 0.0,
+        extents: ArrayLike = 1.0,
+        enabled: ArrayLike = True,
+        in_frame: ArrayLike = True,
+        visible: ArrayLike = 1.0,
+        frame_widths: ArrayLike = 1.0,
+    ) -> FocusTargets:
+        """Points over time from whatever broadcasts to frames by points.
+
+        Args:
+            names: k names.
+            depths_m: ``(n, k)``, or ``(k,)`` for one frame.
+            kinds: one for all, or k.
+            slopes: ``(n, k, 2)``; none by default.
+            weights: and all the others: ``(n, k)``, ``(k,)`` or one number.
+            blurs_mm: see the class.
+            surface_offsets_m: see the class.
+            falloffs: see the class.
+            extents: see the class.
+            enabled: see the class.
+            in_frame: see the class.
+            visible: see the class.
+            frame_widths: ``(n,)`` or one number.
+
+        Raises:
+            SettingsError: shapes or numbers are wrong.
+        """
+        depths = np.atleast_2d(np.asarray(depths_m, np.float64))
+        shape = depths.shape
+
+        def column(values: ArrayLike) -> DoubleArray:
+            return np.broadcast_to(np.asarray(values, np.float64), shape)
+
+        def switch(values: ArrayLike) -> BoolArray:
+            return np.broadcast_to(np.asarray(values, np.bool_), shape)
+
+        return cls(
+            names=tuple(names),
+            kinds=(kinds,) * len(names) if isinstance(kinds, str) else tuple(kinds),
+            depths_m=depths,
+            slopes=np.broadcast_to(np.asarray(slopes, np.float64), (*shape, 2)),
+            weights=column(weights),
+            blurs_mm=column(blurs_mm),
+            surface_offsets_m=column(surface_offsets_m),
+            falloffs=column(falloffs),
+            extents=column(extents),
+            enabled=switch(enabled),
+            in_frame=switch(in_frame),
+            visible=column(visible),
+            frame_widths=np.broadcast_to(np.asarray(frame_widths, np.float64), shape[:1]),
+        )
+
+    @classmethod
+    def at_one_time(cls, points: Sequence[FocusTarget], frame_width: float = 1.0) -> FocusTargets:
+        """One frame of points.
+
+        Args:
+            points: the points.
+            frame_width: of the picture in slopes.
+
+        Raises:
+            SettingsError: a number of a point has no meaning.
+        """
+        return cls.of(
+            [p.name for p in points],
+            np.array([[p.depth_m for p in points]], np.float64).reshape(1, len(points)),
+            kinds=[p.kind for p in points],
+            slopes=np.array([p.slope for p in points], np.float64).reshape(1, len(points), 2),
+            weights=[p.weight for p in points],
+            blurs_mm=[p.blur_mm for p in points],
+            surface_offsets_m=[p.surface_offset_m for p in points],
+            falloffs=[p.falloff for p in points],
+            extents=[p.extent for p in points],
+            enabled=[p.enabled for p in points],
+            in_frame=[p.in_frame for p in points],
+            visible=[p.visible for p in points],
+            frame_widths=frame_width,
+        )
+
+    @property
+    def frames(self) -> int:
+        """How many frames there are."""
+        return len(self.depths_m)
+
+    @property
+    def is_soft(self) -> BoolArray:
+        """``(k,)`` which points must be soft."""
+        return np.array([kind == "soft" for kind in self.kinds], np.bool_)
+
+    @property
+    def is_blurred(self) -> BoolArray:
+        """``(n, k)`` which must be soft by a circle of confusion."""
+        return self.is_soft & (self.blurs_mm > 0)
+
+    @property
+    def aims_m(self) -> DoubleArray:
+        """``(n, k)`` depth at which each would have the focus: its own, or off it where it must be soft by a distance."""
+        offset = self.is_soft & (self.blurs_mm == 0)
+        return np.where(offset, self.depths_m + self.surface_offsets_m, self.depths_m)
+
+    @property
+    def aims_w(self) -> DoubleArray:
+        """``(n, k)`` one over `aims_m`, 1/m; 0 where that is not in front of the camera."""
+        aims = self.aims_m
+        ahead = aims >= NEAREST_DEPTH_M
+        return np.where(ahead, 1 / np.where(ahead, aims, 1.0), 0.0)
+
+    def at(self, frame: int) -> tuple[FocusTarget, ...]:
+        """The points at one frame.
+
+        Args:
+            frame: index of it.
+        """
+        return tuple(self._points(frame))
+
+    def _points(self, frame: int) -> Iterator[FocusTarget]:
+        for i, (name, kind) in enumerate(zip(self.names, self.kinds, strict=True)):
+            at = (frame, i)
+            yield FocusTarget(
+                name=name,
+                depth_m=float(self.depths_m[at]),
+                weight=float(self.weights[at]),
+                kind=kind,
+                blur_mm=float(self.blurs_mm[at]),
+                surface_offset_m=float(self.surface_offsets_m[at]),
+                enabled=bool(self.enabled[at]),
+                in_frame=bool(self.in_frame[at]),
+                slope=(float(self.slopes[at][0]), float(self.slopes[at][1])),
+                falloff=float(self.falloffs[at]),
+                extent=float(self.extents[at]),
+                visible=float(self.visible[at]),
+            )
+
+
+def number_faults(names: Sequence[str], columns: Mapping[str, DoubleArray]) -> dict[str, str]:
+    """What is wrong with the numbers of focus points, by name: the first fault of each that has one, in one sentence.
+
+    Args:
+        names: k names.
+        columns: ``(n, k)`` or ``(k,)`` by the names that they have in `FocusTargets`: weights, blurs_mm, surface_offsets_m,
+            falloffs, extents, visible. Others are passed over.
+    """
+    faults: dict[str, str] = {}
+    for column, (what, can_be_negative) in _CHECKED.items():
+        if column not in columns:
+            continue
+        values = np.atleast_2d(columns[column])
+        sizes = np.abs(values) if can_be_negative else values
+        bad = ~(np.isfinite(sizes) & (sizes >= 0))
+        for i in np.flatnonzero(bad.any(axis=0)).tolist():
+            value = values[np.argmax(bad[:, i]), i]
+            expected = "a finite number" if can_be_negative else "a finite number of 0 or more"
+            faults.setdefault(
+                names[i], f"the {what} of focus point {names[i]!r} must be {expected}, but it is {value:g}"
+            )
+    return faults
+
+
+_COLUMNS = (
+    "weights",
+    "blurs_mm",
+    "surface_offsets_m",
+    "falloffs",
+    "extents",
+    "enabled",
+    "in_frame",
+    "visible",
+)
+_CHECKED = {
+    "weights": ("weight", False),
+    "blurs_mm": ("blur in mm", False),
+    "surface_offsets_m": ("surface offset in m", True),
+    "falloffs": ("falloff in frame widths", False),
+    "extents": ("extent", False),
+    "visible": ("visible share", False),
+}

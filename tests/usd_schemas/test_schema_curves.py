@@ -1,4 +1,4 @@
-"""Focus curves: few knots, exact ends, within tolerance of every sample, no overshoot; spline or samples, never both."""
+"""Curves of a camera: few knots, exact ends, within tolerance of every sample, no overshoot; spline or samples, never both."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pxr import Sdf, Ts, Usd, UsdGeom
 
 from usd_schemas import SchemaError
 from usd_schemas.curve_fit import fit_knots
-from usd_schemas.curves import author_focus_samples, author_focus_spline, focus_layer, spline_from_knots
+from usd_schemas.curves import author_samples, author_splines, focus_layer, spline_from_knots
 
 FRAMES = np.arange(1.0, 97.0)
 SINGLE = 1e-6  # focusDistance and its spline are single precision
@@ -35,6 +35,12 @@ def stage() -> Usd.Stage:
 def focus(stage: Usd.Stage, times: np.ndarray = FRAMES) -> np.ndarray:
     attribute = stage.GetAttributeAtPath("/shot/cam.focusDistance")
     return np.array([attribute.Get(float(time)) for time in times])
+
+
+def author_focus(stage: Usd.Stage, distance: np.ndarray, tolerance: float, times: np.ndarray = FRAMES) -> Ts.Spline:
+    """The spline of a focus distance with a relative tolerance."""
+    allowed = {"focusDistance": tolerance * distance}
+    return author_splines(stage, "/shot/cam", times, {"focusDistance": distance}, allowed)["focusDistance"]
 
 
 def spec_of(layer: Sdf.Layer) -> Sdf.AttributeSpec:
@@ -86,13 +92,13 @@ def test_usd_evaluates_the_spline_as_the_fit_does(curve: tuple[np.ndarray, np.nd
 
 
 def test_a_smooth_rack_takes_as_few_knots_as_an_artist_would(stage: Usd.Stage) -> None:
-    spline = author_focus_spline(stage, "/shot/cam", FRAMES, rack())
+    spline = author_focus(stage, rack(), 1e-3)
     assert list(spline.GetKnots().keys()) == [1, 30, 54, 96]
 
 
 def test_an_authored_spline_meets_its_promise(stage: Usd.Stage) -> None:
     wobbling = rack() + 0.3 * np.sin(FRAMES / 7)
-    spline = author_focus_spline(stage, "/shot/cam", FRAMES, wobbling, tolerance=1e-3)
+    spline = author_focus(stage, wobbling, 1e-3)
     assert len(spline.GetKnots().keys()) < len(FRAMES) / 3
     np.testing.assert_allclose(focus(stage), wobbling, rtol=1e-3 + SINGLE)
     np.testing.assert_allclose(focus(stage, FRAMES[[0, -1]]), wobbling[[0, -1]], rtol=SINGLE)
@@ -100,24 +106,24 @@ def test_an_authored_spline_meets_its_promise(stage: Usd.Stage) -> None:
 
 def test_at_no_tolerance_every_sample_is_met_in_single_precision(stage: Usd.Stage) -> None:
     noisy = rack() + np.random.default_rng(3).uniform(-0.5, 0.5, len(FRAMES))
-    author_focus_spline(stage, "/shot/cam", FRAMES, noisy, tolerance=0)
+    author_focus(stage, noisy, 0)
     np.testing.assert_allclose(focus(stage), noisy, rtol=SINGLE)
 
 
 def test_spline_and_samples_take_each_others_place(stage: Usd.Stage) -> None:
     layer = stage.GetRootLayer()
     for _ in range(2):
-        author_focus_samples(stage, "/shot/cam", FRAMES, rack())
+        author_samples(stage, "/shot/cam", FRAMES, {"focusDistance": rack()})
         assert layer.GetNumTimeSamplesForPath(spec_of(layer).path) == 96
         assert not spec_of(layer).HasInfo("spline")
-        author_focus_spline(stage, "/shot/cam", FRAMES, rack())
+        author_focus(stage, rack(), 1e-3)
         assert spec_of(layer).HasInfo("spline")
         assert not spec_of(layer).HasInfo("timeSamples")
 
 
 def test_new_samples_leave_none_of_the_old(stage: Usd.Stage) -> None:
-    author_focus_samples(stage, "/shot/cam", FRAMES, rack())
-    author_focus_samples(stage, "/shot/cam", FRAMES[:10] + 0.5, rack()[:10])
+    author_samples(stage, "/shot/cam", FRAMES, {"focusDistance": rack()})
+    author_samples(stage, "/shot/cam", FRAMES[:10] + 0.5, {"focusDistance": rack()[:10]})
     assert stage.GetAttributeAtPath("/shot/cam.focusDistance").GetTimeSamples() == list(FRAMES[:10] + 0.5)
 
 
@@ -135,54 +141,60 @@ def test_a_focus_layer_over_the_shot_gives_the_curve(stage: Usd.Stage, form: str
 def test_both_layers_agree_at_every_frame(stage: Usd.Stage) -> None:
     both = []
     for form in ("spline", "samples"):
-        over = Usd.Stage.Open(focus_layer(stage, "/shot/cam", FRAMES, rack(), form, 1e-5))  # type: ignore[arg-type]
+        over = Usd.Stage.Open(focus_layer(stage, "/shot/cam", FRAMES, rack(), form, 1e-5))
         both.append(focus(over))
     np.testing.assert_allclose(both[0], both[1], rtol=1e-5 + SINGLE)
 
 
 def test_one_sample_is_a_constant(stage: Usd.Stage) -> None:
-    author_focus_spline(stage, "/shot/cam", [7], [3.0])
+    author_splines(stage, "/shot/cam", [7], {"focusDistance": [3.0]})
     assert focus(stage, np.array([-5.0, 7, 99])).tolist() == [3, 3, 3]
 
 
 @pytest.mark.parametrize(
-    ("times", "distances", "message"),
+    ("times", "values", "message"),
     [
-        ([], [], "at least one"),
-        ([1, 2], [3.0], "as many values as times"),
-        ([1, 2, 2], [3.0, 3.0, 3.0], "got 2 after 2"),
-        ([1, 2], [3.0, float("nan")], "got nan at time 2"),
-        ([1, 2], [float("inf"), 3.0], "got inf at time 1"),
-        ([1, 2], [3.0, 0.0], "must be positive, got 0 at time 2"),
-        ([1, 2], [-3.0, 1.0], "must be positive, got -3 at time 1"),
+        ([], {"focusDistance": []}, "at least one"),
+        ([1, 2], {"focusDistance": [3.0]}, "as many values as times"),
+        ([1, 2, 2], {"focusDistance": [3.0, 3.0, 3.0]}, "got 2 after 2"),
+        ([1, 2], {"focusDistance": [3.0, float("nan")]}, "got nan at time 2"),
+        ([1, 2], {"focusDistance": [float("inf"), 3.0]}, "got inf at time 1"),
+        ([1, 2], {"focusDistance": [3.0, 0.0]}, "focusDistance must be positive, got 0 at time 2"),
+        ([1, 2], {"fStop": [2.0, 2.0], "focalLength": [-3.0, 1.0]}, "focalLength must be positive, got -3 at time 1"),
+        ([1, 2], {"fStop": [2.0, -1.0]}, "fStop must be at least 0, got -1 at time 2"),
+        ([1], {"tiltShift:tilt": [95.0]}, "tiltShift:tilt must be at least -89 and at most 89, got 95 at time 1"),
+        ([1], {"focus:smoothing": [-1.0]}, "focus:smoothing must be at least 0, got -1"),
+        ([1], {"focusDistance": [1.0], "clippingRange": [1.0]}, "no attribute 'clippingRange' that takes a spline"),
+        ([1], {"focusDistance": [1.0], "nonsense": [1.0]}, "no attribute 'nonsense' that takes a spline"),
+        ([1], {}, "at least one attribute"),
     ],
 )
 def test_what_makes_no_curve_is_refused(
-    stage: Usd.Stage, times: list[float], distances: list[float], message: str
+    stage: Usd.Stage, times: list[float], values: dict[str, list[float]], message: str
 ) -> None:
     before = stage.GetRootLayer().ExportToString()
-    for author in (author_focus_spline, author_focus_samples):
+    for author in (author_splines, author_samples):
         with pytest.raises(SchemaError, match=message):
-            author(stage, "/shot/cam", times, distances)
+            author(stage, "/shot/cam", times, values)
     assert stage.GetRootLayer().ExportToString() == before
 
 
 @pytest.mark.parametrize("path", ["/shot", "/nowhere", "not a path", "/shot/cam.focusDistance"])
 def test_a_path_that_is_no_camera_is_refused(stage: Usd.Stage, path: str) -> None:
-    with pytest.raises(SchemaError, match="needs a camera"):
+    with pytest.raises(SchemaError, match="need a camera"):
         focus_layer(stage, path, [1], [1.0])
 
 
 @pytest.mark.parametrize("path", ["/", "cam", "no path"])
 def test_a_layer_needs_an_absolute_path(path: str) -> None:
     with pytest.raises(SchemaError, match="absolute path"):
-        author_focus_spline(Sdf.Layer.CreateAnonymous(), path, [1], [1.0])
+        author_splines(Sdf.Layer.CreateAnonymous(), path, [1], {"focusDistance": [1.0]})
 
 
-@pytest.mark.parametrize("tolerance", [-1.0, float("nan")])
-def test_a_tolerance_must_be_one(stage: Usd.Stage, tolerance: float) -> None:
-    with pytest.raises(SchemaError, match="tolerance"):
-        author_focus_spline(stage, "/shot/cam", [1], [1.0], tolerance)
+@pytest.mark.parametrize("tolerance", [-1.0, float("nan"), [1.0, 1.0]])
+def test_a_tolerance_must_be_one(stage: Usd.Stage, tolerance: object) -> None:
+    with pytest.raises(SchemaError, match="tolerance of a curve of fStop"):
+        author_splines(stage, "/shot/cam", [1], {"fStop": [1.0]}, {"fStop": tolerance})  # type: ignore[dict-item]
 
 
 def test_an_hour_of_frames_is_fitted_in_seconds() -> None:

@@ -224,15 +224,18 @@ def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
 
 
 def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
-    """The camera with its focus, iris, shutter and exposure."""
+    """The camera with its focus, iris, shutter and exposure, its lens moved up and aside against the film."""
     lens = LensCamera(usd.GetPrim())
     focus = _number(usd.GetFocusDistanceAttr(), time)
     for name in _EXPOSURE:
         _number(usd.GetPrim().GetAttribute(name), time)
-    aperture, glass = lens.aperture.read(time.GetValue()), lens.lens.read(time.GetValue())
+    at = time.GetValue()
+    aperture, glass, moved = lens.aperture.read(at), lens.lens.read(at), lens.tilt_shift.read(at)
     confined_to = confinement(stage)
     return replace(
         camera,
+        horizontal_offset_mm=camera.horizontal_offset_mm + moved.shift,
+        vertical_offset_mm=camera.vertical_offset_mm + moved.rise,
         f_stop=0.0 if glass.model == "pinhole" else _number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=float(usd.ComputeLinearExposureScale(time)),

@@ -11,7 +11,7 @@ from stage_kit import add_mesh, new_stage
 
 from render.errors import CameraError, SettingsError, StageError
 from render.stage import conformed, default_camera, frame_range, list_cameras, read_camera
-from usd_schemas import ApertureData, LensCamera, LensData
+from usd_schemas import ApertureData, LensCamera, LensData, TiltShiftData
 
 
 def add_camera(stage: Usd.Stage, path: str = "/cam", **values: object) -> UsdGeom.Camera:
@@ -42,6 +42,16 @@ def test_lens_and_focus_are_the_same_in_any_unit(metres_per_unit: float) -> None
     assert (camera.horizontal_offset_mm, camera.vertical_offset_mm) == pytest.approx((2, -3), rel=1e-6)
     assert (camera.focus_distance_m, camera.near_m, camera.far_m) == pytest.approx((4.5, 0.1, 50), rel=1e-6)
     assert camera.f_stop == pytest.approx(1.4)
+
+
+def test_rise_and_shift_move_the_gate_in_millimetres_whatever_the_unit() -> None:
+    """They show more of what is above and on the right, as aperture offsets do, and add to them."""
+    stage = new_stage(0.01)
+    add_camera(stage, horizontalApertureOffset=1.0, verticalApertureOffset=-2.0)
+    camera = LensCamera(stage.GetPrimAtPath("/cam"))
+    camera.tilt_shift.author(TiltShiftData(rise=3.0, shift=-4.0))
+    read = read_camera(stage, "/cam", 0)
+    assert (read.horizontal_offset_mm, read.vertical_offset_mm) == pytest.approx((1 - 4, -2 + 3))
 
 
 @pytest.mark.parametrize("up", ["Y", "Z"])

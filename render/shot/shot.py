@@ -5,23 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from render.errors import CameraError, NotFoundError, SettingsError
+from render.errors import NotFoundError, SettingsError
+from render.focus.racks import Rack
 from render.shot.anchor import Picked, anchored
-from render.shot.lens import author_lens, set_focus_mode
-from render.shot.lens_choice import LensChoice
-from render.shot.undoing import EditableShot
+from render.shot.camera_edits import CameraEdits
+from render.shot.lens import set_focus_mode
+from render.shot.racking import pull_rack
 from render.shot.view import checked_time
-from usd_schemas import FocusPoint, FocusPointView, Interpolation, LensCamera, Mounted, mount_lens
-
-FIELD_LABELS = {
-    "f_stop": "f-number",
-    "focal_length_mm": "focal length",
-    "focus_distance_m": "focus distance",
-    "focus_mode": "focus mode",
-}
+from usd_schemas import FocusPoint, FocusPointView, Interpolation, Tangents
+from usd_schemas.racks import WeightRack
 
 
-class Shot(EditableShot):
+class Shot(CameraEdits):
     """A USD stage, its cameras and focus, and the layer of edits over it.
 
     Each edit goes to the edit layer (`render.shot.edits`); no file of the user's is ever written. An edit that fails
@@ -109,6 +104,7 @@ class Shot(EditableShot):
         time: float,
         value: Any,
         interpolation: Interpolation | None = None,
+        tangents: Tangents | None = None,
     ) -> None:
         """Set, or replace, a key of one attribute of a focus point.
 
@@ -119,6 +115,7 @@ class Shot(EditableShot):
             time: USD time code.
             value: in the attribute's own unit.
             interpolation: how the value goes on to the next key: linear, held, bezier or auto; None suits the attribute.
+            tangents: of a bezier key; None gives it those that an auto key would have now.
 
         Raises:
             NotFoundError: the camera has no such point.
@@ -126,7 +123,7 @@ class Shot(EditableShot):
         """
         view = self._editable_point(camera_path, name)
         with self._edits.editing(f"key {attribute} of focus point {name} at {time:g}"):
-            view.set_key(attribute, checked_time(time), value, interpolation or "linear")
+            view.set_key(attribute, checked_time(time), value, interpolation or "linear", tangents)
 
     def remove_key(self, camera_path: str | None, name: str, attribute: str, time: float) -> None:
         """Remove a key; after the last one its value stays for all time.
@@ -145,72 +142,25 @@ class Shot(EditableShot):
         with self._edits.editing(f"remove the key of {attribute} of focus point {name} at {time:g}"):
             view.remove_key(attribute, time)
 
-    def set_camera(
-        self,
-        camera_path: str | None,
-        *,
-        f_stop: float | None = None,
-        focal_length_mm: float | None = None,
-        focus_distance_m: float | None = None,
-        focus_mode: str | None = None,
-        time: float | None = None,
-    ) -> None:
-        """Change the lens. What is None stays as it is.
-
-        A hand on the focus ring wins: with a focus distance and no mode, the mode becomes manual.
+    def rack(self, camera_path: str | None, asked: WeightRack) -> tuple[WeightRack, Rack]:
+        """Take the focus from one focus point to another, by keys of their weights.
 
         Args:
             camera_path: of a camera.
-            f_stop: f-number; 0 is a pinhole.
-            focal_length_mm: focal length.
-            focus_distance_m: depth of the plane of focus; infinite is authored as 100 km, since tools disagree on what 0
-                means and a curve through infinity has no middle.
-            focus_mode: manual, points, tiltPlane or surface; it is the same at all times.
-            time: USD time code of the keys; None drops the keys there are and holds the values for all time.
-
-        Raises:
-            SettingsError: a value is out of range, or the time is not finite.
-        """
-        camera = self._editable(camera_path)
-        mode = focus_mode or ("manual" if focus_distance_m is not None else None)
-        numbers = {"f_stop": f_stop, "focal_length_mm": focal_length_mm, "focus_distance_m": focus_distance_m}
-        said = [
-            FIELD_LABELS[name] for name, value in (numbers | {"focus_mode": focus_mode}).items() if value is not None
-        ]
-        with self._edits.editing(f"set {' and '.join(said)} of {camera.prim.GetName()}"):
-            author_lens(camera, time, **numbers)
-            if mode is not None:
-                set_focus_mode(camera, mode)
-
-    def mount_lens(self, camera_path: str | None, choice: LensChoice) -> Mounted:
-        """Put another lens on a camera, for all time: its glass, its focal length, and no wider an f-number than it has.
-
-        Args:
-            camera_path: of a camera.
-            choice: as `render.shot.lens_choice` gives it.
+            asked: from which to which, when, and how.
 
         Returns:
-            What changed of the camera's own numbers.
+            What was authored, which ends later where the hand cannot turn the ring that fast, and what the lens does.
 
         Raises:
-            SettingsError: the lens has a value that USD does not allow.
+            NotFoundError: the camera has no such point.
+            SettingsError: the rack makes no sense, or contradicts keys that are there.
+            InputError: the target of a point is missing.
         """
-        camera = self._editable(camera_path)
-        with self._edits.editing(f"mount a lens on {camera.prim.GetName()}"):
-            return mount_lens(
-                camera,
-                choice.lens,
-                focal_length_mm=choice.focal_length_mm,
-                f_stop=choice.f_stop,
-                aperture=choice.aperture,
-            )
-
-    def _editable(self, camera_path: str | None) -> LensCamera:
-        camera = self._lens_camera(camera_path)
-        if camera.prim.IsInstanceProxy():
-            path = str(camera.prim.GetPath())
-            raise CameraError(f"camera {path} lies in an instance, which USD lets nobody edit", path=path)
-        return camera
+        for name in (asked.from_point, asked.to_point):
+            self._editable_point(camera_path, name)
+        with self._edits.editing(f"rack from {asked.from_point} to {asked.to_point}"):
+            return pull_rack(self.stage, self._anchors, self._path(camera_path), asked)
 
     def _editable_point(self, camera_path: str | None, name: str) -> FocusPointView:
         self._editable(camera_path)

@@ -44,6 +44,7 @@ def as_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
                 "imageCircleMm": report.image_circle_mm,
                 "airyDiameterUm": report.airy_um,
                 "cornerDistortion": float(report.curves.distortion[-1]),
+                "cornerDistortionAcross": float(report.curves.distortion_across[-1]),
                 "cornerIllumination": float(report.curves.illumination[-1]),
             }
         ),

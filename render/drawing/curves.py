@@ -33,11 +33,14 @@ def draw_distortion(axes: Axes, report: LensReport) -> None:
     """Distortion against the image height."""
     curves = report.curves
     axes.set_title("Distortion")
-    percent = 100 * curves.distortion
-    axes.plot(percent, curves.heights_mm, color=INK)
-    _around_zero(axes, percent, _LEAST_DISTORTION)
+    percent, across = 100 * curves.distortion, 100 * curves.distortion_across
+    axes.plot(percent, curves.heights_mm, color=INK, label="up")
+    _around_zero(axes, np.concatenate([percent, across]), _LEAST_DISTORTION)
     _height_upward(axes, report)
     axes.set_xlabel("%: − barrel, + pincushion")
+    if report.camera.lens.squeeze != 1:
+        axes.plot(across, curves.heights_mm, color=BEAMS[0], linestyle="--", label="across")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
 
 
 def draw_illumination(axes: Axes, report: LensReport) -> None:

@@ -15,7 +15,7 @@ from render.optics.focusing import focused
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import distance_from_film_m, mounted, nearer_than_marked
 from render.optics.principal_rays import principal_rays
-from render.optics.report import LensReport, lens_report
+from render.optics.report import LensReport, data_sheet, lens_report
 from render.optics.report.aiming import Targets, aim, through
 from render.optics.report.field import spots
 from render.optics.report.lens_report import film_rays, lens_bokeh
@@ -132,6 +132,32 @@ def test_squeeze_and_blades_show_in_the_bokeh() -> None:
     lit_rows = np.flatnonzero(rows)
     quarters = np.array_split(rows[lit_rows[0] : lit_rows[-1]], 3)
     assert max(np.abs(np.diff([part.sum() for part in quarters]))) > 100  # no circle: not alike up and down
+
+
+@pytest.mark.parametrize("w311", [400.0, -150.0])
+def test_squeeze_narrows_the_distortion_from_side_to_side(w311: float) -> None:
+    """The renderer's chief rays are the independent account."""
+    errors = SeidelErrors(w311=w311, reference_f_stop=1.4, reference_height_mm=15.0)
+    reports = [lens_report(camera_with(Lens("seidel", seidel=errors, squeeze=s), 50.0, 2.0)) for s in (1.0, 2.0)]
+    for report in reports:
+        camera = report.camera
+        right, up = camera.horizontal_aperture_mm / 100, camera.vertical_aperture_mm / 100
+        chief = chief_rays(camera)
+        assert chief is not None
+        slopes = chief.seen_at(np.array([[right, 0.0], [0.0, up], [right, up]]))
+        expected = 2 * np.degrees(np.arctan(np.linalg.norm(slopes, axis=-1)))
+        assert report.field_of_view_deg == pytest.approx(expected, rel=1e-4)
+        corner = np.array([right, up])
+        ideal_over_seen = corner / chief.seen_at(corner)
+        distortion = [report.curves.distortion_across[-1], report.curves.distortion[-1]]
+        assert distortion == pytest.approx(ideal_over_seen - 1, rel=1e-3)
+    spherical, anamorphic = reports
+    assert anamorphic.field_of_view_deg[0] != pytest.approx(spherical.field_of_view_deg[0], rel=1e-3)
+    assert anamorphic.field_of_view_deg[1] == pytest.approx(spherical.field_of_view_deg[1])
+    told = dict(row for group in data_sheet(anamorphic) for row in group)["distortion"]
+    assert "% up" in told
+    assert "% across, in the corner" in told
+    assert any("18 mm wide on the film" in note for note in anamorphic.notes)
 
 
 def test_rims_make_a_cats_eye_that_is_narrow_toward_the_middle_of_the_frame() -> None:

@@ -64,7 +64,10 @@ def _picture(report: LensReport) -> Iterator[Row]:
         yield "image circle", f"⌀ {report.image_circle_mm:.1f} mm{dark}"
     lit = np.isfinite(curves.distortion)
     where = "in the corner" if lit[-1] else f"{curves.heights_mm[lit][-1]:.1f} mm from the axis, at the last light"
-    yield "distortion", f"{100 * curves.distortion[lit][-1] + 0.0:+.2f} % {where}"
+    distortion = f"{100 * curves.distortion[lit][-1] + 0.0:+.2f} %"
+    if camera.lens.squeeze != 1:
+        distortion += f" up, {100 * curves.distortion_across[lit][-1] + 0.0:+.2f} % across,"
+    yield "distortion", f"{distortion} {where}"
     light = curves.illumination[-1]
     stops = f" ({math.log2(light):+.1f} stops)" if 0 < light < 0.999 else ""
     yield "illumination", f"{100 * light:.0f} % in the corner{stops}"

@@ -44,7 +44,8 @@ class FieldCurves:
         heights_mm: ``(n,)`` from the axis to the corner of the gate.
         tangential_mm: where the narrow beam around the chief ray focuses in the plane through the axis, behind the film.
         sagittal_mm: likewise across that plane.
-        distortion: share by which the image is farther out than an ideal lens's: negative is barrel-shaped.
+        distortion: share by which the image is farther up or down than an ideal lens's: negative is barrel-shaped.
+        distortion_across: likewise to the left or right, which differs for an anamorphic lens.
         illumination: of the film, 1 on the axis.
         geometric: the same if no rim blocked any light.
         cos4: fourth power of the cosine of the field angle.
@@ -54,6 +55,7 @@ class FieldCurves:
     tangential_mm: DoubleArray
     sagittal_mm: DoubleArray
     distortion: DoubleArray
+    distortion_across: DoubleArray
     illumination: DoubleArray
     geometric: DoubleArray
     cos4: DoubleArray
@@ -83,12 +85,13 @@ def spots(rays: FilmRays, heights_mm: DoubleArray, iris: IrisShape) -> tuple[Spo
     return tuple(found)
 
 
-def field_curves(rays: FilmRays, corner_mm: float, count: int = 37) -> FieldCurves:
+def field_curves(rays: FilmRays, corner_mm: float, squeeze: float = 1.0, count: int = 37) -> FieldCurves:
     """Curves over the image height at the d line.
 
     Args:
         rays: the lens.
         corner_mm: the largest height.
+        squeeze: of an anamorphic lens.
         count: of heights.
     """
     heights = np.linspace(0.0, corner_mm, count)
@@ -108,10 +111,28 @@ def field_curves(rays: FilmRays, corner_mm: float, count: int = 37) -> FieldCurv
         where_lit(depth[:, 1, 1]),
         where_lit(depth[:, 0, 0]),
         where_lit(distortion),
+        where_lit(1 / (1 + _narrowed_bend(distortion, squeeze)) - 1),
         np.where(heights <= rays.last_height_mm, illumination, 0.0),
         where_lit(geometric),
         (1 + rays.seen(heights) ** 2) ** -2.0,
     )
+
+
+def seen_at(rays: FilmRays, places_mm: DoubleArray, squeeze: float = 1.0) -> DoubleArray:
+    """``(k, 2)`` slopes in object space, right and up, of the chief rays to places ``(k, 2)`` of the picture off the axis.
+
+    An anamorphic lens's picture is stretched back, which narrows its distortion from side to side (`render.optics.distortion`).
+    """
+    heights = np.hypot(*places_mm.T)
+    distortion = heights / rays.paraxial_height_mm(heights) - 1
+    ideal = places_mm * (rays.seen(heights) * (1 + distortion) / heights)[:, None]
+    bends = np.stack([_narrowed_bend(distortion, squeeze), _narrowed_bend(distortion, 1.0)], axis=1)
+    return np.asarray(ideal * (1 + bends))
+
+
+def _narrowed_bend(distortion: DoubleArray, squeeze: float) -> DoubleArray:
+    """Share by which a chief ray comes from farther out than an ideal lens's, from side to side."""
+    return np.asarray((1 / (1 + distortion) - 1) / squeeze)
 
 
 def relative_light(rays: FilmRays, heights_mm: DoubleArray) -> tuple[DoubleArray, DoubleArray]:

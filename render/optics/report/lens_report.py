@@ -11,7 +11,7 @@ from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
-from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, spots
+from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
 from render.optics.report.film_rays import FilmRays, Squeezed
 from render.optics.report.glass_rays import GlassRays
 from render.optics.report.ideal_rays import ThinRays
@@ -104,8 +104,6 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
     rays, corner = film_rays(camera), corner_mm(camera)
     f_stop = lens.f_stop if lens else camera.f_stop
     circle = image_circle_mm(rays, _FARTHEST * corner) if lens else float("inf")
-    lit = np.minimum([camera.horizontal_aperture_mm / 2, camera.vertical_aperture_mm / 2, corner], circle / 2)
-    view = 2 * np.degrees(np.arctan(rays.seen(lit)))
     return LensReport(
         camera=camera,
         focused=lens,
@@ -113,16 +111,24 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         set_f_stop=set_f_stop,
         wide_open=lens.prescription.f_stop if lens else wide_open,
         nearest_m=nearest_m(lens, camera.focus_distance_m) if lens else 0.0,
-        field_of_view_deg=(float(view[0]), float(view[1]), float(view[2])),
+        field_of_view_deg=_field_of_view_deg(rays, camera, circle),
         image_circle_mm=circle,
         airy_um=2.44 * D_LINE_NM * 1e-3 * f_stop,
         barrel=barrel(lens) if lens else None,
         third_order=_third_order(camera, lens),
         spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
-        curves=field_curves(rays, corner),
+        curves=field_curves(rays, corner, camera.lens.squeeze),
         bokeh=lens_bokeh(camera),
         notes=_notes(camera, lens),
     )
+
+
+def _field_of_view_deg(rays: FilmRays, camera: Camera, circle_mm: float) -> tuple[float, float, float]:
+    right, up = camera.horizontal_aperture_mm / 2, camera.vertical_aperture_mm / 2
+    ends = np.array([[right, 0.0], [0.0, up], [right, up]])
+    lit = ends * np.minimum(1, circle_mm / 2 / np.hypot(*ends.T))[:, None]
+    across, high, diagonal = 2 * np.degrees(np.arctan(np.hypot(*seen_at(rays, lit, camera.lens.squeeze).T)))
+    return float(across), float(high), float(diagonal)
 
 
 def film_rays(camera: Camera) -> FilmRays:
@@ -190,7 +196,9 @@ def _notes(camera: Camera, lens: FocusedLens | None) -> tuple[str, ...]:
     if camera.lens.model == "heightField":
         notes += ("Its height field is left out here: the numbers and drawings are of the surfaces without it.",)
     if camera.lens.squeeze != 1:
+        on_film = camera.horizontal_aperture_mm / camera.lens.squeeze
         notes += (
-            f"Its picture is shown stretched back: the squeeze of {camera.lens.squeeze:g} narrows pupil and bokeh.",
+            f"Its picture is shown stretched back, {on_film:.4g} mm wide on the film: the squeeze of {camera.lens.squeeze:g} "
+            "narrows pupil, bokeh and distortion from side to side.",
         )
     return notes

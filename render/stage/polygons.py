@@ -83,11 +83,8 @@ class BadGeometry(ValueError):  # noqa: N818 - it is a finding about a prim, not
 
 def check(polygons: Polygons) -> None:
     """Raise :class:`BadGeometry` where counts, indices or points cannot be used."""
-    counts, corners, points = polygons.counts, polygons.corners, polygons.points
-    if (counts < 0).any():
-        raise BadGeometry("faceVertexCounts has a negative count")
-    if int(counts.sum(dtype=np.int64)) != len(corners):
-        raise BadGeometry(f"faceVertexCounts add up to {counts.sum()} corners, but there are {len(corners)} indices")
+    corners, points = polygons.corners, polygons.points
+    check_counts(polygons.counts, corners)
     if len(corners) and (corners.min() < 0 or corners.max() >= len(points)):
         raise BadGeometry(
             f"faceVertexIndices run from {corners.min()} to {corners.max()}, but there are {len(points)} points"
@@ -98,6 +95,14 @@ def check(polygons: Polygons) -> None:
     if (np.abs(points) > FARTHEST_POINT).any():
         bad = int(np.flatnonzero((np.abs(points) > FARTHEST_POINT).any(axis=1))[0])
         raise BadGeometry(f"point {bad} is out of range, {FARTHEST_POINT:g} units")
+
+
+def check_counts(counts: IntArray, corners: IntArray) -> None:
+    """Raise :class:`BadGeometry` where faces do not fit their corners."""
+    if (counts < 0).any():
+        raise BadGeometry("faceVertexCounts has a negative count")
+    if int(counts.sum(dtype=np.int64)) != len(corners):
+        raise BadGeometry(f"faceVertexCounts add up to {counts.sum()} corners, but there are {len(corners)} indices")
 
 
 def fan(polygons: Polygons) -> Fan:

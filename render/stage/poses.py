@@ -164,10 +164,14 @@ def instance_poses(
 
 
 def pose_of_instance(
-    chain: Sequence[InstancerLink], number: int, prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray
+    chain: Sequence[InstancerLink],
+    number: int,
+    prim: Usd.Prim,
+    transforms: UsdGeom.XformCache,
+    world: DoubleArray,
+    instances: InstanceReader,
 ) -> DoubleArray | None:
     """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time."""
-    instances = InstanceReader(transforms.GetTime(), FindingLog())
     poses, numbers = instance_poses(chain, prim, transforms, world, instances)
     found = np.flatnonzero(numbers == number)
     return poses[found[0]] if len(found) else None

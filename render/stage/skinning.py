@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel, Vt
+from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
 from render.stage.findings import FindingLog
-from render.stage.polygons import BadGeometry, FloatArray, Polygons, Values, carried_normals, check, fan
+from render.stage.polygons import BadGeometry, FloatArray, LongArray, Polygons, Values, carried_normals, check, fan
 from render.stage.world import column_matrix
 
 
@@ -31,28 +31,45 @@ class Skeletons:
 
     def bend(self, prim: Usd.Prim, polygons: Polygons, time: Usd.TimeCode, log: FindingLog) -> Polygons:
         """The polygons as the skeleton has them at a time, in the prim's own space; unchanged where none is bound."""
-        found = self._query(prim)
-        if found is None:
+        if not self.bends(prim):
             return polygons
-        skeleton, skinning = found
-        points = Vt.Vec3fArray.FromNumpy(polygons.points)
-        if skinning.HasBlendShapes() and not _blend(skeleton, skinning, points, time):
-            log.add(
-                "blend_shapes_ignored", prim.GetPath(), f"the blend shapes of {prim.GetPath()} could not be computed"
-            )
-        if skinning.HasJointInfluences():
-            joints = skeleton.ComputeSkinningTransforms(time)
-            if not joints or not skinning.ComputeSkinnedPoints(joints, points, time):
-                log.add(
-                    "skinning_failed",
-                    prim.GetPath(),
-                    f"the skinning of {prim.GetPath()} could not be computed: drawn at rest",
-                )
-                return polygons
-            moved = _in_prim_space(np.array(points, np.float32), skeleton.GetPrim(), prim, time)
-        else:
-            moved = np.array(points, np.float32)
+        moved = self.bent_points(prim, Vt.Vec3fArray.FromNumpy(polygons.points), time, log)
         return replace(polygons, points=moved, normals=_bent_normals(prim, polygons, moved, log))
+
+    def bent_points(
+        self, prim: Usd.Prim, points: Vt.Vec3fArray, time: Usd.TimeCode, log: FindingLog, rows: LongArray | None = None
+    ) -> FloatArray:
+        """Where a prim's points are at a time, in its own space; where they rest if no skeleton is bound or none works.
+
+        Args:
+            prim: a mesh.
+            points: all of its points, at rest.
+            time: when.
+            log: for findings.
+            rows: the indices of the points that are wanted, None for all; few cost less.
+
+        Returns:
+            ``(n, 3)`` or ``(len(rows), 3)``.
+        """
+        found = self._query(prim)
+        resting = points if rows is None else _picked(points, rows)
+        if found is None:
+            return np.array(resting, np.float32)
+        skeleton, skinning = found
+        if skinning.HasBlendShapes():
+            points = Vt.Vec3fArray(points)
+            if not _blend(skeleton, skinning, points, time):
+                message = f"the blend shapes of {prim.GetPath()} could not be computed"
+                log.add("blend_shapes_ignored", prim.GetPath(), message)
+        wanted = Vt.Vec3fArray(points) if rows is None else _picked(points, rows)
+        if not skinning.HasJointInfluences():
+            return np.array(wanted, np.float32)
+        joints = skeleton.ComputeSkinningTransforms(time)
+        if not joints or not _skin(found, joints, wanted, rows, len(points), time):
+            message = f"the skinning of {prim.GetPath()} could not be computed: drawn at rest"
+            log.add("skinning_failed", prim.GetPath(), message)
+            return np.array(resting, np.float32)
+        return _in_prim_space(np.array(wanted, np.float32), skeleton.GetPrim(), prim, time)
 
     def _query(self, prim: Usd.Prim) -> tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery] | None:
         root = UsdSkel.Root.Find(prim)
@@ -95,6 +112,49 @@ def _blend(
             points,
         )
     )
+
+
+def _skin(
+    bound: tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery],
+    joints: Vt.Matrix4dArray,
+    points: Vt.Vec3fArray,
+    rows: LongArray | None,
+    count: int,
+    time: Usd.TimeCode,
+) -> bool:
+    """Move points with their joints, in place: all ``count`` of a mesh, or those of its ``rows``. Returns whether that worked."""
+    skeleton, skinning = bound
+    if rows is None:
+        return bool(skinning.ComputeSkinnedPoints(joints, points, time))
+    influences = skinning.ComputeVaryingJointInfluences(count, time)
+    if not influences:
+        return False
+    each = skinning.GetNumInfluencesPerComponent()
+    of_rows = (rows[:, None] * each + np.arange(each)).ravel()
+    indices, weights = (np.asarray(values)[of_rows] for values in influences)
+    return bool(
+        UsdSkel.SkinPoints(
+            skinning.GetSkinningMethod(),
+            skinning.GetGeomBindTransform(time),
+            _in_order(joints, skeleton.GetJointOrder(), skinning.GetJointOrder()),
+            Vt.IntArray.FromNumpy(indices),
+            Vt.FloatArray.FromNumpy(weights),
+            each,
+            points,
+        )
+    )
+
+
+def _in_order(joints: Vt.Matrix4dArray, given: Vt.TokenArray, wanted: Vt.TokenArray | None) -> Vt.Matrix4dArray:
+    """Joints in a mesh's own order, as USD's mapper has them (in Python it gives nothing back): those that lack stand still."""
+    if wanted is None:
+        return joints
+    place = {name: number for number, name in enumerate(given)}
+    return Vt.Matrix4dArray([joints[place[name]] if name in place else Gf.Matrix4d(1) for name in wanted])
+
+
+def _picked(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:
+    return Vt.Vec3fArray([points[row] for row in rows.tolist()])
 
 
 def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:

@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sized
+from contextlib import contextmanager
+
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, Vt
 
 from render.stage.findings import FindingLog
 from render.stage.implicit import implicit_polygons, is_implicit, shape_varies
-from render.stage.polygons import BadGeometry, IntArray, Polygons, Values
+from render.stage.polygons import (
+    FARTHEST_POINT,
+    BadGeometry,
+    FloatArray,
+    IntArray,
+    LongArray,
+    Polygons,
+    Values,
+    check_counts,
+)
 from render.stage.primvars import as_rows
 from render.stage.skinning import Skeletons
 from render.stage.values import UNREADABLE, shown, why_unreadable
 
-_MESH_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIndices", "normals", "primvars:normals")
+_FACES = ("faceVertexCounts", "faceVertexIndices")
+_MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals")
 
 
 def is_drawable(prim: Usd.Prim) -> bool:
@@ -35,8 +48,74 @@ def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: Fi
     Raises:
         BadGeometry: the values are of other types than the schema's, or contradict themselves; the message says how.
     """
-    try:
+    with _explained():
         return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
+
+
+def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
+    """How many corners each face of a mesh has, and which point each corner is.
+
+    Raises:
+        BadGeometry: they contradict each other, or are no whole numbers.
+    """
+    mesh = UsdGeom.Mesh(prim)
+    with _explained():
+        counts = _integers(mesh.GetFaceVertexCountsAttr(), time)
+        corners = _integers(mesh.GetFaceVertexIndicesAttr(), time)
+    check_counts(counts, corners)
+    return counts, corners
+
+
+def faces_vary(prim: Usd.Prim) -> bool:
+    """Whether a mesh's faces may change over time."""
+    return any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _FACES if prim.HasAttribute(name))
+
+
+def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
+    """The points of a mesh in its own space, before a skeleton bends them.
+
+    Raises:
+        BadGeometry: there are none, or they are no points.
+    """
+    attribute = UsdGeom.Mesh(prim).GetPointsAttr()
+    with _explained():
+        value = attribute.Get(time)
+        whole = isinstance(value, Vt.Vec3fArray) and len(value) > 0
+        return value if whole else Vt.Vec3fArray.FromNumpy(_as_points(value))
+
+
+def mesh_points(
+    prim: Usd.Prim, resting: Vt.Vec3fArray, rows: LongArray, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog
+) -> FloatArray:
+    """Where some of a mesh's points are, in its own space, as `surface_of` has them all.
+
+    Args:
+        prim: a mesh.
+        resting: its points, as `resting_points` gives them at the time.
+        rows: ``(n,)`` which of them.
+        time: when.
+        skeletons: bend meshes.
+        log: for findings.
+
+    Returns:
+        ``(n, 3)``.
+
+    Raises:
+        BadGeometry: the mesh does not have them, or they are not finite.
+    """
+    if not 0 <= rows.min() <= rows.max() < len(resting):
+        raise BadGeometry(f"its face has the points {rows.min()} to {rows.max()}, and there are {len(resting)}")
+    found = skeletons.bent_points(prim, resting, time, log, rows)
+    if not (np.abs(found) <= FARTHEST_POINT).all():
+        raise BadGeometry(f"a point of its face is not finite or out of range, {FARTHEST_POINT:g} units")
+    return found
+
+
+@contextmanager
+def _explained() -> Iterator[None]:
+    """What reading raises where values are of other types than the schema's, told as `BadGeometry`."""
+    try:
+        yield
     except BadGeometry:
         raise
     except UNREADABLE as problem:
@@ -46,7 +125,7 @@ def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: Fi
 def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
     mesh = UsdGeom.Mesh(prim)
     polygons = Polygons(
-        points=_points(mesh, time),
+        points=_as_points(mesh.GetPointsAttr().Get(time)),
         counts=_integers(mesh.GetFaceVertexCountsAttr(), time),
         corners=_integers(mesh.GetFaceVertexIndicesAttr(), time),
         normals=_authored_normals(mesh, time),
@@ -57,9 +136,9 @@ def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log
     return skeletons.bend(prim, polygons, time, log)
 
 
-def _points(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
-    value = mesh.GetPointsAttr().Get(time)
-    if value is None or len(value) == 0:
+def _as_points(value: object) -> FloatArray:
+    """``(n, 3)`` the value of a mesh's points."""
+    if value is None or (isinstance(value, Sized) and len(value) == 0):
         raise BadGeometry("it has no points at this time")
     points = np.array(value, np.float32)
     if points.ndim != 2 or points.shape[1] != 3:

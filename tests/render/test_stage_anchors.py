@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom
@@ -17,6 +19,7 @@ from stage_kit import (
     two_instances,
     world_points,
 )
+from test_stage_skinning import bent_strip
 
 from render.errors import NotFoundError
 from render.frame import FrameRenderer
@@ -200,6 +203,90 @@ def test_a_click_finds_the_place_that_the_anchor_finds_again(
         np.testing.assert_allclose(found, pick.position_m, atol=1e-6 * camera.focus_distance_m)
         hits += 1
     assert hits >= 3
+
+
+def everything() -> tuple[Usd.Stage, list[FocusPoint]]:
+    """A stage with a strip that a skeleton bends, a mesh whose points and faces move, a ball that grows, and moving dots."""
+    stage = bent_strip()
+    mesh = add_mesh(stage, "/group/m")
+    mover = UsdGeom.Xform.Define(stage, "/group").AddTranslateOp()
+    mover.Set(Gf.Vec3d(0, 0, 0), 0)
+    mover.Set(Gf.Vec3d(10, 0, 0), 10)
+    mesh.GetPointsAttr().Set([Gf.Vec3f(*p) for p in QUAD_POINTS], 0)
+    mesh.GetPointsAttr().Set([Gf.Vec3f(p[0], p[1], 8) for p in QUAD_POINTS], 10)
+    mesh.GetFaceVertexIndicesAttr().Set([0, 1, 2, 3], 0)
+    mesh.GetFaceVertexIndicesAttr().Set([1, 2, 3, 0], 5)
+    UsdGeom.Sphere.Define(stage, "/ball").CreateRadiusAttr().Set(1, 0)
+    UsdGeom.Sphere(stage.GetPrimAtPath("/ball")).GetRadiusAttr().Set(3, 10)
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [0, 0])
+    dots.GetPositionsAttr().Set([Gf.Vec3f(i, 0, 0) for i in range(2)], 0)
+    dots.GetPositionsAttr().Set([Gf.Vec3f(i, 9, 0) for i in range(2)], 10)
+    points = [
+        point("/rig/strip", face=1),
+        point("/rig/strip", face=0, offset=(0.0, 1.0, 0.0)),
+        point("/group/m", fan_triangle=1),
+        point("/ball", face=70),
+        point(("/dots", "/dots/a"), instance=1),
+        point("/rig"),
+    ]
+    return stage, [replace(p, name=f"p{number}") for number, p in enumerate(points)]
+
+
+def test_many_times_at_once_are_as_each_time_alone() -> None:
+    stage, points = everything()
+    times = [0.0, 2.5, 5.0, 7.5, 10.0]
+    expected = [[anchor_position(stage, p, time) for p in points] for time in times]
+    found = AnchorReader(stage).positions(points, times)
+    np.testing.assert_array_equal(found, expected)
+    moves = np.ptp(found, axis=0).max(axis=1) > 0.1
+    assert moves.tolist() == [True, False, True, True, True, False]
+    assert AnchorReader(stage).positions([], times).shape == (5, 0, 3)
+    assert AnchorReader(stage).positions(points, []).shape == (0, 6, 3)
+
+
+def test_points_without_a_place_are_told_at_each_time_and_keep_none_of_the_others_from_theirs() -> None:
+    stage, points = everything()
+    counts = UsdGeom.Mesh(stage.GetPrimAtPath("/group/m")).GetFaceVertexCountsAttr()
+    counts.Set([4], 0)
+    counts.Set([3], 5)
+    gone = [point("/gone"), point("/ball", face=10**6), point(("/dots", "/dots/a"), instance=7)]
+    asked = [*points, *(replace(p, name=f"gone{number}") for number, p in enumerate(gone))]
+    found = AnchorReader(stage).anchored([asked, asked], [0.0, 5.0])
+    np.testing.assert_array_equal(found.positions_m[0, :6], AnchorReader(stage).positions(points, [0.0])[0])
+    assert np.isnan(found.positions_m[0]).all(axis=1).tolist() == [False] * 6 + [True] * 3
+    assert set(found.problems[0]) == {"gone0", "gone1", "gone2"}
+    assert set(found.problems[1]) == {"gone0", "gone1", "gone2", "p2"}
+    assert "/gone" in found.problems[0]["gone0"]
+    assert "face 1000000" in found.problems[0]["gone1"]
+    assert "instance 7" in found.problems[0]["gone2"]
+    assert found.problems[1]["p2"] == (
+        "focus point p2 is on /group/m, but faceVertexCounts add up to 3 corners, but there are 4 indices"
+    )
+
+
+def test_a_focus_point_whose_face_is_keyed_goes_from_face_to_face() -> None:
+    stage, _ = everything()
+    at = [point("/rig/strip", face=0), point("/rig/strip", face=1)]
+    found = AnchorReader(stage).anchored([[at[0]], [at[1]]], [0.0, 0.0]).positions_m
+    np.testing.assert_array_equal(found[:, 0], [anchor_position(stage, p, 0.0) for p in at])
+    assert found[1, 0, 0] - found[0, 0, 0] == pytest.approx(1)
+
+
+def test_points_and_faces_that_cannot_be_used_are_told() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/few", points=QUAD_POINTS[:3])
+    add_mesh(stage, "/nan", points=[(0, 0, 0), (1, 0, 0), (np.nan, 1, 0), (0, 1, 0)])
+    empty = add_mesh(stage, "/empty")
+    empty.GetPointsAttr().Set([])
+    found = AnchorReader(stage).anchored(
+        [[replace(point(f"/{name}", fan_triangle=1), name=name) for name in ("few", "nan", "empty")]], [0.0]
+    )
+    assert np.isnan(found.positions_m).all()
+    problems = found.problems[0]
+    assert "there are 3" in problems["few"]
+    assert "not finite" in problems["nan"]
+    assert "no points" in problems["empty"]
 
 
 def test_the_scene_is_unchanged_by_asking() -> None:

@@ -23,6 +23,7 @@ _WAYS_TO_FAIL = {
 }
 _FAN = 201
 _NOTICED = 0.01  # share of the f-number or of the focal length
+_ROUNDED = 5e-4  # share of a length that no note shows
 
 
 def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
@@ -55,12 +56,18 @@ def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> P
 def scaled(prescription: Prescription, factor: float) -> Prescription:
     """The same lens larger or smaller: every length times ``factor``; the f-number stays.
 
+    Notes with lengths in them are joined by one that says which lengths they are.
+
     Raises:
         SettingsError: the factor is no positive number.
     """
     if not 0 < factor < float("inf"):
         raise SettingsError(f"a lens can be scaled by a positive number only, got {factor}")
-    return replace(prescription, surfaces=tuple(_scaled_surface(surface, factor) for surface in prescription.surfaces))
+    notes = prescription.notes
+    if abs(factor - 1) > _ROUNDED and any(" mm" in note for note in notes):
+        notes = (*notes, f"Lengths in these notes are from before the lens was scaled by {factor:.4g}.")
+    surfaces = tuple(_scaled_surface(surface, factor) for surface in prescription.surfaces)
+    return replace(prescription, surfaces=surfaces, notes=notes)
 
 
 def _scaled_surface(surface: Surface, factor: float) -> Surface:

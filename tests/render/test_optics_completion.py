@@ -289,6 +289,17 @@ def test_a_scaled_lens_has_all_lengths_scaled_and_the_same_f_number(factor: floa
     assert after.entrance_pupil_magnification == pytest.approx(before.entrance_pupil_magnification)
 
 
+def test_notes_of_a_scaled_lens_say_which_lengths_they_have() -> None:
+    whole = completed(without_diameters(PLANAR))
+    assert any(" mm" in note for note in whole.notes)
+    assert scaled(whole, 1.5).notes == (
+        *whole.notes,
+        "Lengths in these notes are from before the lens was scaled by 1.5.",
+    )
+    assert scaled(whole, 1.0001).notes == whole.notes
+    assert scaled(replace(whole, notes=("No lengths.",)), 2).notes == ("No lengths.",)
+
+
 @given(factor=st.floats(0.05, 20), height=st.floats(-12, 12), slope=st.floats(-0.2, 0.2))
 def test_rays_scale_with_the_lens(factor: float, height: float, slope: float) -> None:
     points, directions = np.array([[1.0, height, 0.0]]), np.array([[0.0, slope, 1.0]]) / np.hypot(1, slope)

@@ -1,4 +1,7 @@
-"""`pullfocus focus-curve`: the solved focus over time, for programs, for spreadsheets and as a layer for USD tools."""
+"""`pullfocus focus-curve`: the solved focus over time, for programs, spreadsheets, editorial, the set, and as a USD layer.
+
+It goes both ways: with ``--import`` the curve comes from a file that another tool made, and becomes a layer over the shot.
+"""
 
 from __future__ import annotations
 
@@ -9,50 +12,73 @@ from pathlib import Path
 from typing import Any
 
 from render.commands import arguments as shared
-from render.errors import CameraError, SettingsError
+from render.commands.report import say
+from render.errors import CameraError, InputError, SettingsError
 from render.files import write_atomic
-from render.focus import curve_to_csv, curve_to_json
+from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
 from render.frame_spec import every_frame, parse_frames
 from render.shot import Shot
+from render.shot.importing import imported_layer, read_for_shot
 
-FORMATS = ("json", "csv", "usda")
-FORMATS_TO_COME = ("otio", "opentrackio")
+LAYER = "usda"
+MAX_NAMED = 8
+_MAX_FILE_BYTES = 1 << 30
 
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("focus-curve", help="write the solved focus over time as json, csv or a USD layer")
+    parser = commands.add_parser(
+        "focus-curve", help="write the focus over time for other tools, or take a curve of theirs as a USD layer"
+    )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     shared.add_camera(parser)
     shared.add_lens(parser)
     shared.add_frames(parser, "every frame of the shot")
     parser.add_argument(
-        "--format", default="json", choices=(*FORMATS, *FORMATS_TO_COME), help="usda is a layer to put over the shot"
+        "--format",
+        choices=(*FORMATS, LAYER),
+        help="what to write: json (without --import, what is written), csv, otio for editorial, opentrackio for the set,"
+        " or usda, a layer to put over the shot (with --import, what is written)",
     )
     parser.add_argument(
-        "--baked", action="store_true", help="time samples in place of a native spline, for tools that read none (usda)"
+        "--baked", action="store_true", help="time samples in place of native splines, for tools that read none (usda)"
+    )
+    parser.add_argument(
+        "--import",
+        dest="source",
+        metavar="FILE",
+        type=Path,
+        help="do not solve the focus, take it from a csv, json, opentrackio or otio file",
+    )
+    parser.add_argument(
+        "--gaps",
+        choices=GAPS,
+        help="with --import: what becomes of rows that are missing or cannot be used; without it they are refused",
+    )
+    parser.add_argument(
+        "--first-frame",
+        metavar="TIME",
+        type=float,
+        help="with --import: the time code where the file's first frame comes to lie; without it frame numbers are kept,"
+        " and what ran by timecode begins where the shot does",
     )
     parser.add_argument("--out", metavar="FILE", type=Path, help="where to; without it, standard output")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Solve the focus and write the curve.
+    """Solve the focus, or read a curve, and write it.
 
     Args:
         arguments: as `add_parser` declares them.
 
     Raises:
         SettingsError: the arguments do not fit together.
-        InputError: the shot or its camera cannot be used.
+        InputError: the shot, its camera or the file to import cannot be used.
         OutputError: the file cannot be written.
     """
-    if arguments.format in FORMATS_TO_COME:
-        raise SettingsError(
-            f"format {arguments.format} comes later; use one of {', '.join(FORMATS)}", code="comes_later"
-        )
-    if arguments.baked and arguments.format != "usda":
-        raise SettingsError(f"--baked is for --format usda alone, got {arguments.format}")
+    wanted = arguments.format or (LAYER if arguments.source else "json")
+    _check(arguments, wanted)
     asked = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
     lens = shared.asked_lens(arguments.lens)
     shot = Shot.open(arguments.stage, edits=arguments.edits)
@@ -61,13 +87,30 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise _no_camera(arguments.stage, shot.cameras())
-    shared.mount(shot, camera, lens)
-    frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
-    text = _text(shot, camera, frames, arguments)
+    if arguments.source is not None:
+        text = _imported(shot, camera, wanted, arguments)
+    else:
+        shared.mount(shot, camera, lens)
+        frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
+        text = _solved(shot, camera, frames, wanted, baked=arguments.baked)
     if arguments.out is None:
         sys.stdout.write(text)
     else:
         write_atomic(arguments.out, text.encode())
+
+
+def _check(arguments: argparse.Namespace, wanted: str) -> None:
+    if arguments.baked and wanted != LAYER:
+        raise SettingsError(f"--baked is for --format usda alone, got {wanted}")
+    of_import = {"--gaps": arguments.gaps, "--first-frame": arguments.first_frame}
+    of_solving = {"--frames": arguments.frames, "--lens": arguments.lens}
+    misplaced = of_solving if arguments.source else of_import
+    for option, value in misplaced.items():
+        if value is not None:
+            word = "not for" if arguments.source else "for"
+            raise SettingsError(
+                f"{option} is {word} --import, which {'takes' if arguments.source else 'reads'} a curve"
+            )
 
 
 def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
@@ -76,8 +119,43 @@ def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
     return CameraError(f"{stage} has no camera, and so no focus to pull; give it one with a layer over it")
 
 
-def _text(shot: Shot, camera: str, frames: Sequence[float], arguments: argparse.Namespace) -> str:
-    if arguments.format == "usda":
-        return shot.focus_layer(camera, frames, baked=arguments.baked)
-    curve = shot.focus_curve(camera, frames)
-    return curve_to_csv(curve) if arguments.format == "csv" else curve_to_json(curve)
+def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, *, baked: bool) -> str:
+    if wanted == LAYER:
+        return shot.focus_layer(camera, frames, baked=baked)
+    return curve_to_text(shot.focus_curve(camera, frames), wanted)  # type: ignore[arg-type]
+
+
+def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespace) -> str:
+    shot.readout(camera, shot.frame_range.start)  # it is a camera, and can be used
+    read = read_for_shot(
+        shot.stage,
+        _content(arguments.source),
+        gaps=arguments.gaps or "refuse",
+        first_frame=arguments.first_frame,
+    )
+    _tell(read)
+    if wanted == LAYER:
+        return imported_layer(shot.stage, camera, read, baked=arguments.baked)
+    return curve_to_text(read.curve, wanted)  # type: ignore[arg-type]
+
+
+def _tell(read: ReadCurve) -> None:
+    """What was found in the file, on standard error."""
+    for finding in read.findings[:MAX_NAMED]:
+        say(f"warning: {finding.message}")
+    if len(read.findings) > MAX_NAMED:
+        say(f"warning: and {len(read.findings) - MAX_NAMED} more like these")
+
+
+def _content(path: Path) -> bytes:
+    """A file's content.
+
+    Raises:
+        InputError: it cannot be read, or is no curve by its size alone.
+    """
+    try:
+        if path.stat().st_size > _MAX_FILE_BYTES:
+            raise InputError(f"{path} has more than a gigabyte: it is no focus curve", code="bad_curve", path=str(path))
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}", code="unreadable", path=str(path)) from error

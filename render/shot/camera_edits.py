@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from render.errors import CameraError, SettingsError
+from render.focus.files import ReadCurve
 from render.shot.camera_attributes import FOCUS_SETTINGS, CameraAttribute, author_settings
 from render.shot.edits import schema_errors_as_settings
+from render.shot.importing import author_curve
 from render.shot.lens import set_focus_mode
 from render.shot.lens_choice import LensChoice
 from render.shot.undoing import EditableShot
@@ -81,6 +83,21 @@ class CameraEdits(EditableShot):
                 f_stop=choice.f_stop,
                 aperture=choice.aperture,
             )
+
+    def import_focus_curve(self, camera_path: str | None, read: ReadCurve, *, baked: bool = False) -> None:
+        """Give a camera the focus curve of a file, and let it be focused by hand.
+
+        Args:
+            camera_path: of a camera.
+            read: as `render.shot.importing.read_for_shot` reads it.
+            baked: time samples in place of native splines.
+
+        Raises:
+            SettingsError: a value is beyond what the camera's attribute allows.
+        """
+        camera = self._editable(camera_path)
+        with self._edits.editing("import a focus curve"):
+            author_curve(camera, read, baked=baked)
 
     def focus_settings(self, camera_path: str | None, time: float) -> tuple[FocusData, TiltShiftData]:
         """How a camera's focus is found, and how its lens is tilted.

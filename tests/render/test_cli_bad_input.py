@@ -217,9 +217,39 @@ def test_an_incomplete_command_says_where_help_is(arguments: list[str], pullfocu
     assert_one_sentence(pullfocus(*arguments), WRONG_ARGUMENTS, "--help")
 
 
-@pytest.mark.parametrize("wanted", ["otio", "opentrackio"])
-def test_curve_formats_to_come_say_so(wanted: str, pullfocus: Command, good: Path) -> None:
-    assert_one_sentence(pullfocus("focus-curve", good, "--format", wanted), WRONG_ARGUMENTS, wanted, "comes later")
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--gaps", "hold"), "--gaps is for --import"),
+        (("--first-frame", "1"), "--first-frame is for --import"),
+        (("--import", "curve.csv", "--frames", "1"), "--frames is not for --import"),
+        (("--import", "curve.csv", "--lens", "planar_50"), "--lens is not for --import"),
+        (("--import", "curve.csv", "--format", "json", "--baked"), "--baked"),
+    ],
+)
+def test_options_of_an_import_and_of_solving_are_kept_apart(
+    options: tuple[str, ...], told: str, pullfocus: Command, good: Path
+) -> None:
+    assert_one_sentence(pullfocus("focus-curve", good, *options), WRONG_ARGUMENTS, told)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (None, "No such file"),
+        ("frame,focus_distance_m\n1,2\n2,x\n3,2\n", "row 3 cannot be used"),
+        ("frame,focus_distance_m\n1,2\n2,2\n5,2\n", "frames 3 to 4"),
+        ("frame,focus_distance\n1,2\n", "focus_distance_m"),
+    ],
+)
+def test_a_curve_that_cannot_be_imported_is_told(
+    content: str | None, told: str, pullfocus: Command, good: Path
+) -> None:
+    source, out = good.parent / "curve.csv", good.parent / "pulled.usda"
+    if content is not None:
+        source.write_text(content)
+    assert_one_sentence(pullfocus("focus-curve", good, "--import", source, "--out", out), FAILED, told)
+    assert not out.exists()
 
 
 def test_baked_needs_a_layer_to_bake_into(pullfocus: Command, good: Path) -> None:

@@ -33,6 +33,11 @@ GAPS: tuple[Gaps, ...] = get_args(Gaps)
 MAX_FRAMES = 100_000
 """Frames of one curve: more is a slip, such as one frame number with too many digits."""
 
+MOST = 1e6
+"""No f-number is larger, and no focal length in mm; single precision, and what is made of them, has room for such."""
+
+MOST_TIME_CODE = 1e9
+
 FAR_M = 1000.0
 """Half of all focus distances beyond this are not metres but, most likely, millimetres."""
 
@@ -125,8 +130,8 @@ def _checked(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
 
 def _problem(row: Row, said: frozenset[str]) -> str:
     """Why a row cannot be used, or nothing."""
-    if not math.isfinite(row.time_code):
-        return "it has no time"
+    if not abs(row.time_code) <= MOST_TIME_CODE:
+        return f"it has no time code within {MOST_TIME_CODE:g}" if math.isfinite(row.time_code) else "it has no time"
     for column in COLUMNS:
         name, value = column.attribute, row.numbers.get(column.attribute)
         if name in said and value is None:
@@ -147,9 +152,9 @@ def _expected(name: str, value: float) -> str:
     if name == "focus_distance_m":
         return "" if value > 0 else "above 0, or infinite"
     if name == "focal_length_mm":
-        return "" if 0 < value < math.inf else "above 0"
+        return "" if 0 < value <= MOST else f"above 0 and at most {MOST:g}"
     if name == "f_stop":
-        return "" if 0 <= value < math.inf else "0 (a pinhole) or more"
+        return "" if 0 <= value <= MOST else f"from 0 (a pinhole) to {MOST:g}"
     if name in _DEFAULTS:
         return "" if abs(value) < math.pi / 2 else "within 90 degrees"
     return "" if value >= 0 else "0 or more"

@@ -182,10 +182,10 @@ def _chosen_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: 
     """
     timings = [_part(sample, "timing") for sample in samples]
     per_second, per_frame = rates.time_codes_per_second, rates.time_codes_per_frame
-    candidates = (
+    candidates: tuple[tuple[str, float, list[float | None]], ...] = (
         ("custom.pullfocus.timeCode", 1.0, [_finite(part.get("timeCode")) for part in own]),
         ("timing.timecode", per_second, _over_midnight(timings)),
-        ("timing.sampleTimestamp", per_second, [_timestamp(timing) for timing in timings]),
+        ("timing.sampleTimestamp", per_second, _since_first([_timestamp(timing) for timing in timings])),
         ("timing.sequenceNumber", per_frame, [_finite(timing.get("sequenceNumber")) for timing in timings]),
     )
     for name, scale, times in candidates:
@@ -232,6 +232,12 @@ def _timecode_seconds(timing: dict[str, Any]) -> float | None:
 
 def _timecode_rate(code: dict[str, Any]) -> Fraction | None:
     return _ratio(code.get("frameRate")) or _ratio(_part(code, "format").get("frameRate"))
+
+
+def _since_first(times: Sequence[float | None]) -> list[float | None]:
+    """Times of a clock that counts since 1970, from the first of them."""
+    first = next((time for time in times if time is not None), 0.0)
+    return [None if time is None else time - first for time in times]
 
 
 def _timestamp(timing: dict[str, Any]) -> float | None:

@@ -108,7 +108,8 @@ class Geometry:
         normals: ``(n, 3)`` float32, unit length.
         uvs: ``(n, 2)`` float32 or None.
         colors: ``(n, 4)`` float32 displayColor and displayOpacity, or None for white.
-        triangles: ``(m, 3)`` int32 vertex indices, counter-clockwise seen from outside.
+        triangles: ``(m, 3)`` int32 vertex indices, counter-clockwise seen from outside in this space: a pose that mirrors it
+            turns the winding in the world around, and not the side that is outside.
         prim_ids: ``(m,)`` int32 index into ``Scene.prim_paths`` for each triangle.
         face_ids: ``(m,)`` int32 index of the authored face for each triangle.
         fan_ids: ``(m,)`` int32: triangle i of the face's fan is its corners ``(0, i + 1, i + 2)``, in authored order.

@@ -15,7 +15,7 @@ from pxr import Usd, UsdGeom
 
 from render.scene import Batch, Geometry, IntArray, Material
 from render.stage.distances import is_placeable
-from render.stage.drawing import joined, mirrored, placed
+from render.stage.drawing import joined, placed
 from render.stage.findings import FindingLog
 from render.stage.materials import Look
 from render.stage.pieces import Piece, ShapeReader
@@ -61,7 +61,6 @@ class Group(ABC):
         self._pieces = list(pieces)
         self._batches: tuple[Batch, ...] = ()
         self._made_of: tuple[object, ...] = ()
-        self._mirror: tuple[Geometry, Geometry] | None = None
 
     @abstractmethod
     def batches(self, moment: Moment) -> tuple[Batch, ...]:
@@ -75,7 +74,7 @@ class Group(ABC):
         prim_ids: IntArray | None,
         numbers: IntArray | None,
     ) -> tuple[Batch, ...]:
-        """Batches of one geometry; poses that mirror it draw a copy of it with its triangles turned about."""
+        """The batch of one geometry; poses that mirror it leave its outside outside (`render.scene.Geometry`)."""
         unchanged = (
             len(self._made_of) == 5
             and self._made_of[0] is geometry
@@ -84,25 +83,8 @@ class Group(ABC):
         )
         if not unchanged:
             self._made_of = (geometry, material, poses, prim_ids, numbers)
-            mirrors = np.linalg.det(poses[:, :3, :3]) < 0
-            self._batches = tuple(
-                Batch(
-                    self._mirrored(geometry) if mirror else geometry,
-                    material,
-                    poses[chosen],
-                    self._pieces[0].double_sided,
-                    None if prim_ids is None else prim_ids[chosen],
-                    None if numbers is None else numbers[chosen],
-                )
-                for mirror, chosen in ((False, ~mirrors), (True, mirrors))
-                if chosen.any()
-            )
+            self._batches = (Batch(geometry, material, poses, self._pieces[0].double_sided, prim_ids, numbers),)
         return self._batches
-
-    def _mirrored(self, geometry: Geometry) -> Geometry:
-        if self._mirror is None or self._mirror[0] is not geometry:
-            self._mirror = (geometry, mirrored(geometry))
-        return self._mirror[1]
 
 
 class RigidGroup(Group):

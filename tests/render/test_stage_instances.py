@@ -19,7 +19,8 @@ from stage_kit import (
 )
 
 from render import colour
-from render.scene import Batch, Scene
+from render.frame import FrameRenderer
+from render.scene import Batch, Camera, Scene
 from render.stage import StageReader
 
 
@@ -86,13 +87,40 @@ def test_instances_may_move_and_mirror() -> None:
     UsdGeom.Xformable(stage.GetPrimAtPath("/i0")).AddScaleOp().Set(Gf.Vec3f(-1, 1, 1))
     reader = StageReader(stage)
     one, two = reader.read(0), reader.read(5)
-    assert len(two.batches) == 2
-    plain, mirrored = two.batches
-    assert plain.geometry is one.batches[0].geometry
-    assert mirrored.geometry is one.batches[1].geometry
-    assert origins(plain) == [(10, 5, 0)]
-    assert mirrored.geometry.swapped is not None
-    assert mirrored.geometry.swapped.all()
+    batch = only_batch(two)
+    assert batch.geometry is only_batch(one).geometry
+    assert origins(batch) == [(0, 0, 0), (10, 5, 0)]
+    assert np.linalg.det(batch.poses[:, :3, :3]).tolist() == [-1, 1]
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize("kind", ["still", "moving", "native", "points"])
+def test_what_is_mirrored_shows_its_outside_wherever_it_is_drawn(
+    renderer: FrameRenderer, kind: str, mirror: int
+) -> None:
+    """A one-sided square that faces +Z is seen from there and not from behind, mirrored or not."""
+    stage = new_stage()
+    if kind == "native":
+        two_instances(stage)
+        place = UsdGeom.Xformable(stage.GetPrimAtPath("/i0"))
+    elif kind == "points":
+        add_mesh(stage, "/dots/a")
+        place = instancer(stage, "/dots", ["/dots/a"], [0])
+    else:
+        place = add_mesh(stage, "/m")
+    scale = place.AddScaleOp()
+    scale.Set(Gf.Vec3f(mirror, 1, 1))
+    if kind == "moving":
+        scale.Set(Gf.Vec3f(mirror, 2, 1), 10)
+        scale.Set(Gf.Vec3f(mirror, 1, 1), 0)
+    scene = read(stage)
+    before, behind = np.eye(4), np.diag([-1.0, 1, -1, 1])
+    before[:3, 3], behind[:3, 3] = [0.4 * mirror, 0.3, 5], [0.4 * mirror, 0.3, -5]
+    hits = [renderer.pick(scene, Camera(pose), 32, 32, 16.5, 16.5) for pose in (before, behind)]
+    assert hits[0] is not None
+    assert hits[1] is None
+    np.testing.assert_allclose(hits[0].position_m[:2], [0.4 * mirror, 0.3], atol=0.2)
 
 
 def test_a_point_instancer_draws_its_prototypes_and_numbers_its_instances() -> None:

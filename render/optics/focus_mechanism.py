@@ -19,7 +19,9 @@ from render.optics.paraxial import ParaxialSystem, entrance_pupil, paraxial_syst
 from render.optics.surface_shape import clearance_mm
 
 _PLACES = 33  # looked at on either side of rest: what is solved is a polynomial of low degree
-_LONGEST_WAY = 2.0  # focal lengths that a group with nothing before it can move toward the scene
+LONGEST_WAY = 2.0
+"""Focal lengths that a group with nothing before it can move toward the scene."""
+
 _BISECTIONS = 60
 _SETTLED_MM = 1e-9
 _ROUNDS = 20
@@ -113,7 +115,7 @@ class FocusMechanism:
         (Where the least spot changes its size as the group moves, the very smallest spot on the film belongs to a place that
         differs from this one by that change's share: below a thousandth of the spot in any lens seen.)
         """
-        low, high = self._travel()
+        low, high = self.travel()
         previous, shift = shift_mm + 1e-3, shift_mm
         miss_before, miss = (self._spot_miss(nearness, at, stop_radius_mm) for at in (previous, shift))
         for _ in range(_ROUNDS):
@@ -146,7 +148,7 @@ class FocusMechanism:
         return -rest.miss(nearness) / slope
 
     def _shift_of_group(self, nearness: float) -> float:
-        low, high = self._travel()
+        low, high = self.travel()
         if abs(self.film_through_lens(0.0).miss(nearness)) < _SHARP:
             return 0.0
         for end in sorted((low, high), key=abs):
@@ -168,11 +170,11 @@ class FocusMechanism:
                 start = middle
         return (start + end) / 2
 
-    def _travel(self) -> tuple[float, float]:
+    def travel(self) -> tuple[float, float]:
         """How far the group can move toward the scene (not above 0) and toward the film (not below)."""
         surfaces, (first, last) = self.prescription.surfaces, self.moving
         focal_mm = 1 / abs(float(transfer(self.system, 0, len(surfaces))[1][0]))
-        front, behind = _LONGEST_WAY * focal_mm, surfaces[last].thickness_mm
+        front, behind = LONGEST_WAY * focal_mm, surfaces[last].thickness_mm
         if self.whole:
             front = np.inf
         if first > 0:

@@ -37,7 +37,7 @@ def mounted(camera: Camera) -> FocusedLens:
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
     diagonal = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
-    glass = _scaled_to(prescription, camera.focal_length_mm, diagonal / 2)
+    glass = scaled_to(prescription, camera.focal_length_mm, diagonal / 2)
     return _focused(glass, camera.focus_distance_m, camera.f_stop)
 
 
@@ -75,7 +75,7 @@ def nearer_than_marked(camera: Camera) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _scaled_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
+def scaled_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
     own = first_order(completed(prescription, image_height_mm=image_height_mm)).focal_length_mm
     # completed again at its own scale, since what is solved for depends on the film it has to cover
     whole = completed(prescription, image_height_mm=image_height_mm * own / focal_length_mm)

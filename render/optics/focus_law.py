@@ -1,0 +1,153 @@
+"""What focusing does to the lens of a camera: how fast the circle of confusion grows, how large the pupil is, what is in reach.
+
+Glass is looked at to first order, at the d line: where its group stands decides what is sharp, how large the entrance pupil is
+and how large the picture. So the law costs no tracing of rays, and holds at any f-number. All of it scales with the focal length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from render.lens import DoubleArray, Prescription
+from render.lens_law import NO_LIMIT_W, LensLaw
+from render.optics.focus_mechanism import LONGEST_WAY, FocusMechanism
+from render.optics.mounting import has_surfaces, scaled_to
+from render.optics.paraxial import entrance_pupil
+from render.scene import Camera
+
+_STEPS = 33
+_AT_INFINITY_W = 1e-9  # of the nearest focus of a lens that does not focus at all
+_PLACES = 257  # of the group that focuses, from rest to the end of its way
+
+
+def focus_laws(cameras: Sequence[Camera]) -> LensLaw:
+    """The laws of cameras, such as one over its frames, as one.
+
+    Args:
+        cameras: at least one.
+
+    Raises:
+        InputError: a lens has a prescription that is none.
+    """
+    return LensLaw.stacked([focus_law(camera) for camera in cameras])
+
+
+def focus_law(camera: Camera) -> LensLaw:
+    """The law of a camera's lens at its f-number; where it is focused does not matter.
+
+    The nearest focus is the one engraved on the lens, where one is; else glass reaches as far as it can move, but a lens that
+    moves as a whole no farther than two focal lengths.
+
+    Args:
+        camera: with its lens.
+
+    Raises:
+        InputError: the lens has a prescription that is none.
+    """
+    if has_surfaces(camera):
+        return _law_of_glass(camera)
+    return LensLaw.thin(
+        camera.focal_length_mm, camera.f_stop, breathing=camera.breathing, near_w=_engraved_thin_w(camera)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """The way of what focuses a lens, from infinity to the nearest focus that it reaches: ``(p,)`` each.
+
+    Attributes:
+        nearness: 1/mm, from the entrance pupil, rising from 0.
+        pupils: diameter of the entrance pupil over that of the stop.
+        scales_mm: image scale.
+        to_film_mm: from the entrance pupil to the film.
+        stop_mm: radius of the stop wide open.
+    """
+
+    nearness: DoubleArray
+    pupils: DoubleArray
+    scales_mm: DoubleArray
+    to_film_mm: DoubleArray
+    stop_mm: float
+
+
+def _law_of_glass(camera: Camera) -> LensLaw:
+    prescription = camera.lens.prescription
+    if prescription is None:
+        raise ValueError(f"the lens of camera {camera.path} has no surfaces")
+    diagonal_mm = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
+    like_mm = _rounded(camera.focal_length_mm)  # so that a zoom looks at few lenses, each scaled a little
+    focal_mm, scale = camera.focal_length_mm, camera.focal_length_mm / like_mm
+    way = _way(prescription, like_mm, _rounded(diagonal_mm / scale))
+    marked_w = _engraved_w(way, scale, camera.lens.close_focus_m)
+    near_w = max(min(1000 * float(way.nearness[-1]) / scale, marked_w), _AT_INFINITY_W)
+    w = np.linspace(0.0, near_w, _STEPS)
+    pupils, scales_mm = (
+        np.interp(w * scale / 1000, way.nearness, column) for column in (way.pupils, way.scales_mm * scale)
+    )
+    radii_at_f1_mm = focal_mm / 2 * pupils / way.pupils[0]
+    widest = focal_mm / (2 * way.stop_mm * scale * way.pupils[0])
+    slopes = (scales_mm if camera.breathing else focal_mm) * 2 * radii_at_f1_mm / 1000
+    return LensLaw(
+        slopes_at_f1_mm_m=slopes[None],
+        pupils_at_f1_mm=radii_at_f1_mm[None],
+        f_stops=np.array([max(camera.f_stop, widest)]),
+        near_w=np.array([near_w]),
+        far_w=np.zeros(1),
+        widest_f_stops=np.array([widest]),
+    )
+
+
+@lru_cache(maxsize=64)
+def _way(prescription: Prescription, focal_length_mm: float, diagonal_mm: float) -> _Way:
+    glass = scaled_to(prescription, focal_length_mm, diagonal_mm / 2)
+    mechanism = FocusMechanism.of(glass)
+    low, high = mechanism.travel()
+    ends = sorted((max(low, -LONGEST_WAY * focal_length_mm), high), key=abs)
+    return max((_way_to(mechanism, end) for end in ends), key=lambda way: float(way.nearness[-1]))
+
+
+def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
+    """The part of the way to an end on which the focus comes nearer."""
+    rows: list[tuple[float, float, float, float]] = []
+    for shift_mm in np.linspace(0.0, end_mm, _PLACES):
+        seen = mechanism.film_through_lens(float(shift_mm))
+        nearness = seen.nearness if rows else 0.0  # at rest it is focused at infinity, however it is rounded
+        if nearness is None or (rows and nearness <= rows[-1][0]):
+            break
+        moved = mechanism.moved(float(shift_mm))
+        pupil_mm, pupil = entrance_pupil(replace(mechanism.system, vertices_mm=moved), mechanism.stop)
+        rows.append((nearness, abs(pupil), seen.scale_mm, mechanism.film_mm - pupil_mm))
+    nearness, pupils, scales_mm, to_film_mm = np.array(rows).T
+    return _Way(
+        nearness, pupils, scales_mm, to_film_mm, mechanism.prescription.surfaces[mechanism.stop].semi_diameter_mm
+    )
+
+
+def _rounded(length_mm: float) -> float:
+    return float(f"{length_mm:.2g}")
+
+
+def _engraved_w(way: _Way, scale: float, close_focus_m: float) -> float:
+    """Inverse depth, from the entrance pupil, of what a lens has engraved as its close focus from the film."""
+    if close_focus_m <= 0 or len(way.nearness) < 2:
+        return NO_LIMIT_W
+    before_film_mm = (1 / way.nearness[1:] + way.to_film_mm[1:]) * scale  # falls, then may rise again past 1:1
+    nearest = int(np.argmin(before_film_mm)) + 1
+    if 1000 * close_focus_m <= before_film_mm[nearest - 1]:
+        return NO_LIMIT_W
+    # what is engraved less the nearness is smooth even at infinity: D·nearness = 1 + to_film·nearness
+    missing = 1000 * close_focus_m / scale * way.nearness - 1 - way.to_film_mm * way.nearness
+    at = float(np.interp(0.0, missing[: nearest + 1], way.nearness[: nearest + 1]))
+    return 1000 * at / scale
+
+
+def _engraved_thin_w(camera: Camera) -> float:
+    """The same of a thin lens: ``d + v = D`` with ``1/v = 1/f − 1/d``."""
+    engraved_m, focal_m = camera.lens.close_focus_m, camera.focal_length_mm / 1000
+    if engraved_m <= 4 * focal_m:  # at less, no lens of that focal length has an image on the film
+        return 1 / (2 * focal_m) if engraved_m > 0 else float("inf")
+    return 2 / (engraved_m + float(np.sqrt(engraved_m**2 - 4 * engraved_m * focal_m)))

@@ -12,6 +12,7 @@ from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.optics.mounting import nearer_than_marked
 from render.scene import Light
 from render.shot.focusing import Focused
+from render.shot.topology_findings import topology_findings
 from render.stage import Finding
 from usd_schemas import AberrationScales, ApertureData, HeightField, LensCamera, Prescription, Seidel
 from usd_schemas.binding import property_names
@@ -54,6 +55,7 @@ _HONOURED_OF_POINTS = frozenset(
         "surfaceOffset",
         "weight",
         "enabled",
+        "topology",
     }
 )
 
@@ -124,6 +126,7 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
         yield Finding(
             "lens_model", path, f"lens:model dataSheet of {path} is not honoured: its lens is shown as the thin lens"
         )
+    yield from topology_findings(camera)
     for name in camera.authored():
         if not _is_honoured(name):
             yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")

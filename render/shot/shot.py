@@ -14,6 +14,7 @@ from render.shot.racking import pull_rack
 from render.shot.view import checked_time
 from usd_schemas import FocusPoint, FocusPointView, Interpolation, Tangents
 from usd_schemas.racks import WeightRack
+from usd_schemas.topology import topology_under
 
 
 class Shot(CameraEdits):
@@ -33,6 +34,8 @@ class Shot(CameraEdits):
     def add_focus_point(self, camera_path: str | None, name: str, anchor: Picked | FocusPoint) -> FocusPoint:
         """Add a focus point, and let the points decide the focus where it was set by hand.
 
+        What it is anchored to is noted with it (`usd_schemas.topology`), so that a re-export with other faces can be told.
+
         Args:
             camera_path: of a camera.
             name: an identifier (letters, digits and ``_``, no digit first) that no other focus point of the camera has.
@@ -51,6 +54,8 @@ class Shot(CameraEdits):
             raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)
         with self._edits.editing(f"add focus point {name}"):
             view = lens_camera.add_focus_point(name, replace(point, name=name))
+            if not point.topology:
+                _note_topology(view, None)
             if lens_camera.focus.read().mode == "manual":
                 set_focus_mode(lens_camera, "points")
         return view.read()
@@ -60,7 +65,8 @@ class Shot(CameraEdits):
     ) -> FocusPoint:
         """Change some fields of a focus point.
 
-        A field that has keys gets one at the time; a field that has none is changed for all time.
+        A field that has keys gets one at the time; a field that has none is changed for all time. Where the target or its face
+        changes and no topology is given, what it is anchored to is noted anew.
 
         Args:
             camera_path: of a camera.
@@ -84,6 +90,8 @@ class Shot(CameraEdits):
             if keyed:
                 view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
             view.author(replace(view.read(), **{field: v for field, v in changes.items() if field not in keyed}))
+            if changes.keys() & {"target", "face", "fan_triangle"} and "topology" not in changes:
+                _note_topology(view, time)
         return view.read(time)
 
     def remove_focus_point(self, camera_path: str | None, name: str) -> None:
@@ -165,3 +173,8 @@ class Shot(CameraEdits):
     def _editable_point(self, camera_path: str | None, name: str) -> FocusPointView:
         self._editable(camera_path)
         return self._point(camera_path, name)
+
+
+def _note_topology(view: FocusPointView, time: float | None) -> None:
+    """Note with a focus point the faces of the mesh that it is on at a time."""
+    view.author(replace(view.read(), topology=topology_under(view.prim.GetStage(), view.read(time))))

@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom, Vt
 from usd_schemas.data import FocusPoint
 from usd_schemas.errors import SchemaError
 from usd_schemas.focus_point import FocusPointView
-from usd_schemas.topology import topology_fingerprint
+from usd_schemas.topology import topology_change
 from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
 from usd_schemas.values import is_animated, read_value
 from usd_schemas.view import LensCamera
@@ -121,16 +121,9 @@ def topology(prim: Usd.Prim) -> Iterator[Fault]:
             point = view.read()
         except SchemaError:
             continue  # its target is no relationship, which the rule of targets says
-        mesh = _mesh(prim.GetStage(), point)
-        if mesh is None or not point.topology:
-            continue
-        found = topology_fingerprint(mesh)
-        if found != point.topology:
-            yield Fault(
-                prim.GetPath().AppendProperty(f"focusPoint:{view.name}:topology"),
-                f"focus point {view.name} was placed on {mesh.GetPath()} with topology {point.topology}, which is now "
-                f"{found}: look whether its face still is what was meant",
-            )
+        changed = topology_change(prim.GetStage(), point)
+        if changed is not None:
+            yield Fault(prim.GetPath().AppendProperty(f"focusPoint:{view.name}:topology"), changed)
 
 
 def barycentrics(prim: Usd.Prim) -> Iterator[Fault]:

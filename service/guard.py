@@ -19,9 +19,11 @@ from service.settings import MEBIBYTE, Settings
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 MAX_JSON_BYTES = MEBIBYTE
+MAX_CURVE_BYTES = 32 * MEBIBYTE  # some ten thousand frames as OpenTrackIO samples, focus points and all
 # The multipart wrapping of an upload: boundaries, headers and the small fields.
 WRAPPING_BYTES = 64 * 1024
 UPLOAD_PATH = "/v1/shots"
+CURVE_PATH = re.compile(r"/v1/shots/[^/]+/focus-curve")
 
 
 class GuardMiddleware:
@@ -42,7 +44,7 @@ class GuardMiddleware:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        limit = self._max_upload_bytes if scope["path"] == UPLOAD_PATH else MAX_JSON_BYTES
+        limit = self._limit(scope["path"])
         refusal = self._refusal(scope["method"], Headers(scope=scope), limit)
         if refusal is not None:
             await refusal(scope, receive, send)
@@ -58,6 +60,12 @@ class GuardMiddleware:
             return message
 
         await self.app(scope, receive_counted, send)
+
+    def _limit(self, path: str) -> int:
+        """How many bytes a request may send."""
+        if path == UPLOAD_PATH:
+            return self._max_upload_bytes
+        return MAX_CURVE_BYTES + WRAPPING_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
 
     def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
         host = re.sub(r":\d+$", "", headers.get("host", "")).lower()

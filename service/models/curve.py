@@ -1,4 +1,4 @@
-"""The focus curve as JSON."""
+"""The focus curve as JSON, and what came of one that was sent."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from pydantic import Field
 from pydantic.config import JsonDict
 
 from service.models.base import Distance, Model, shown_as
+from service.models.cameras import CAMERA_EXAMPLE, CameraState
 
 CURVE_EXAMPLE: JsonDict = {
     "format": "pullfocus.focusCurve",
-    "version": 1,
+    "version": 2,
     "camera": "/World/Camera",
+    "lens": "Planar 50 mm f/1.4",
+    "gateMm": [24.89, 14.0],
     "framesPerSecond": 24.0,
     "timeCodesPerSecond": 24.0,
     "samples": [
@@ -27,11 +30,25 @@ CURVE_EXAMPLE: JsonDict = {
             "farM": 3.58,
             "hyperfocalM": 65.7,
             "cocLimitMm": 0.019,
+            "tiltDeg": 0.0,
+            "swingDeg": 0.0,
+            "limited": False,
             "source": "points",
             "reason": "focused by driver",
             "sharp": ["driver"],
             "points": [{"name": "driver", "state": "used", "depthM": 3.42, "weight": 1.0, "share": 1.0, "cocMm": 0.0}],
         }
+    ],
+}
+
+IMPORTED_EXAMPLE: JsonDict = {
+    "camera": CAMERA_EXAMPLE,
+    "firstTime": 1.0,
+    "lastTime": 96.0,
+    "frames": 96,
+    "drives": ["focusDistance", "fStop"],
+    "findings": [
+        {"code": "gap", "place": "frames 40 to 41", "message": "the CSV has no row for frames 40 to 41; interpolated"}
     ],
 }
 
@@ -60,6 +77,11 @@ class CurveSample(Model):
     far_m: Distance = Field(description="null is infinity.")
     hyperfocal_m: Distance
     coc_limit_mm: float
+    tilt_deg: float = Field(description="Turn of the lens about the axis to the right; positive looks up.")
+    swing_deg: float = Field(description="Turn of the lens about the axis up, before the tilt; positive looks left.")
+    limited: bool = Field(
+        description="Whether the lens could not do what was asked: its close focus, infinity, speed or largest angle."
+    )
     source: Literal["points", "camera"]
     reason: str
     sharp: list[str] = Field(description="Names of the focus points that are sharp.")
@@ -74,6 +96,31 @@ class FocusCurve(Model):
     format: Literal["pullfocus.focusCurve"]
     version: int
     camera: str
+    lens: str = Field(description="What is engraved on the lens; empty where it has no name.")
+    gate_mm: tuple[float, float] | None = Field(description="Width and height of the film gate.")
     frames_per_second: float
     time_codes_per_second: float
     samples: list[CurveSample]
+
+
+class CurveFinding(Model):
+    """One thing about a file that was sent."""
+
+    code: str = Field(description="`bad_row`, `gap`, `odd_units`, `not_used`, `other_rate` or `other_clock`.")
+    place: str = Field(description="Which row, sample or frames; empty for the file.")
+    message: str = Field(description="One sentence, with what was done about it.")
+
+
+class ImportedCurve(Model):
+    """What came of a focus curve that was sent."""
+
+    model_config = shown_as(IMPORTED_EXAMPLE)
+
+    camera: CameraState = Field(description="The camera at the curve's first frame.")
+    first_time: float = Field(description="USD time code of the curve's first frame.")
+    last_time: float
+    frames: int
+    drives: list[Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]] = Field(
+        description="What of the camera the file said."
+    )
+    findings: list[CurveFinding] = Field(description="What was found in the file, and what was done about it.")

@@ -4,16 +4,29 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, File, Query, Response, UploadFile
 
-from service.curve_work import ComputeCurve
+from service.curve_work import ComputeCurve, CurveFileFormat, ImportCurve
 from service.hub import HubDep
-from service.models.curve import FocusCurve
-from service.routes.parameters import CameraQuery, ShotId, problems
+from service.models.curve import FocusCurve, ImportedCurve
+from service.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
 
 router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 
-CURVE_TYPES = {"json": "application/json", "csv": "text/csv; charset=utf-8", "usda": "text/plain; charset=utf-8"}
+CURVE_TYPES: dict[CurveFileFormat, str] = {
+    "json": "application/json",
+    "csv": "text/csv; charset=utf-8",
+    "usda": "text/plain; charset=utf-8",
+    "otio": "application/json",
+    "opentrackio": "application/json",
+}
+FILE_NAMES: dict[CurveFileFormat, str] = {
+    "json": "focus.json",
+    "csv": "focus.csv",
+    "usda": "focus.usda",
+    "otio": "focus.otio",
+    "opentrackio": "focus.opentrackio.json",
+}
 
 
 @router.get(
@@ -34,16 +47,60 @@ async def get_focus_curve(
     hub: HubDep,
     shot: ShotId,
     camera: CameraQuery = None,
-    format: Annotated[Literal["json", "csv", "usda"], Query(description="What to write.", examples=["json"])] = "json",
+    format: Annotated[
+        CurveFileFormat,
+        Query(
+            description="What to write: `json` (the model below), `csv` for spreadsheets, `usda` to sublayer over the shot, "
+            "`otio` for editorial (OpenTimelineIO), `opentrackio` for the set (an array of OpenTrackIO samples).",
+            examples=["json"],
+        ),
+    ] = "json",
     frames: Annotated[
         str | None,
         Query(max_length=200, description="Such as 1:96 or 1,5:9x2; the whole shot when left out.", examples=["1:96"]),
     ] = None,
     baked: Annotated[bool, Query(description="usda: time samples in place of a spline.", examples=[False])] = False,
 ) -> Response:
-    """Focus distance, f-number and depth of field frame by frame; `usda` is a layer to sublayer over the shot."""
+    """Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp."""
     record = hub.store.get(shot)
     work = ComputeCurve(record, camera, frames, format, baked, hub.settings.max_curve_frames)
     text = await hub.ask_stage(work)
-    headers = {"Content-Disposition": f'inline; filename="{record.id}-focus.{format}"'}
+    headers = {"Content-Disposition": f'inline; filename="{record.id}-{FILE_NAMES[format]}"'}
     return Response(text, media_type=CURVE_TYPES[format], headers=headers)
+
+
+@router.put("/shots/{shot}/focus-curve", operation_id="importFocusCurve", responses=problems(412, 413))
+async def import_focus_curve(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    terms: TermsDep,
+    file: Annotated[
+        UploadFile, File(description="A csv, json, OpenTrackIO or OpenTimelineIO file with a focus curve.")
+    ],
+    camera: CameraQuery = None,
+    gaps: Annotated[
+        Literal["refuse", "hold", "interpolate"],
+        Query(description="What becomes of rows that are missing or cannot be used.", examples=["interpolate"]),
+    ] = "refuse",
+    first_frame: Annotated[
+        float | None,
+        Query(
+            alias="firstFrame",
+            ge=-1e9,
+            le=1e9,
+            allow_inf_nan=False,
+            description="Time code where the file's first frame comes to lie. Left out: frame numbers are kept, and what ran "
+            "by timecode begins where the shot does.",
+            examples=[1001],
+        ),
+    ] = None,
+    baked: Annotated[bool, Query(description="Time samples in place of splines.", examples=[False])] = False,
+) -> ImportedCurve:
+    """Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's."""
+    work = ImportCurve(
+        hub.store.get(shot), camera, await file.read(), gaps, first_frame, baked, hub.settings.max_curve_frames, terms
+    )
+    imported = await hub.ask_stage(work)
+    tagged(response, imported.camera.etag)
+    return imported

@@ -329,10 +329,14 @@ export interface paths {
         };
         /**
          * Get Focus Curve
-         * @description Focus distance, f-number and depth of field frame by frame; `usda` is a layer to sublayer over the shot.
+         * @description Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp.
          */
         readonly get: operations["getFocusCurve"];
-        readonly put?: never;
+        /**
+         * Import Focus Curve
+         * @description Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's.
+         */
+        readonly put: operations["importFocusCurve"];
         readonly post?: never;
         readonly delete?: never;
         readonly options?: never;
@@ -577,6 +581,14 @@ export interface components {
              */
             readonly root?: string | null;
         };
+        /** Body_importFocusCurve */
+        readonly Body_importFocusCurve: {
+            /**
+             * File
+             * @description A csv, json, OpenTrackIO or OpenTimelineIO file with a focus curve.
+             */
+            readonly file: string;
+        };
         /** Body_mountLensFile */
         readonly Body_mountLensFile: {
             /**
@@ -752,6 +764,27 @@ export interface components {
             readonly verticalApertureMm: number;
         };
         /**
+         * CurveFinding
+         * @description One thing about a file that was sent.
+         */
+        readonly CurveFinding: {
+            /**
+             * Code
+             * @description `bad_row`, `gap`, `odd_units`, `not_used`, `other_rate` or `other_clock`.
+             */
+            readonly code: string;
+            /**
+             * Message
+             * @description One sentence, with what was done about it.
+             */
+            readonly message: string;
+            /**
+             * Place
+             * @description Which row, sample or frames; empty for the file.
+             */
+            readonly place: string;
+        };
+        /**
          * CurvePoint
          * @description A focus point in one sample of a focus curve.
          */
@@ -803,6 +836,11 @@ export interface components {
             readonly fStop: number;
             /** Hyperfocalm */
             readonly hyperfocalM: number | null;
+            /**
+             * Limited
+             * @description Whether the lens could not do what was asked: its close focus, infinity, speed or largest angle.
+             */
+            readonly limited: boolean;
             /** Nearm */
             readonly nearM: number;
             /** Points */
@@ -821,6 +859,16 @@ export interface components {
              * @enum {string}
              */
             readonly source: "points" | "camera";
+            /**
+             * Swingdeg
+             * @description Turn of the lens about the axis up, before the tilt; positive looks left.
+             */
+            readonly swingDeg: number;
+            /**
+             * Tiltdeg
+             * @description Turn of the lens about the axis to the right; positive looks up.
+             */
+            readonly tiltDeg: number;
             /** Timecode */
             readonly timeCode: number;
         };
@@ -913,6 +961,11 @@ export interface components {
          *       "camera": "/World/Camera",
          *       "format": "pullfocus.focusCurve",
          *       "framesPerSecond": 24,
+         *       "gateMm": [
+         *         24.89,
+         *         14
+         *       ],
+         *       "lens": "Planar 50 mm f/1.4",
          *       "samples": [
          *         {
          *           "cocLimitMm": 0.019,
@@ -922,6 +975,7 @@ export interface components {
          *           "focusDistanceM": 3.42,
          *           "frame": 24,
          *           "hyperfocalM": 65.7,
+         *           "limited": false,
          *           "nearM": 3.28,
          *           "points": [
          *             {
@@ -939,11 +993,13 @@ export interface components {
          *             "driver"
          *           ],
          *           "source": "points",
+         *           "swingDeg": 0,
+         *           "tiltDeg": 0,
          *           "timeCode": 24
          *         }
          *       ],
          *       "timeCodesPerSecond": 24,
-         *       "version": 1
+         *       "version": 2
          *     }
          */
         readonly FocusCurve: {
@@ -956,6 +1012,19 @@ export interface components {
             readonly format: "pullfocus.focusCurve";
             /** Framespersecond */
             readonly framesPerSecond: number;
+            /**
+             * Gatemm
+             * @description Width and height of the film gate.
+             */
+            readonly gateMm: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Lens
+             * @description What is engraved on the lens; empty where it has no name.
+             */
+            readonly lens: string;
             /** Samples */
             readonly samples: readonly components["schemas"]["CurveSample"][];
             /** Timecodespersecond */
@@ -1374,6 +1443,63 @@ export interface components {
              * @constant
              */
             readonly status?: "ok";
+        };
+        /**
+         * ImportedCurve
+         * @description What came of a focus curve that was sent.
+         * @example {
+         *       "camera": {
+         *         "etag": "\"92c4bf18a0860070\"",
+         *         "exposureScale": 1,
+         *         "fStop": 2,
+         *         "focalLengthMm": 50,
+         *         "focusDistanceM": 3.42,
+         *         "focusMode": "points",
+         *         "horizontalApertureMm": 24.89,
+         *         "lensModel": "prescription",
+         *         "lensName": "Planar 50 mm f/1.4",
+         *         "path": "/World/Camera",
+         *         "time": 24,
+         *         "verticalApertureMm": 14
+         *       },
+         *       "drives": [
+         *         "focusDistance",
+         *         "fStop"
+         *       ],
+         *       "findings": [
+         *         {
+         *           "code": "gap",
+         *           "message": "the CSV has no row for frames 40 to 41; interpolated",
+         *           "place": "frames 40 to 41"
+         *         }
+         *       ],
+         *       "firstTime": 1,
+         *       "frames": 96,
+         *       "lastTime": 96
+         *     }
+         */
+        readonly ImportedCurve: {
+            /** @description The camera at the curve's first frame. */
+            readonly camera: components["schemas"]["CameraState"];
+            /**
+             * Drives
+             * @description What of the camera the file said.
+             */
+            readonly drives: readonly ("focusDistance" | "fStop" | "focalLength" | "tilt" | "swing")[];
+            /**
+             * Findings
+             * @description What was found in the file, and what was done about it.
+             */
+            readonly findings: readonly components["schemas"]["CurveFinding"][];
+            /**
+             * Firsttime
+             * @description USD time code of the curve's first frame.
+             */
+            readonly firstTime: number;
+            /** Frames */
+            readonly frames: number;
+            /** Lasttime */
+            readonly lastTime: number;
         };
         /**
          * Inspection
@@ -3361,8 +3487,8 @@ export interface operations {
                 readonly baked?: boolean;
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description What to write. */
-                readonly format?: "json" | "csv" | "usda";
+                /** @description What to write: `json` (the model below), `csv` for spreadsheets, `usda` to sublayer over the shot, `otio` for editorial (OpenTimelineIO), `opentrackio` for the set (an array of OpenTrackIO samples). */
+                readonly format?: "json" | "csv" | "usda" | "otio" | "opentrackio";
                 /** @description Such as 1:96 or 1,5:9x2; the whole shot when left out. */
                 readonly frames?: string | null;
             };
@@ -3390,6 +3516,101 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly importFocusCurve: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Time samples in place of splines. */
+                readonly baked?: boolean;
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Time code where the file's first frame comes to lie. Left out: frame numbers are kept, and what ran by timecode begins where the shot does. */
+                readonly firstFrame?: number | null;
+                /** @description What becomes of rows that are missing or cannot be used. */
+                readonly gaps?: "refuse" | "hold" | "interpolate";
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "multipart/form-data": components["schemas"]["Body_importFocusCurve"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ImportedCurve"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description More was sent, or unpacked, than is taken. */
+            readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -11,8 +11,10 @@ from pxr import Sdf, Usd
 
 from render.errors import SettingsError
 from render.focus import FocusCurve, PointState, PointTrack
-from render.shot.focusing import Focused, focus_camera
-from render.stage import AnchorReader, quiet_diagnostics
+from render.focus.tilt import tilt_and_swing
+from render.optics.thin_lens import focal_surface
+from render.shot.focusing import Focused
+from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
 from usd_schemas.units import units_from_metres
 
@@ -26,14 +28,16 @@ At 100 km, a 300 mm lens at f/2 makes a circle of confusion of half a micron of 
 """
 
 
-def solve_curve(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, frames: Sequence[float]) -> FocusCurve:
+def solve_curve(
+    stage: Usd.Stage, camera_path: str, frames: Sequence[float], focus_over: Callable[[list[float]], list[Focused]]
+) -> FocusCurve:
     """The lens of a camera over some frames, its focus solved at each.
 
     Args:
         stage: the stage.
-        anchors: finds focus points on that stage.
         camera_path: of a camera.
         frames: rising USD time codes.
+        focus_over: focuses the camera at such times.
 
     Raises:
         SettingsError: there are no frames, too many, or they do not rise.
@@ -47,7 +51,8 @@ def solve_curve(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, frame
     times = np.array(frames, np.float64)
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
         raise SettingsError("the frames of a focus curve must be finite and rise", code="bad_frames")
-    solved = [focus_camera(stage, anchors, camera_path, time) for time in times.tolist()]
+    solved = focus_over(times.tolist())
+    angles = np.array([_angles(s) for s in solved])
     fields = [s.depth_of_field for s in solved]
     time_codes_per_second = stage.GetTimeCodesPerSecond()
     return FocusCurve(
@@ -65,7 +70,18 @@ def solve_curve(stage: Usd.Stage, anchors: AnchorReader, camera_path: str, frame
         sources=tuple(s.solution.source for s in solved),
         reasons=tuple(s.solution.reason for s in solved),
         points=tuple(_track(solved, index) for index in range(len(solved[0].points))),
+        tilt_rad=angles[:, 0],
+        swing_rad=angles[:, 1],
+        limited=np.array([bool(s.solution.limit or s.note) for s in solved]),
+        lens_name=solved[0].camera.lens.name,
+        gate_mm=(solved[0].camera.horizontal_aperture_mm, solved[0].camera.vertical_aperture_mm),
     )
+
+
+def _angles(focused: Focused) -> tuple[float, float]:
+    """Tilt and swing in radians of the lens that has the plane of focus."""
+    plane = focal_surface(focused.camera).plane
+    return (0.0, 0.0) if plane.is_upright else tilt_and_swing(plane, focused.camera.focal_length_mm)
 
 
 def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool) -> str:
@@ -116,7 +132,10 @@ def _track(solved: Sequence[Focused], index: int) -> PointTrack:
         weight=np.array([s.points[index].weight for s in solved]),
         share=np.array([s.solution.shares[index] for s in solved]),
         coc_mm=np.array(
-            [s.coc_mm(depth) if depth > 0 else math.nan for s, depth in zip(solved, depths_m, strict=True)]
+            [
+                s.coc_mm(depth, s.targets[index].slope) if depth > 0 else math.nan
+                for s, depth in zip(solved, depths_m, strict=True)
+            ]
         ),
         states=states,
     )

@@ -14,12 +14,12 @@ from render.scene import Light
 from render.shot.focusing import Focused
 from render.shot.topology_findings import topology_findings
 from render.stage import Finding
-from usd_schemas import AberrationScales, ApertureData, HeightField, LensCamera, Prescription, Seidel
+from usd_schemas import AberrationScales, ApertureData, HeightField, LensCamera, Prescription, Seidel, SplitDiopter
 from usd_schemas.binding import property_names
 
 _OF_LENSES = frozenset(
     name
-    for kind in (Prescription, Seidel, HeightField, AberrationScales, ApertureData)
+    for kind in (Prescription, Seidel, HeightField, AberrationScales, ApertureData, SplitDiopter)
     for name in property_names(kind)
     if name != "lens:prescription:coatingWavelength"  # of ghosts, which are not drawn
 )
@@ -39,6 +39,22 @@ _HONOURED = _OF_LENSES | frozenset(
         "focus:circleOfConfusion",
         "focus:nearPriority",
         "focus:offScreen",
+        "focus:occluded",
+        "focus:solveStop",
+        "focus:smoothing",
+        "focus:lag",
+        "focus:deadZone",
+        "focus:maxSpeed",
+        "focus:surfaceExponent",
+        "focus:expressive",
+        "focus:fieldOffsets",
+        "tiltShift:tilt",
+        "tiltShift:swing",
+        "tiltShift:rise",
+        "tiltShift:shift",
+        "tiltShift:fromFocusPoints",
+        "tiltShift:maxAngle",
+        "lens:focusThrow",
     }
 )
 """Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""
@@ -55,6 +71,8 @@ _HONOURED_OF_POINTS = frozenset(
         "surfaceOffset",
         "weight",
         "enabled",
+        "falloff",
+        "extent",
         "topology",
     }
 )
@@ -112,12 +130,6 @@ def close_focus_findings(focused: Focused) -> list[Finding]:
 
 def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     mode = camera.focus.read().mode
-    if mode in ("tiltPlane", "surface"):
-        yield Finding(
-            "focus_mode",
-            path,
-            f"focus:mode {mode} of {path} is not honoured: the focus points set the focus distance alone",
-        )
     if mode == "manual" and camera.focus_points():
         yield Finding(
             "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"

@@ -10,7 +10,7 @@ from pxr import UsdGeom
 
 from render.errors import CameraError, StageError
 from render.scene import Scene
-from render.shot.focusing import Readout
+from render.shot.readout import Readout
 from render.shot.shot import Shot
 from render.stage import CameraChoice, Finding, FrameRange
 from usd_schemas.units import metres_per_unit

@@ -13,11 +13,13 @@ from pxr import Sdf, Usd
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.focus import FocusCurve
 from render.scene import Camera, Light, Scene
+from render.shot.camera_focus import CameraFocus
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
 from render.shot.findings import camera_findings, close_focus_findings, light_findings, lost_point_findings
-from render.shot.focusing import Focused, PlacedPoint, Readout, focus_camera, place_points, read_out, without_points
+from render.shot.focusing import Focused, without_points
 from render.shot.own_files import check_not_own
+from render.shot.readout import PlacedPoint, Readout, place_points, read_out
 from render.stage import (
     AnchorReader,
     CameraChoice,
@@ -49,6 +51,7 @@ class ShotView:
         self._edits = edits
         self._reader = reader
         self._anchors = AnchorReader(stage)
+        self._focus = CameraFocus(stage, self._anchors, self.scene_at)
         edits.attach(stage)
         self._lights: tuple[Light, ...] = ()
         self._of_focus: dict[Finding, int] = {}  # what focusing found, and with which revision of the edits
@@ -167,7 +170,8 @@ class ShotView:
         Raises:
             SettingsError: there are no frames, too many, or they do not rise.
         """
-        return solve_curve(self.stage, self._anchors, self._path(camera_path), frames)
+        path = self._path(camera_path)
+        return solve_curve(self.stage, path, frames, lambda times: self._focus.over(path, times, self._edits.revision))
 
     def focus_layer(self, camera_path: str | None, frames: Sequence[float], baked: bool = False) -> str:
         """The solved focus as a USD layer for other tools (usda text), to be sublayered over the shot.
@@ -207,7 +211,7 @@ class ShotView:
         choice = self.default_camera() if camera_path is None else None
         if choice is not None and choice.framing is not None:
             return without_points(choice.framing)
-        focused = focus_camera(self.stage, self._anchors, self._path(camera_path), time)
+        focused = self._focus.at(self._path(camera_path), time, self._edits.revision)
         findings = [*lost_point_findings(focused), *close_focus_findings(focused)]
         self._of_focus.update(dict.fromkeys(findings, self._edits.revision))
         return focused
@@ -219,7 +223,10 @@ class ShotView:
         if not focused.camera.path:
             return conformed(focused.camera, aspect)
         picture = read_camera(self.stage, focused.camera.path, time, aspect=aspect)
-        return replace(picture, focus_distance_m=focused.camera.focus_distance_m)
+        own = focused.camera
+        return replace(
+            picture, focus_distance_m=own.focus_distance_m, f_stop=own.f_stop, focal_surface=own.focal_surface
+        )
 
     def _path(self, camera_path: str | None) -> str:
         path = self.default_camera().path if camera_path is None else camera_path

@@ -12,7 +12,7 @@ from render.errors import CameraError, SettingsError
 from render.focus import curve_to_json
 from render.optics.view import PinholeView
 from render.shot import Shot
-from usd_schemas import FocusPoint, LensCamera
+from usd_schemas import FocusData, FocusPoint, LensCamera, LensData
 from usd_schemas.units import metres_from_units
 
 CENTRE = {"face": 0, "fan_triangle": 0, "barycentric": (0.5, 0.0, 0.5)}
@@ -278,11 +278,11 @@ def test_the_only_camera_is_the_default_one(shot):
 def test_what_a_camera_asks_for_in_vain_is_told(shot):
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
     with Usd.EditContext(shot.stage, shot.edit_layer):
-        camera.focus.author(type(camera.focus.read())(mode="surface", smoothing=0.5, near_priority=1.0))
+        camera.lens.author(LensData(flare_ghosts=0.5))
+        camera.focus.author(FocusData(mode="points", smoothing=0.5, near_priority=1.0))
     told = {finding.path: finding.message for finding in shot.findings()}
-    assert "surface" in told[CAMERA]
-    assert "focus:smoothing" in told[f"{CAMERA}.focus:smoothing"]
-    assert f"{CAMERA}.focus:nearPriority" not in told
+    assert "lens:flare:ghosts" in told[f"{CAMERA}.lens:flare:ghosts"]
+    assert not any("focus:" in path for path in told)
 
 
 def test_a_point_without_a_face_is_at_the_origin_of_its_target(shot):

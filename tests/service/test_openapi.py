@@ -23,11 +23,14 @@ GET /v1/shots/{shot}/cameras, PATCH /v1/shots/{shot}/camera, GET /v1/shots/{shot
 GET /v1/shots/{shot}/focus-points, POST /v1/shots/{shot}/focus-points, GET /v1/shots/{shot}/focus-points/{name},
 PATCH /v1/shots/{shot}/focus-points/{name}, DELETE /v1/shots/{shot}/focus-points/{name},
 PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{shot}/focus-points/{name}/keys/{attribute},
-GET /v1/shots/{shot}/focus-curve, PUT /v1/shots/{shot}/focus-curve, GET /v1/shots/{shot}/camera, GET /v1/shots/{shot}/edits/history,
+GET /v1/shots/{shot}/focus-curve, PUT /v1/shots/{shot}/focus-curve,
+GET /v1/shots/{shot}/camera, GET /v1/shots/{shot}/edits/history,
 POST /v1/shots/{shot}/edits/undo, POST /v1/shots/{shot}/edits/redo,
 GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
 PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GET /v1/lenses/{name},
 GET /v1/lenses/{name}/section.svg,
+GET /v1/shots/{shot}/camera/focus, PATCH /v1/shots/{shot}/camera/focus, POST /v1/shots/{shot}/racks,
+PUT /v1/shots/{shot}/camera/keys/{attribute}, DELETE /v1/shots/{shot}/camera/keys/{attribute},
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from render.errors import SettingsError
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, KeyEdit
 from service.opened import OpenedShots
 from service.store import ShotRecord
@@ -119,16 +118,13 @@ class SetKey:
 
     def run(self, opened: OpenedShots) -> FocusPoint:
         """The point at the key's time. Raises `NotFoundError` or `SettingsError`."""
+        from service.authoring import authored_key
         from service.reading import point_tag, read_point
 
-        key = self.key
-        if self.attribute == "enabled" and key.value not in (0, 1):
-            raise SettingsError(f"a key of 'enabled' is 0 or 1, got {key.value:g}", code="bad_key", path="value")
-        value = bool(key.value) if self.attribute == "enabled" else key.value
-        interpolation = "held" if self.attribute == "enabled" else key.interpolation
+        key = authored_key(self.key, self.attribute, is_switch=self.attribute == "enabled")
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            shot.set_key(self.camera, self.name, self.attribute, key.time, value, interpolation)
+            shot.set_key(self.camera, self.name, self.attribute, key.time, key.value, key.interpolation, key.tangents)
             return read_point(shot, self.camera, key.time, self.name)
 
 

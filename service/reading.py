@@ -18,13 +18,14 @@ from render.shot.inspection import inspect_shot
 from render.stage import read_camera
 from service.models.base import Finding, Vector3
 from service.models.cameras import CameraList, CameraState, Readout
-from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute
+from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute, Tangents
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
 from service.opened import as_sent
 from service.store import ShotRecord
 from service.terms import tag_of
 from usd_schemas import FocusPoint as AuthoredPoint
+from usd_schemas import Key as AuthoredKey
 
 # The one name that differs between REST and the schema: it carries its unit.
 FIELD_OF_NAME = {"blur_mm": "blur"}
@@ -178,11 +179,13 @@ def _place(position: Sequence[float] | None) -> Vector3 | None:
 def _keys(shot: OpenShot, camera: str | None, name: str) -> dict[KeyedAttribute, list[Key]]:
     attributes: tuple[KeyedAttribute, ...] = get_args(KeyedAttribute)
     found = {attribute: shot.keys(camera, name, attribute) for attribute in attributes}
-    return {
-        attribute: [Key(time=k.time, value=float(k.value), interpolation=k.interpolation) for k in keys]
-        for attribute, keys in found.items()
-        if keys
-    }
+    return {attribute: [as_key(key) for key in keys] for attribute, keys in found.items() if keys}
+
+
+def as_key(key: AuthoredKey) -> Key:
+    """A key; switches are 0 and 1."""
+    tangents = Tangents.model_validate(key.tangents) if key.tangents else None
+    return Key(time=key.time, value=float(key.value), interpolation=key.interpolation, tangents=tangents)
 
 
 def new_point(name: str, wanted: FocusPointCreate) -> AuthoredPoint:

@@ -28,7 +28,7 @@ ANCHOR_EXAMPLE: JsonDict = {
     "barycentric": [0.2, 0.3, 0.5],
     "instance": -1,
 }
-KEY_EXAMPLE: JsonDict = {"time": 24.0, "value": 1.0, "interpolation": "linear"}
+KEY_EXAMPLE: JsonDict = {"time": 24.0, "value": 1.0, "interpolation": "linear", "tangents": None}
 POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "name": "driver",
     "offset": [0.0, 0.0, 0.0],
@@ -132,6 +132,17 @@ class FocusPointEdit(Model):
 KeyedAttribute = Literal["weight", "enabled", "blur", "falloff", "surfaceOffset", "extent"]
 
 
+class Tangents(Model):
+    """The handles of a bezier key."""
+
+    model_config = shown_as({"inSlope": 0.0, "inWidth": 4.0, "outSlope": 0.0, "outWidth": 4.0})
+
+    in_slope: Length = Field(default=0.0, description="Of the handle before the key: value for each time code.")
+    in_width: Amount = Field(default=0.0, description="How far it reaches back, time codes; 0: a third of the way.")
+    out_slope: Length = Field(default=0.0, description="Of the handle after the key.")
+    out_width: Amount = Field(default=0.0, description="How far it reaches on; 0: a third of the way.")
+
+
 class Key(Model):
     """A key of one attribute."""
 
@@ -141,6 +152,9 @@ class Key(Model):
     value: float = Field(description="For `enabled`: 0 or 1. For `blur`: mm.")
     interpolation: Interpolation = Field(
         default="linear", description="From this key to the next; `enabled` holds, whatever this says."
+    )
+    tangents: Tangents | None = Field(
+        default=None, description="Of a `bezier` key; left out, those that an `auto` key would have now."
     )
 
 

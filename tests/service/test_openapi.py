@@ -29,6 +29,8 @@ POST /v1/shots/{shot}/edits/undo, POST /v1/shots/{shot}/edits/redo,
 GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
 PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GET /v1/lenses/{name},
 GET /v1/lenses/{name}/section.svg,
+GET /v1/shots/{shot}/camera/focus, PATCH /v1/shots/{shot}/camera/focus, POST /v1/shots/{shot}/racks,
+PUT /v1/shots/{shot}/camera/keys/{attribute}, DELETE /v1/shots/{shot}/camera/keys/{attribute},
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

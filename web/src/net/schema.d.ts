@@ -196,6 +196,54 @@ export interface paths {
         readonly patch: operations["editCamera"];
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/camera/focus": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Focus Settings
+         * @description How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's.
+         */
+        readonly get: operations["getFocusSettings"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        /**
+         * Edit Focus Settings
+         * @description Change how the focus is found: for all time, or as keys at `time`.
+         */
+        readonly patch: operations["editFocusSettings"];
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/camera/keys/{attribute}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        /**
+         * Set Camera Key
+         * @description Set a key; one at the same time is replaced. A key of `focusDistanceM` gives the focus back to the hand.
+         */
+        readonly put: operations["setCameraKey"];
+        readonly post?: never;
+        /**
+         * Delete Camera Key
+         * @description Remove the key at `time`; after the last one its value stays for all time.
+         */
+        readonly delete: operations["deleteCameraKey"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/camera/lens": {
         readonly parameters: {
             readonly query?: never;
@@ -474,6 +522,28 @@ export interface paths {
          * @description The surface under a pixel. Its `anchor` is what a focus point is made of.
          */
         readonly post: operations["pick"];
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/racks": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        readonly put?: never;
+        /**
+         * Create Rack
+         * @description Rack from one focus point to another: keys that let their weights cross, no faster than the ring turns.
+         *
+         *     `If-Match` takes the tag of the list of focus points.
+         */
+        readonly post: operations["createRack"];
         readonly delete?: never;
         readonly options?: never;
         readonly head?: never;
@@ -1418,6 +1488,284 @@ export interface components {
             readonly focusPoints: readonly components["schemas"]["FocusPoint"][];
         };
         /**
+         * FocusSettings
+         * @description How a camera's focus is found at one time.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "circleOfConfusionMm": 0,
+         *       "deadZoneMm": 0.01,
+         *       "drivenByPoints": true,
+         *       "etag": "\"92c4bf18a0860070\"",
+         *       "expressive": 1,
+         *       "fieldOffsets": [],
+         *       "keys": {
+         *         "focusDistanceM": [
+         *           {
+         *             "interpolation": "linear",
+         *             "time": 24,
+         *             "value": 1
+         *           }
+         *         ]
+         *       },
+         *       "lagS": 0.1,
+         *       "maxAngleDeg": 15,
+         *       "maxSpeedDegS": 180,
+         *       "mode": "tiltPlane",
+         *       "nearPriority": 0,
+         *       "occluded": "fade",
+         *       "offScreen": "ignore",
+         *       "riseMm": 0,
+         *       "shiftMm": 0,
+         *       "smoothingS": 0.25,
+         *       "solveStop": false,
+         *       "surfaceExponent": 3,
+         *       "swingDeg": 0,
+         *       "tiltDeg": 0,
+         *       "time": 24
+         *     }
+         */
+        readonly FocusSettings: {
+            /**
+             * Camera
+             * @description Prim path.
+             */
+            readonly camera: string;
+            /**
+             * Circleofconfusionmm
+             * @description Diameter on the film up to which a thing is sharp; 0: 1/1500 of the gate's diagonal.
+             */
+            readonly circleOfConfusionMm: number;
+            /**
+             * Deadzonemm
+             * @description Circle of confusion that a followed point may reach before the focus moves.
+             */
+            readonly deadZoneMm: number;
+            /**
+             * Drivenbypoints
+             * @description In the mode `tiltPlane`: whether the focus points tilt the lens, or the angles hold.
+             */
+            readonly drivenByPoints: boolean;
+            /**
+             * Etag
+             * @description The camera's `ETag`: for `If-Match`.
+             */
+            readonly etag: string;
+            /**
+             * Expressive
+             * @description From the plane of focus (0) to the focal surface (1).
+             */
+            readonly expressive: number;
+            /**
+             * Fieldoffsets
+             * @description Curvature of field: x and y across and down the frame, offset of the image plane toward the lens in mm.
+             */
+            readonly fieldOffsets: readonly (readonly [
+                number,
+                number,
+                number
+            ])[];
+            /**
+             * Keys
+             * @description Keys in order of time, for each of these settings and of the lens's that has any; switches as 0 and 1.
+             */
+            readonly keys: {
+                readonly [key: string]: readonly components["schemas"]["Key"][];
+            };
+            /**
+             * Lags
+             * @description How late the focus follows.
+             */
+            readonly lagS: number;
+            /**
+             * Maxangledeg
+             * @description How far the points may tilt and swing it together.
+             */
+            readonly maxAngleDeg: number;
+            /**
+             * Maxspeeddegs
+             * @description How fast the focus ring may turn, degrees in a second; 0: no bound.
+             */
+            readonly maxSpeedDegS: number;
+            /**
+             * Mode
+             * @description `manual`: by hand. `points`: the distance that serves the focus points best. `tiltPlane`: the plane through them, by tilting the lens. `surface`: a surface through all of them, which no lens has.
+             * @enum {string}
+             */
+            readonly mode: "manual" | "points" | "tiltPlane" | "surface";
+            /**
+             * Nearpriority
+             * @description How much nearer points count more: weights times (1/depth)^p.
+             */
+            readonly nearPriority: number;
+            /**
+             * Occluded
+             * @description Whether points count that something stands before.
+             * @enum {string}
+             */
+            readonly occluded: "ignore" | "keep" | "fade";
+            /**
+             * Offscreen
+             * @description Whether points outside the frame count.
+             * @enum {string}
+             */
+            readonly offScreen: "ignore" | "keep";
+            /**
+             * Risemm
+             * @description How far the lens is moved up against the film.
+             */
+            readonly riseMm: number;
+            /**
+             * Shiftmm
+             * @description How far the lens is moved to the right against the film.
+             */
+            readonly shiftMm: number;
+            /**
+             * Smoothings
+             * @description Time over which the solved focus is smoothed; it is exact at keys.
+             */
+            readonly smoothingS: number;
+            /**
+             * Solvestop
+             * @description Whether the points also set the f-number.
+             */
+            readonly solveStop: boolean;
+            /**
+             * Surfaceexponent
+             * @description How local the focal surface is.
+             */
+            readonly surfaceExponent: number;
+            /**
+             * Swingdeg
+             * @description Turn of the lens, before the tilt: positive looks left.
+             */
+            readonly swingDeg: number;
+            /**
+             * Tiltdeg
+             * @description Turn of the lens: positive looks up.
+             */
+            readonly tiltDeg: number;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
+         * FocusSettingsEdit
+         * @description What to change of how the focus is found; what is left out stays as it is.
+         * @example {
+         *       "maxAngleDeg": 12,
+         *       "mode": "tiltPlane",
+         *       "smoothingS": 0.25
+         *     }
+         */
+        readonly FocusSettingsEdit: {
+            /**
+             * Circleofconfusionmm
+             * @description Diameter on the film up to which a thing is sharp; 0: 1/1500 of the gate's diagonal.
+             */
+            readonly circleOfConfusionMm?: number | null;
+            /**
+             * Deadzonemm
+             * @description Circle of confusion that a followed point may reach before the focus moves.
+             */
+            readonly deadZoneMm?: number | null;
+            /**
+             * Drivenbypoints
+             * @description In the mode `tiltPlane`: whether the focus points tilt the lens, or the angles hold.
+             */
+            readonly drivenByPoints?: boolean | null;
+            /**
+             * Expressive
+             * @description From the plane of focus (0) to the focal surface (1).
+             */
+            readonly expressive?: number | null;
+            /**
+             * Fieldoffsets
+             * @description Curvature of field: x and y across and down the frame, offset of the image plane toward the lens in mm.
+             */
+            readonly fieldOffsets?: readonly (readonly [
+                number,
+                number,
+                number
+            ])[] | null;
+            /**
+             * Lags
+             * @description How late the focus follows.
+             */
+            readonly lagS?: number | null;
+            /**
+             * Maxangledeg
+             * @description How far the points may tilt and swing it together.
+             */
+            readonly maxAngleDeg?: number | null;
+            /**
+             * Maxspeeddegs
+             * @description How fast the focus ring may turn, degrees in a second; 0: no bound.
+             */
+            readonly maxSpeedDegS?: number | null;
+            /**
+             * Mode
+             * @description `manual`: by hand. `points`: the distance that serves the focus points best. `tiltPlane`: the plane through them, by tilting the lens. `surface`: a surface through all of them, which no lens has.
+             */
+            readonly mode?: ("manual" | "points" | "tiltPlane" | "surface") | null;
+            /**
+             * Nearpriority
+             * @description How much nearer points count more: weights times (1/depth)^p.
+             */
+            readonly nearPriority?: number | null;
+            /**
+             * Occluded
+             * @description Whether points count that something stands before.
+             */
+            readonly occluded?: ("ignore" | "keep" | "fade") | null;
+            /**
+             * Offscreen
+             * @description Whether points outside the frame count.
+             */
+            readonly offScreen?: ("ignore" | "keep") | null;
+            /**
+             * Risemm
+             * @description How far the lens is moved up against the film.
+             */
+            readonly riseMm?: number | null;
+            /**
+             * Shiftmm
+             * @description How far the lens is moved to the right against the film.
+             */
+            readonly shiftMm?: number | null;
+            /**
+             * Smoothings
+             * @description Time over which the solved focus is smoothed; it is exact at keys.
+             */
+            readonly smoothingS?: number | null;
+            /**
+             * Solvestop
+             * @description Whether the points also set the f-number.
+             */
+            readonly solveStop?: boolean | null;
+            /**
+             * Surfaceexponent
+             * @description How local the focal surface is.
+             */
+            readonly surfaceExponent?: number | null;
+            /**
+             * Swingdeg
+             * @description Turn of the lens, before the tilt: positive looks left.
+             */
+            readonly swingDeg?: number | null;
+            /**
+             * Tiltdeg
+             * @description Turn of the lens: positive looks up.
+             */
+            readonly tiltDeg?: number | null;
+            /**
+             * Time
+             * @description USD time code of keys; without it, keys go and the values hold for all time. Words and lists hold for all time either way.
+             */
+            readonly time?: number | null;
+        };
+        /**
          * FrameRange
          * @description When a shot happens. Times are USD time codes; `start` and `end` are both in it.
          */
@@ -1621,6 +1969,8 @@ export interface components {
              * @enum {string}
              */
             readonly interpolation?: "held" | "linear" | "bezier" | "auto";
+            /** @description Of a `bezier` key; left out, those that an `auto` key would have now. */
+            readonly tangents?: components["schemas"]["Tangents"] | null;
             /**
              * Time
              * @description USD time code.
@@ -1649,6 +1999,8 @@ export interface components {
              * @enum {string}
              */
             readonly interpolation?: "held" | "linear" | "bezier" | "auto";
+            /** @description Of a `bezier` key; left out, those that an `auto` key would have now. */
+            readonly tangents?: components["schemas"]["Tangents"] | null;
             /**
              * Time
              * @description USD time code.
@@ -2119,6 +2471,102 @@ export interface components {
             readonly path?: string | null;
         };
         /**
+         * Rack
+         * @description A rack as it was made: keys of the two points' weights.
+         * @example {
+         *       "ease": "smooth",
+         *       "end": 41.5,
+         *       "endDistanceM": 12,
+         *       "etag": "\"77aebf18a0860070\"",
+         *       "from": "driver",
+         *       "start": 24,
+         *       "startDistanceM": 3.42,
+         *       "stretched": true,
+         *       "to": "sign"
+         *     }
+         */
+        readonly Rack: {
+            /**
+             * Ease
+             * @enum {string}
+             */
+            readonly ease: "linear" | "smooth" | "in" | "out";
+            /**
+             * End
+             * @description USD time code.
+             */
+            readonly end: number;
+            /**
+             * Enddistancem
+             * @description Focus after it; null is infinity.
+             */
+            readonly endDistanceM: number | null;
+            /**
+             * Etag
+             * @description Of the camera's list of focus points.
+             */
+            readonly etag: string;
+            /** From */
+            readonly from: string;
+            /**
+             * Start
+             * @description USD time code.
+             */
+            readonly start: number;
+            /**
+             * Startdistancem
+             * @description Focus before it; null is infinity.
+             */
+            readonly startDistanceM: number | null;
+            /**
+             * Stretched
+             * @description Whether it ends later than asked, as the hand cannot turn the ring that fast.
+             */
+            readonly stretched: boolean;
+            /** To */
+            readonly to: string;
+        };
+        /**
+         * RackCreate
+         * @description A rack from one focus point to another.
+         * @example {
+         *       "ease": "smooth",
+         *       "end": 36,
+         *       "from": "driver",
+         *       "start": 24,
+         *       "to": "sign"
+         *     }
+         */
+        readonly RackCreate: {
+            /**
+             * Ease
+             * @description `in` starts softly, `out` ends softly, `smooth` does both.
+             * @default smooth
+             * @enum {string}
+             */
+            readonly ease?: "linear" | "smooth" | "in" | "out";
+            /**
+             * End
+             * @description USD time code.
+             */
+            readonly end: number;
+            /**
+             * From
+             * @description The focus point that is in focus until the start.
+             */
+            readonly from: string;
+            /**
+             * Start
+             * @description USD time code.
+             */
+            readonly start: number;
+            /**
+             * To
+             * @description The one that is in focus from the end on.
+             */
+            readonly to: string;
+        };
+        /**
          * Readout
          * @description What the lens does at one time: the numbers that a focus puller reads off.
          * @example {
@@ -2336,6 +2784,42 @@ export interface components {
              * @description Of all files of the shot, unpacked.
              */
             readonly sizeBytes: number;
+        };
+        /**
+         * Tangents
+         * @description The handles of a bezier key.
+         * @example {
+         *       "inSlope": 0,
+         *       "inWidth": 4,
+         *       "outSlope": 0,
+         *       "outWidth": 4
+         *     }
+         */
+        readonly Tangents: {
+            /**
+             * Inslope
+             * @description Of the handle before the key: value for each time code.
+             * @default 0
+             */
+            readonly inSlope?: number;
+            /**
+             * Inwidth
+             * @description How far it reaches back, time codes; 0: a third of the way.
+             * @default 0
+             */
+            readonly inWidth?: number;
+            /**
+             * Outslope
+             * @description Of the handle after the key.
+             * @default 0
+             */
+            readonly outSlope?: number;
+            /**
+             * Outwidth
+             * @description How far it reaches on; 0: a third of the way.
+             * @default 0
+             */
+            readonly outWidth?: number;
         };
         /**
          * ValidationFinding
@@ -2917,6 +3401,312 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["CameraState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFocusSettings: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FocusSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly editFocusSettings: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["FocusSettingsEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FocusSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly setCameraKey: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["KeyEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FocusSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly deleteCameraKey: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
@@ -4379,6 +5169,86 @@ export interface operations {
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */
             readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly createRack: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["RackCreate"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 201: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Rack"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -52,7 +52,7 @@ def solve_curve(
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
         raise SettingsError("the frames of a focus curve must be finite and rise", code="bad_frames")
     solved = focus_over(times.tolist())
-    angles = np.array([_angles(s) for s in solved])
+    angles = np.array([lens_angles(s) for s in solved])
     fields = [s.depth_of_field for s in solved]
     time_codes_per_second = stage.GetTimeCodesPerSecond()
     return FocusCurve(
@@ -78,8 +78,12 @@ def solve_curve(
     )
 
 
-def _angles(focused: Focused) -> tuple[float, float]:
-    """Tilt and swing in radians of the lens that has the plane of focus."""
+def lens_angles(focused: Focused) -> tuple[float, float]:
+    """Tilt and swing in radians of the lens that has the plane of focus.
+
+    Args:
+        focused: the solved camera.
+    """
     plane = focal_surface(focused.camera).plane
     return (0.0, 0.0) if plane.is_upright else tilt_and_swing(plane, focused.camera.focal_length_mm)
 

@@ -112,6 +112,7 @@ class Edits:
             with schema_errors_as_settings(), quiet_diagnostics(), Usd.EditContext(stage, target):
                 yield
         except BaseException:
+            self.revision += 1  # what was read within the edit that failed is old too
             self.layer.TransferContent(before)
             raise
 

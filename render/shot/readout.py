@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from render.focus.solve import PointState
 from render.scene import Camera
+from render.shot.curve import lens_angles
 from render.shot.focus_reading import see
 from render.shot.focusing import Focused
 from usd_schemas import FocusPoint
@@ -60,6 +61,9 @@ class Readout:
         coc_limit_mm: largest diameter on the film of a circle of confusion that counts as sharp.
         source: whether ``points`` decided the focus or the ``camera``'s own distance was kept.
         reason: one sentence that says why.
+        note: what could not be done as asked, in a sentence; or empty.
+        tilt_rad: turn of the lens, positive looks up.
+        swing_rad: turn of the lens before the tilt, positive looks left.
         lens_name: what is engraved on the lens; empty where it has no name.
         lens_model: how light passes it: pinhole, thin, seidel, spherical, heightField or prescription.
     """
@@ -75,6 +79,9 @@ class Readout:
     coc_limit_mm: float
     source: str
     reason: str
+    note: str = ""
+    tilt_rad: float = 0.0
+    swing_rad: float = 0.0
     lens_name: str = ""
     lens_model: str = "thin"
 
@@ -110,6 +117,7 @@ def read_out(focused: Focused) -> Readout:
         focused: the solved camera.
     """
     field, camera = focused.depth_of_field, focused.camera
+    tilt_rad, swing_rad = lens_angles(focused)
     return Readout(
         camera=camera.path,
         focus_mode=focused.focus.mode,
@@ -122,6 +130,9 @@ def read_out(focused: Focused) -> Readout:
         coc_limit_mm=focused.coc_limit_mm,
         source=focused.solution.source,
         reason=focused.solution.reason,
+        note=focused.note,
+        tilt_rad=tilt_rad,
+        swing_rad=swing_rad,
         lens_name=camera.lens.name,
         lens_model=camera.lens.model,
     )

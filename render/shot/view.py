@@ -19,6 +19,7 @@ from render.shot.edits import Edits, schema_errors_as_settings
 from render.shot.findings import camera_findings, close_focus_findings, light_findings, lost_point_findings
 from render.shot.focusing import Focused, without_points
 from render.shot.own_files import check_not_own
+from render.shot.place_readout import PlaceReadout, read_place, read_point
 from render.shot.readout import PlacedPoint, Readout, place_points, read_out
 from render.stage import (
     AnchorReader,
@@ -138,6 +139,48 @@ class ShotView:
             time: USD time code.
         """
         return read_out(self._focused(camera_path, time))
+
+    def readout_at(
+        self,
+        camera_path: str | None,
+        time: float,
+        screen: tuple[float, float],
+        depth_m: float,
+        *,
+        aspect: float | None = None,
+    ) -> PlaceReadout:
+        """What is in focus at a place of the picture, and the circle of confusion of a thing there.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            screen: the place: (0, 0) is the top left corner of the picture and (1, 1) the bottom right one.
+            depth_m: of the thing, along the view axis; may be infinite.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+
+        Raises:
+            SettingsError: the place is no number, or the depth is not in front of the camera.
+        """
+        focused = self._focused(camera_path, time)
+        return read_place(focused, self._for_picture(focused, time, aspect), screen, depth_m)
+
+    def readout_at_point(
+        self, camera_path: str | None, time: float, name: str, *, aspect: float | None = None
+    ) -> PlaceReadout:
+        """What is in focus at a focus point, and its circle of confusion.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            name: of the point.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            InputError: the point has no place, or none in front of the camera.
+        """
+        focused = self._focused(camera_path, time)
+        return read_point(focused, self._for_picture(focused, time, aspect), name)
 
     def focus_points(self, camera_path: str | None, time: float, *, aspect: float | None = None) -> list[PlacedPoint]:
         """A camera's focus points as they stand in its picture.

@@ -18,7 +18,8 @@ from render.files import write_atomic
 from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
 from render.frame_spec import every_frame, parse_frames
 from render.shot import Shot
-from render.shot.importing import imported_layer, read_for_shot
+from render.shot.curve_layer import curve_layer
+from render.shot.importing import read_for_shot
 
 LAYER = "usda"
 MAX_NAMED = 8
@@ -135,7 +136,8 @@ def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespac
     )
     _tell(read)
     if wanted == LAYER:
-        return imported_layer(shot.stage, camera, read, baked=arguments.baked)
+        comment = f"Focus of {camera}, from {arguments.source.name}, by Pullfocus: sublayer this over the shot."
+        return curve_layer(shot.stage, camera, read.curve, read.said, baked=arguments.baked, comment=comment)
     return curve_to_text(read.curve, wanted)  # type: ignore[arg-type]
 
 

@@ -16,6 +16,12 @@ DoubleArray = NDArray[np.float64]
 LENS_COLUMNS = ("focus_distance_m", "f_stop", "focal_length_mm", "near_m", "far_m", "hyperfocal_m", "coc_limit_mm")
 """Columns of numbers that every curve has, in the order of files."""
 
+FAR_AWAY_M = 1e5
+"""Stands for an infinite focus where a file or a spline must have a finite one.
+
+At 100 km, a 300 mm lens at f/2 makes a circle of confusion of half a micron of a star.
+"""
+
 ANGLE_COLUMNS = ("tilt_rad", "swing_rad")
 """Columns of angles, which are 0 where nobody gives them."""
 

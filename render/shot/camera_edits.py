@@ -7,8 +7,8 @@ from typing import Any
 from render.errors import CameraError, SettingsError
 from render.focus.files import ReadCurve
 from render.shot.camera_attributes import FOCUS_SETTINGS, CameraAttribute, author_settings
+from render.shot.curve_layer import author_curve
 from render.shot.edits import schema_errors_as_settings
-from render.shot.importing import author_curve
 from render.shot.lens import set_focus_mode
 from render.shot.lens_choice import LensChoice
 from render.shot.undoing import EditableShot
@@ -97,7 +97,7 @@ class CameraEdits(EditableShot):
         """
         camera = self._editable(camera_path)
         with self._edits.editing("import a focus curve"):
-            author_curve(camera, read, baked=baked)
+            author_curve(camera, read.curve, read.said, baked=baked)
 
     def focus_settings(self, camera_path: str | None, time: float) -> tuple[FocusData, TiltShiftData]:
         """How a camera's focus is found, and how its lens is tilted.

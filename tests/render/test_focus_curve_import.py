@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli_shots import Command
+from focus_curve_kit import full_curve
 from focus_shot import CAMERA, FAR, FRAMES, Units, open_bare, write_shot
 from pxr import Sdf, Usd
 
 from render.errors import InputError, SettingsError
 from render.focus.files import FORMATS, curve_to_text
 from render.shot import Shot
+from render.shot.curve_layer import curve_layer
 from render.shot.importing import read_for_shot
 from usd_schemas import FocusPoint
 from usd_schemas.units import metres_from_units, mm_from_tenths
@@ -168,3 +170,23 @@ def test_a_refused_import_changes_nothing(path):
     with pytest.raises(SettingsError, match="tilt"):
         shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, "frame,focus_distance_m,tilt_deg\n1,2,89.5\n"))
     assert shot.export_edits() == before
+
+
+@pytest.mark.parametrize("baked", [False, True])
+def test_all_that_drives_a_camera_survives_a_layer(path, baked):
+    """What is exported, put over the shot by USD alone and solved once more is the same lens at every frame."""
+    made = full_curve(24, 24.0)
+    layer = curve_layer(Shot.open(path).stage, CAMERA, made, baked=baked, comment="all of it")
+    pulled = path.with_name("pulled.usda")
+    pulled.write_text(layer)
+    root = path.with_name("root.usda")
+    root.write_text(
+        "#usda 1.0\n(\n    subLayers = [@./pulled.usda@, @./shot.usda@]\n    metersPerUnit = 1\n"
+        '    upAxis = "Y"\n    timeCodesPerSecond = 24\n)\n'
+    )
+    back = Shot.open(root).focus_curve(CAMERA, made.time_codes.tolist())
+    assert back.focus_distance_m == pytest.approx(np.minimum(made.focus_distance_m, 1e5), rel=1e-6)
+    assert back.f_stop == pytest.approx(made.f_stop, rel=1e-6)
+    assert back.focal_length_mm == pytest.approx(made.focal_length_mm, rel=1e-6)
+    assert back.tilt_rad == pytest.approx(made.tilt_rad, abs=1e-9)
+    assert back.swing_rad == pytest.approx(made.swing_rad, abs=1e-9)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import InputError, SettingsError
-from render.focus.curve import FocusCurve, PointTrack
+from render.focus.curve import FAR_AWAY_M, FocusCurve, PointTrack
 from render.focus.files.columns import COC_LIMIT, COLUMNS, FOCUS_DISTANCE
 from render.focus.files.rows import PointCell, Row, Rows
 
@@ -210,7 +210,7 @@ def _gap_findings(
 
 def _odd_units(curve: FocusCurve) -> list[CurveFinding]:
     finite = curve.focus_distance_m[np.isfinite(curve.focus_distance_m)]
-    if len(finite) == 0 or not FAR_M < np.median(finite) < 1e5:
+    if len(finite) == 0 or not FAR_M < np.median(finite) < FAR_AWAY_M:
         return []
     message = f"half of all focus distances are beyond {FAR_M:g} m: are they in metres?"
     return [CurveFinding("odd_units", "focus_distance_m", message)]

@@ -16,15 +16,12 @@ import json
 import uuid
 from typing import Any
 
-from render.focus.curve import FocusCurve
+from render.focus.curve import FAR_AWAY_M, FocusCurve
 from render.focus.files.json_file import sample_to_dict
 from render.focus.files.timing import MAX_TIMECODE_RATE, Timecode, rate_as_fraction
 
 PROTOCOL = {"name": "OpenTrackIO", "version": [1, 0, 1]}
 NAMESPACE = "pullfocus"
-FAR_AWAY_M = 1e5
-"""Stands for an infinite focus."""
-
 _IDS = uuid.UUID("6f7c1d62-3a0f-5a0e-9a55-0d1f0c6f2b11")
 """Namespace of the identifiers: the same curve gets the same ones every time."""
 

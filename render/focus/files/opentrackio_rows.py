@@ -18,8 +18,9 @@ from itertools import pairwise
 from typing import Any
 
 from render.errors import InputError
+from render.focus.curve import FAR_AWAY_M
 from render.focus.files.json_file import loaded, numbers_of, points_of, rates_of
-from render.focus.files.opentrackio_file import FAR_AWAY_M, NAMESPACE, PROTOCOL
+from render.focus.files.opentrackio_file import NAMESPACE, PROTOCOL
 from render.focus.files.rows import BadRowError, Rates, Row, Rows, json_number, said, shown
 from render.focus.files.timing import Timecode, frames_a_day
 

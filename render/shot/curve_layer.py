@@ -1,0 +1,109 @@
+"""Focus curves as what drives a camera in USD: a layer over the shot, or specs in the stage's edit target."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pxr import Sdf, Usd
+
+from render.focus.curve import FAR_AWAY_M, FocusCurve
+from render.shot.edits import schema_errors_as_settings
+from render.shot.lens import set_focus_mode
+from render.stage import quiet_diagnostics
+from usd_schemas import LensCamera, curves
+from usd_schemas.units import tenths_from_mm, units_from_metres
+
+DoubleArray = NDArray[np.float64]
+
+DRIVEN = frozenset({"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad"})
+"""The columns of a focus curve that drive a camera."""
+
+_ANGLES = ("tiltShift:tilt", "tiltShift:swing")
+
+
+def curve_layer(
+    stage: Usd.Stage,
+    camera_path: str,
+    curve: FocusCurve,
+    columns: Collection[str] = DRIVEN,
+    *,
+    baked: bool,
+    comment: str,
+    tolerances: Mapping[str, ArrayLike] | None = None,
+) -> str:
+    """A layer that gives a camera a focus curve, to be sublayered over the shot by any tool.
+
+    It sets ``focus:mode`` to manual where the camera asks its points, so that a tool which knows the schemas takes the
+    curve and does not solve once more.
+
+    Args:
+        stage: the shot; it is not changed.
+        camera_path: of a camera.
+        curve: the curve, in the shot's time.
+        columns: which of `DRIVEN` are wanted.
+        baked: time samples, for tools that read no splines, in place of native splines.
+        comment: of the layer.
+        tolerances: how far splines may be from the frames, by USD's names and in its units; see
+            `usd_schemas.curves.author_splines`. What is not named is exact to single precision.
+
+    Returns:
+        usda text.
+
+    Raises:
+        SettingsError: a value is beyond what the camera's attribute allows.
+    """
+    with schema_errors_as_settings(), quiet_diagnostics():
+        values = _wanted(stage, camera_path, curve, columns)
+        form: Literal["spline", "samples"] = "samples" if baked else "spline"
+        layer = curves.camera_layer(stage, camera_path, curve.time_codes, values, form, tolerances)
+        layer.comment = comment
+        if LensCamera(stage.GetPrimAtPath(camera_path)).focus.read().mode != "manual":
+            spec = layer.GetPrimAtPath(camera_path)
+            mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
+            mode.default = "manual"
+        return str(layer.ExportToString())
+
+
+def author_curve(camera: LensCamera, curve: FocusCurve, columns: Collection[str] = DRIVEN, *, baked: bool) -> None:
+    """Give a camera a focus curve in the stage's edit target, and let it be focused by hand.
+
+    Args:
+        camera: the camera.
+        curve: the curve, in the shot's time.
+        columns: which of `DRIVEN` are wanted.
+        baked: time samples in place of native splines.
+
+    Raises:
+        SchemaError: a value is beyond what the camera's attribute allows.
+    """
+    stage, path = camera.prim.GetStage(), str(camera.prim.GetPath())
+    values = _wanted(stage, path, curve, columns)
+    if baked:
+        curves.author_samples(stage, path, curve.time_codes, values)
+    else:
+        curves.author_splines(stage, path, curve.time_codes, values)
+    set_focus_mode(camera, "manual")
+
+
+def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Collection[str]) -> dict[str, DoubleArray]:
+    """``(n,)`` for each attribute by USD's name, in its unit. An infinite focus is 100 km: through infinity goes no curve.
+
+    A lens that is never turned, and cannot be, is not told to stay straight.
+    """
+    distance = units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage)
+    named = {
+        "focus_distance_m": ("focusDistance", distance),
+        "f_stop": ("fStop", curve.f_stop),
+        "focal_length_mm": ("focalLength", tenths_from_mm(curve.focal_length_mm, stage)),
+        "tilt_rad": ("tiltShift:tilt", np.degrees(curve.tilt_rad)),
+        "swing_rad": ("tiltShift:swing", np.degrees(curve.swing_rad)),
+    }
+    values = dict(named[column] for column in named if column in columns)
+    prim = stage.GetPrimAtPath(camera_path)
+    for name in _ANGLES:
+        if name in values and not values[name].any() and not prim.GetAttribute(name).HasAuthoredValue():
+            del values[name]
+    return values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
@@ -10,6 +10,21 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 from render.stage.findings import FindingLog
 from render.stage.polygons import BadGeometry, FloatArray, LongArray, Polygons, Values, carried_normals, check, fan
 from render.stage.world import column_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class _Bound:
+    """What bends a prim.
+
+    Attributes:
+        prim: the skeleton beside the prim; a native instance's own, while the queries speak of the prototype's.
+        skeleton: its joints.
+        skinning: how the prim hangs on them.
+    """
+
+    prim: Usd.Prim
+    skeleton: UsdSkel.SkeletonQuery
+    skinning: UsdSkel.SkinningQuery
 
 
 class Skeletons:
@@ -22,7 +37,7 @@ class Skeletons:
     def __init__(self, stage: Usd.Stage) -> None:
         self._stage = stage
         self._cache = UsdSkel.Cache()
-        self._bound: dict[str, tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery]] = {}
+        self._bound: dict[str, _Bound] = {}
         self._searched: set[str] = set()
 
     def bends(self, prim: Usd.Prim) -> bool:
@@ -55,7 +70,7 @@ class Skeletons:
         resting = points if rows is None else _picked(points, rows)
         if found is None:
             return np.array(resting, np.float32)
-        skeleton, skinning = found
+        skeleton, skinning = found.skeleton, found.skinning
         if skinning.HasBlendShapes():
             points = Vt.Vec3fArray(points)
             if not _blend(skeleton, skinning, points, time):
@@ -69,9 +84,9 @@ class Skeletons:
             message = f"the skinning of {prim.GetPath()} could not be computed: drawn at rest"
             log.add("skinning_failed", prim.GetPath(), message)
             return np.array(resting, np.float32)
-        return _in_prim_space(np.array(wanted, np.float32), skeleton.GetPrim(), prim, time)
+        return _in_prim_space(np.array(wanted, np.float32), found.prim, prim, time)
 
-    def _query(self, prim: Usd.Prim) -> tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery] | None:
+    def _query(self, prim: Usd.Prim) -> _Bound | None:
         root = UsdSkel.Root.Find(prim)
         if not root:
             return None
@@ -88,7 +103,8 @@ class Skeletons:
             skeleton = self._cache.GetSkelQuery(binding.GetSkeleton())
             for target in binding.GetSkinningTargets():
                 if skeleton and (target.HasJointInfluences() or target.HasBlendShapes()):
-                    self._bound[str(target.GetPrim().GetPath())] = (skeleton, target)
+                    bound = _Bound(binding.GetSkeleton().GetPrim(), skeleton, target)
+                    self._bound[str(target.GetPrim().GetPath())] = bound
 
 
 def _blend(
@@ -115,7 +131,7 @@ def _blend(
 
 
 def _skin(
-    bound: tuple[UsdSkel.SkeletonQuery, UsdSkel.SkinningQuery],
+    bound: _Bound,
     joints: Vt.Matrix4dArray,
     points: Vt.Vec3fArray,
     rows: LongArray | None,
@@ -123,7 +139,7 @@ def _skin(
     time: Usd.TimeCode,
 ) -> bool:
     """Move points with their joints, in place: all ``count`` of a mesh, or those of its ``rows``. Returns whether that worked."""
-    skeleton, skinning = bound
+    skinning = bound.skinning
     if rows is None:
         return bool(skinning.ComputeSkinnedPoints(joints, points, time))
     influences = skinning.ComputeVaryingJointInfluences(count, time)
@@ -136,7 +152,7 @@ def _skin(
         UsdSkel.SkinPoints(
             skinning.GetSkinningMethod(),
             skinning.GetGeomBindTransform(time),
-            _in_order(joints, skeleton.GetJointOrder(), skinning.GetJointOrder()),
+            _in_order(joints, bound.skeleton.GetJointOrder(), skinning.GetJointOrder()),
             Vt.IntArray.FromNumpy(indices),
             Vt.FloatArray.FromNumpy(weights),
             each,

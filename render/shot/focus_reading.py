@@ -34,6 +34,7 @@ class FocusReading:
         tilts: how its lens is tilted.
         diopters: its half lenses.
         throws_deg: ``(n,)`` turn of its focus ring from close focus to infinity; 0 where it is not known.
+        f_stop_range: of the lens, wide open and stopped down; 0 leaves an end unbounded.
         key_times: ``(m,)`` times of the keys of its focus points that say a value and do not hold it.
         points: for each time, its focus points.
         positions_m: ``(n, k, 3)`` where they stand in the world; NaN where a point has no place.
@@ -49,6 +50,7 @@ class FocusReading:
     tilts: tuple[TiltShiftData, ...]
     diopters: tuple[SplitDiopter, ...]
     throws_deg: DoubleArray
+    f_stop_range: tuple[float, float]
     key_times: DoubleArray
     points: tuple[tuple[FocusPoint, ...], ...]
     positions_m: DoubleArray
@@ -154,6 +156,7 @@ def read_focus(
         tilts=tilts,
         diopters=tuple(lens.split_diopter for lens in lenses),
         throws_deg=np.array([lens.focus_throw for lens in lenses], np.float64),
+        f_stop_range=lenses[0].f_stop_range,
         key_times=_key_times(views),
         points=points,
         positions_m=positions_m,

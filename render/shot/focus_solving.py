@@ -6,14 +6,15 @@ which points count, and how much · where they want the focus · whether they se
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import CameraError, SettingsError
 from render.focal_surface import FocalPlane
+from render.focus.best_stop import StopSolutions, stops_for
 from render.focus.influence import SEEN
 from render.focus.plane_fit import fit_targets, limit_planes
 from render.focus.points import FocusTargets
@@ -24,7 +25,7 @@ from render.focus.timeline import drive
 from render.focus.tracking import tracked
 from render.lens_law import LensLaw
 from render.optics.depth_of_field import default_coc_limit_mm
-from render.optics.focus_law import focus_law, focus_laws
+from render.optics.focus_law import focus_laws
 from render.optics.thin_lens import focus_w
 from render.scene import Camera
 from render.shot.focus_reading import FocusReading
@@ -32,6 +33,8 @@ from render.shot.ring import close_focus_depth_m, focus_ring
 from usd_schemas import FocusData
 
 DoubleArray = NDArray[np.float64]
+
+_NOT_HELD = "no f-number of the lens holds all points within their circles of confusion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,15 +77,6 @@ def coc_limit_mm(camera: Camera, focus: FocusData) -> float:
     return default_coc_limit_mm(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
 
 
-def lens_laws(cameras: Sequence[Camera]) -> LensLaw:
-    """What focusing does to the lens at n times; one frame stands for all where it is the same lens.
-
-    Raises:
-        InputError: the camera's lens is none.
-    """
-    return focus_law(cameras[0]) if len(cameras) == 1 else focus_laws(cameras)
-
-
 def solved(reading: FocusReading) -> FocusTrack:
     """Where the lens is focused.
 
@@ -116,39 +110,73 @@ def _by_hand(reading: FocusReading) -> FocusTrack:
 
 
 def _by_points(reading: FocusReading) -> FocusTrack:
-    targets, law, own_w = reading.targets, lens_laws(reading.cameras), _own_w(reading)
-    solutions = _wanted(reading, targets, law, own_w)
+    targets, law, own_w = reading.targets, focus_laws(reading.cameras), _own_w(reading)
+    wanted = _wanted(reading, targets, law, own_w)
     fades = _fades(reading, targets)
-    f_stops, wanted = _f_stops(reading), solutions.focus_w
+    w, f_stops = wanted.focus.focus_w, wanted.f_stops
     if _is_smoothed(reading):
         crossing = replace(targets, weights=targets.weights * fades, enabled=fades > 0, in_frame=fades > 0)
         share = points_share(fades * (targets.weights > 0))
-        wanted = share * _wanted(reading, crossing, law, own_w).focus_w + (1 - share) * own_w
-    planes = np.column_stack([wanted, _authored_tilt(reading)])
-    notes = [""] * len(wanted)
-    if any(focus.solve_stop for focus in reading.focus):
-        pass
+        crossed = _wanted(reading, crossing, law, own_w)
+        w = share * crossed.focus.focus_w + (1 - share) * own_w
+        f_stops = share * crossed.f_stops + (1 - share) * _f_stops(reading)
+    planes = np.column_stack([w, _authored_tilt(reading)])
+    notes = ["" if held else _NOT_HELD for held in wanted.holds.tolist()]
     if reading.focus[0].mode == "tiltPlane":
-        _tilt_through_points(reading, targets, solutions.shares, law, planes, notes)
+        _tilt_through_points(reading, targets, wanted.focus.shares, law, planes, notes)
     driven = _driven(reading, law.at_stops(f_stops if law.frames > 1 else f_stops[:1]), planes)
-    return FocusTrack(reading.times, driven, planes[:, 0], f_stops, fades, solutions, tuple(notes))
+    return FocusTrack(reading.times, driven, planes[:, 0], f_stops, fades, wanted.focus, tuple(notes))
 
 
-def _wanted(reading: FocusReading, targets: FocusTargets, law: LensLaw, own_w: DoubleArray) -> FocusSolutions:
-    """What the points want of a lens that is tilted as authored: of the focus on its axis."""
+def _wanted(reading: FocusReading, targets: FocusTargets, law: LensLaw, own_w: DoubleArray) -> StopSolutions:
+    """What the points want of a lens that is tilted as authored: of the focus on its axis, and of the stop where they set it."""
     tilt = (_authored_tilt(reading)[:, None] * np.nan_to_num(targets.slopes)).sum(-1)
     if tilt.any():
         with np.errstate(divide="ignore", invalid="ignore"):
             on_axis = 1 / (1 / targets.depths_m - tilt)
         targets = replace(targets, depths_m=np.where(targets.depths_m > 0, on_axis, targets.depths_m))
-    return solve_distances(
+    focus, keep_outside = reading.focus[0], reading.focus[0].off_screen == "keep"
+    solved_m = solve_distances(
         targets,
         _distances(own_w),
         law=law,
-        keep_outside=reading.focus[0].off_screen == "keep",
+        keep_outside=keep_outside,
         near_priority=np.array([focus.near_priority for focus in reading.focus]),
-        occluded=reading.focus[0].occluded,
+        occluded=focus.occluded,
     )
+    sets_stop = np.array([focus.solve_stop for focus in reading.focus])
+    held = StopSolutions(solved_m, _f_stops(reading), np.ones(len(own_w), np.bool_))
+    if not sets_stop.any():
+        return held
+    limits_mm = [coc_limit_mm(camera, focus) for camera, focus in zip(reading.cameras, reading.focus, strict=True)]
+    split = stops_for(
+        targets,
+        law,
+        limits_mm,
+        camera_distances_m=_distances(own_w),
+        f_stop_range=reading.f_stop_range,
+        keep_outside=keep_outside,
+        occluded=focus.occluded,
+    )
+    return _chosen(sets_stop, split, held)
+
+
+def _chosen(first: NDArray[np.bool_], one: StopSolutions, other: StopSolutions) -> StopSolutions:
+    """The one's frames where ``first`` holds, the other's elsewhere."""
+    a, b = one.focus, other.focus
+
+    def told(ours: tuple[str, ...], theirs: tuple[str, ...]) -> tuple[Any, ...]:
+        return tuple(x if is_first else y for x, y, is_first in zip(ours, theirs, first.tolist(), strict=True))
+
+    focus = FocusSolutions(
+        focus_distance_m=np.where(first, a.focus_distance_m, b.focus_distance_m),
+        shares=np.where(first[:, None], a.shares, b.shares),
+        state_codes=np.where(first[:, None], a.state_codes, b.state_codes).astype(np.int8),
+        sources=told(a.sources, b.sources),
+        reasons=told(a.reasons, b.reasons),
+        limits=told(a.limits, b.limits),
+    )
+    return StopSolutions(focus, np.where(first, one.f_stops, other.f_stops), np.where(first, one.holds, other.holds))
 
 
 def _fades(reading: FocusReading, targets: FocusTargets) -> DoubleArray:

@@ -7,10 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from render.focus.best_stop import stops_for
 from render.focus.points import FocusTargets
 from render.focus.solve import solve_distances
+from render.focus.tilt import fit_targets, limit_planes, tilts_and_swings
 from render.lens_law import LensLaw
+
+DoubleArray = NDArray[np.float64]
 
 POINTS, FRAMES = 500, 1000
 _REPEATS = 3
@@ -46,8 +51,18 @@ def measure_solvers(points: int = POINTS, frames: int = FRAMES) -> list[SolverRo
     solvers: dict[str, Callable[[], object]] = {
         "one distance, thin lens": lambda: solve_distances(targets, 5.0, 1.25, near_priority=1.0, occluded="fade"),
         "one distance, lens with its own law": lambda: solve_distances(targets, 5.0, law=breathing, occluded="fade"),
+        "focus and best stop": lambda: stops_for(targets, breathing, 0.03, occluded="fade"),
+        "tilted plane, limited": lambda: _tilted(targets),
     }
     return [SolverRow(name, points, frames, _seconds(solve)) for name, solve in solvers.items()]
+
+
+def _tilted(targets: FocusTargets) -> DoubleArray:
+    """The planes with the points' shares found first, as a shot needs them."""
+    shares = solve_distances(targets, 5.0, 1.25, occluded="fade").shares
+    fits, wanted = fit_targets(targets, shares, 1.25)
+    planes, _ = limit_planes(fits.planes, 50.0, 0.15, targets.slopes, wanted, shares)
+    return tilts_and_swings(planes, 50.0)
 
 
 def moving_points(points: int, frames: int) -> FocusTargets:

@@ -89,15 +89,26 @@ def counts(
             f"the near priority of the focus must be a finite number of 0 or more, but it is {worst:g}",
             code="bad_focus_point",
         )
-    seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
-    weights = np.where(used, targets.weights * seen, 0.0)
-    falloffs = np.where(targets.falloffs > 0, targets.falloffs, OVERLAP_FRAME_WIDTHS)
-    reaches = falloffs * targets.frame_widths[:, None]
-    soft = targets.is_soft
-    weights = weights * kept_beside_sharp(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft)
+    weights = strengths(targets, used, occluded)
     depths = np.where(used, np.minimum(targets.depths_m, _INFINITE_DEPTH_M), 1.0)
     with np.errstate(divide="ignore"):
         logs = np.log(weights) - power[:, None] * np.log(depths)
     heaviest = logs.max(axis=1, keepdims=True, initial=-np.inf)
     shares = np.exp(logs - np.where(np.isfinite(heaviest), heaviest, 0.0))
     return np.asarray(shares / np.maximum(shares.sum(axis=1, keepdims=True), 1.0))
+
+
+def strengths(targets: FocusTargets, used: BoolArray, occluded: Occluded = "keep") -> DoubleArray:
+    """``(n, k)`` weights of points as they are seen: 0 of those that do not count, less of those that fade or overlap others.
+
+    Args:
+        targets: k points over n frames.
+        used: ``(n, k)`` which count at all.
+        occluded: whether points ``fade`` with what is seen of them.
+    """
+    seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
+    weights = np.where(used, targets.weights * seen, 0.0)
+    falloffs = np.where(targets.falloffs > 0, targets.falloffs, OVERLAP_FRAME_WIDTHS)
+    reaches = falloffs * targets.frame_widths[:, None]
+    soft = targets.is_soft
+    return np.asarray(weights * kept_beside_sharp(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft))

@@ -41,6 +41,7 @@ __all__ = [
     "PointState",
     "solve_distances",
     "solve_focus",
+    "why",
 ]
 
 DoubleArray = NDArray[np.float64]
@@ -242,12 +243,19 @@ def _reasons(
     for row, by_points, limit, nearest, farthest in zip(codes, decided.tolist(), limits, near_w, far_w, strict=True):
         key = (row.tobytes(), by_points)
         if key not in told:
-            told[key] = _why(names, row, by_points)
+            told[key] = why(names, row, by_points)
         reasons.append(told[key] + _at_the_end(limit, nearest, farthest))
     return tuple(reasons)
 
 
-def _why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
+def why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
+    """One sentence on who decided the focus at one time, or why no point did.
+
+    Args:
+        names: of the k points.
+        codes: ``(k,)`` indices into `STATES`.
+        by_points: whether any point decided.
+    """
     states = [STATES[code] for code in codes.tolist()]
     if by_points:
         return "focused by " + ", ".join(name for name, s in zip(names, states, strict=True) if s == "used")

@@ -192,6 +192,9 @@ class Lens:
         squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
         transmittance: share of the light that passes, 0 to 1.
         close_focus_m: nearest distance from the film that is marked on it; 0 where none is. Its geometry may reach nearer.
+        pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
+            to the centre's, and takes the place of the lens's own spherical aberration. Empty for that.
+        expressive_blend: from the lens's own (0) to what is drawn (1).
     """
 
     model: LensModel = "thin"
@@ -203,6 +206,8 @@ class Lens:
     squeeze: float = 1.0
     transmittance: float = 1.0
     close_focus_m: float = 0.0
+    pupil_power: tuple[float, ...] = ()
+    expressive_blend: float = 0.0
 
 
 THIN_LENS = Lens()

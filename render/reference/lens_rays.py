@@ -15,6 +15,7 @@ from render.focus.surface import focused_at
 from render.lens import AberrationScales, SeidelErrors
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import has_surfaces, mounted
+from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.reference.prescription_rays import PrescriptionRays, SceneRays
 from render.scene import Camera, DoubleArray
@@ -49,6 +50,7 @@ def lens_rays(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -
         SettingsError: the lens has something that this reference does not know.
     """
     plain = _unsqueezed(camera, pupil, corner)
+    plain = _Drawn(plain, camera) if is_drawn(camera.lens) else plain
     return plain if camera.lens.squeeze == 1 else _Squeezed(plain, camera.lens.squeeze)
 
 
@@ -59,8 +61,10 @@ def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float])
     if has_surfaces(camera):
         if camera.focal_surface is not None:
             raise SettingsError("the ray-by-ray reference knows lenses with surfaces focused at a distance alone")
-        if lens.scales != AberrationScales():
-            raise SettingsError(f"the ray-by-ray reference knows lenses with surfaces as they are, got {lens.scales}")
+        if own_scales(lens) != AberrationScales():
+            raise SettingsError(
+                f"the ray-by-ray reference knows lenses with surfaces as they are, got {own_scales(lens)}"
+            )
         return PrescriptionRays(
             mounted(camera), pupil, corner, lens.height_field if lens.model == "heightField" else None
         )
@@ -79,6 +83,21 @@ class _Thin:
         w_f, pupil = focused_at(self._surface, ideal)
         points = pupil[..., None] * self._points_m[sample]
         return SceneRays(points, ideal - points * w_f[..., None], np.ones(ideal.shape[:2]))
+
+
+class _Drawn:
+    """A lens whose power is drawn over the pupil: rays through it at some radius are focused nearer."""
+
+    def __init__(self, lens: LensRays, camera: Camera) -> None:
+        self._lens, self._camera, self.has_colours = lens, camera, lens.has_colours
+        glass = has_surfaces(camera)
+        self._radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if glass else pupil_radius_m(camera)
+
+    def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
+        rays = self._lens.rays(sample, ideal, wavelength_nm)
+        radius = np.linalg.norm(rays.offsets, axis=-1) / self._radius_m
+        nearer = drawn_defocus(self._camera.lens, self._camera.focal_length_mm, radius)
+        return SceneRays(rays.offsets, rays.slopes - rays.offsets * nearer[..., None], rays.weights)
 
 
 class _Squeezed:
@@ -104,7 +123,8 @@ class _Seidel:
     has_colours = True
 
     def __init__(self, camera: Camera, pupil: DoubleArray, errors: SeidelErrors) -> None:
-        self._thin, self._pupil, self._errors, self._scales = _Thin(camera, pupil), pupil, errors, camera.lens.scales
+        self._thin, self._pupil, self._errors = _Thin(camera, pupil), pupil, errors
+        self._scales = own_scales(camera.lens)
         self._focal_mm = camera.focal_length_mm
         self._edge = errors.reference_f_stop / camera.f_stop  # the pupil's radius over that of the reference f-number
 

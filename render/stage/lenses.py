@@ -58,6 +58,10 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
     if not (0 <= data.transmittance <= 1 and data.neutral_density >= 0):
         got = f"{data.transmittance:g} and {data.neutral_density:g}"
         raise _error(camera, "lens:transmittance (0 to 1) and lens:neutralDensity (0 or more)", "in range", got)
+    if not all(power > 0 for power in data.pupil_power):
+        raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _shown(data.pupil_power))
+    if not 0 <= data.expressive_blend <= 1:
+        raise _error(camera, "lens:expressive:blend", "from 0 to 1", f"{data.expressive_blend:g}")
     model: LensModel = "thin" if data.model == "dataSheet" else data.model
     surfaces = _prescription(data, camera) if model in ("prescription", *_SURFACES) else None
     return Lens(
@@ -70,6 +74,8 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
         squeeze=data.squeeze,
         transmittance=data.transmittance * 10**-data.neutral_density,
         close_focus_m=data.close_focus / 1000,
+        pupil_power=data.pupil_power,
+        expressive_blend=data.expressive_blend,
     )
 
 

@@ -9,10 +9,12 @@ import numpy as np
 
 from render.gl.shaders import ProgramCache
 from render.optics.mounting import has_surfaces, mounted
+from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.scene import Camera
+from render.trace.drawn_power import drawn_thin_lens, with_drawn_power
 from render.trace.grid_table import grid_table
 from render.trace.lens_table import FRONT_RIM, PUPIL_T, SLOPE_T, GridTable, PolynomialTable
 from render.trace.prescription_table import prescription_table
@@ -46,9 +48,10 @@ class BundleMaker:
             InputError: the lens is none.
             SettingsError: it does not reach the focus distance, or there are too many wavelengths.
         """
-        if camera.f_stop == 0 or not (has_surfaces(camera) or camera.lens.model == "seidel"):
+        if camera.f_stop == 0 or not (_has_errors(camera) or is_drawn(camera.lens)):
             return thin_lens_bundle(camera, pattern)
-        light = spectrum(1) if camera.lens.scales.chromatic == 0 else spectrum(wavelengths)
+        has_colours = _has_errors(camera) and camera.lens.scales.chromatic != 0
+        light = spectrum(wavelengths) if has_colours else spectrum(1)
         table = self._table(camera, view, light)
         return RayBundle(
             pattern,
@@ -68,6 +71,8 @@ class BundleMaker:
             lens.seidel,
             lens.height_field,
             lens.scales,
+            lens.pupil_power,
+            lens.expressive_blend,
             camera.focal_length_mm,
             camera.f_stop,
             camera.focus_distance_m,
@@ -83,11 +88,27 @@ class BundleMaker:
         return self._tables[key]
 
     def _made(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
+        """The table of the lens's own errors, and of what is drawn."""
+        lens, focal_length_mm = camera.lens, camera.focal_length_mm
+        if not _has_errors(camera):
+            radius_m = pupil_radius_m(camera)
+            return drawn_thin_lens(
+                lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m, last_slope=last_slope
+            )
+        own = self._own(camera, last_slope, light)
+        if not is_drawn(lens):
+            return own
+        # real glass may not open as far as the f-number says
+        radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
+        return with_drawn_power(own, lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m)
+
+    def _own(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
         lens = camera.lens
+        scales = own_scales(lens)
         if lens.model == "seidel" and lens.seidel is not None:
             return seidel_table(
                 lens.seidel,
-                lens.scales,
+                scales,
                 focal_length_mm=camera.focal_length_mm,
                 pupil_radius_m=pupil_radius_m(camera),
                 last_slope=last_slope,
@@ -101,11 +122,16 @@ class BundleMaker:
                 last_slope,
                 focus_w(camera),
                 light.wavelengths_nm,
-                lens.scales,
+                scales,
             )
         return prescription_table(
-            self._tracer, mounted(camera), last_slope, focus_w(camera), light.wavelengths_nm, lens.scales
+            self._tracer, mounted(camera), last_slope, focus_w(camera), light.wavelengths_nm, scales
         )
+
+
+def _has_errors(camera: Camera) -> bool:
+    """Whether the lens has errors of its own."""
+    return has_surfaces(camera) or camera.lens.model == "seidel"
 
 
 def corner_slope(view: PinholeView) -> float:

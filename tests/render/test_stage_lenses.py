@@ -139,6 +139,25 @@ def test_factors_on_errors_reach_the_lens(stage: Usd.Stage, camera: LensCamera) 
     assert (scales.chromatic, scales.coma, scales.spherical) == (2.5, 0, 1)
 
 
+def test_power_drawn_over_the_pupil_reaches_the_lens(stage: Usd.Stage, camera: LensCamera) -> None:
+    camera.lens.author(LensData(pupil_power=(1.0, 1.1, 0.9), expressive_blend=0.25))
+    lens = _read(stage).lens
+    assert (lens.pupil_power, lens.expressive_blend) == ((1.0, 1.1, 0.9), 0.25)
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (LensData(pupil_power=(1.0, 0.0)), "lens:expressive:pupilPower .* must be above 0 everywhere, got 1, 0"),
+        (LensData(pupil_power=(1.0, math.nan)), "expressive:pupilPower .* must be a finite number"),
+        (LensData(expressive_blend=1.5), "lens:expressive:blend .* must be from 0 to 1, got 1.5"),
+    ],
+)
+def test_power_that_no_lens_can_have_is_refused(data: LensData, message: str) -> None:
+    with pytest.raises(CameraError, match=message):
+        lens_of(data, "/cam")
+
+
 def test_a_mask_is_read_as_numbers_and_takes_the_place_of_the_blades(
     stage: Usd.Stage, camera: LensCamera, tmp_path: Path
 ) -> None:

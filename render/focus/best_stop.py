@@ -97,6 +97,8 @@ def best_stop(
         SettingsError: a number is out of range.
     """
     columns = (w_near, w_far, coc_limit_mm, focal_length_mm, camera_f_stop)
+    if not all(np.all(np.asarray(w) >= 0) for w in (w_near, w_far)):
+        raise SettingsError("the best stop needs points before the camera, at 0 /m (infinity) or more")
     near, far, circle, focal, own = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, np.float64)) for c in columns))
     law = LensLaw.thin(focal, own, breathing=breathing)
     return split(np.stack([near, far], axis=1), circle[:, None], law, f_stop_range=f_stop_range)
@@ -113,7 +115,7 @@ def split(
     """The split of any lens between k points, for n frames.
 
     Args:
-        w: ``(n, k)`` inverse depths, 1/m.
+        w: ``(n, k)`` inverse depths, 1/m; below 0 where a tilted lens would be focused there for a point to be sharp.
         circles_mm: ``(n, k)`` or less: diameter on the film that each may have.
         law: of the lens, for each frame or one for all. Its f-numbers are kept where points leave them free: where there is none,
             or all are equally far.
@@ -160,6 +162,7 @@ def stops_for(
     coc_limits_mm: ArrayLike,
     *,
     camera_distances_m: ArrayLike = math.inf,
+    tilts: ArrayLike = 0.0,
     f_stop_range: tuple[float, float] = (0.0, 0.0),
     keep_outside: bool = False,
     occluded: Occluded = "keep",
@@ -176,6 +179,7 @@ def stops_for(
         law: of the lens, at the camera's own f-numbers.
         coc_limits_mm: ``(n,)`` or one for all: diameter on the film that counts as sharp.
         camera_distances_m: ``(n,)`` or one for all; 0 or infinite is infinity.
+        tilts: ``(n, 2)`` of the plane of focus of a lens that is tilted, or 0, as in `render.focus.solve.solve_distances`.
         f_stop_range: f-numbers wide open and stopped down; 0 leaves an end unbounded.
         keep_outside: let points outside the picture count too.
         occluded: what becomes of hidden points, as in `render.focus.solve.solve_distances`.
@@ -192,7 +196,7 @@ def stops_for(
     limits_mm = np.broadcast_to(np.asarray(coc_limits_mm, np.float64), (targets.frames,))[:, None]
     circles = np.where(targets.blurs_mm > 0, targets.blurs_mm, limits_mm)
     circles = circles / np.where(counting, np.minimum(weights / full, 1.0), 1.0)
-    found = split(targets.aims_w, circles, law, counting=counting, f_stop_range=f_stop_range)
+    found = split(targets.axis_w(tilts), circles, law, counting=counting, f_stop_range=f_stop_range)
     some = counting.any(axis=1)
     own_m = np.broadcast_to(np.asarray(camera_distances_m, np.float64), some.shape)
     own_m = np.where(own_m > 0, own_m, np.inf)
@@ -244,8 +248,8 @@ def _reason(targets: FocusTargets, codes: NDArray[np.int8], found: Split, frame:
 
 
 def _check(w: DoubleArray, circles: DoubleArray, counts: BoolArray, f_stop_range: tuple[float, float]) -> None:
-    if not (np.isfinite(w[counts]).all() and (w[counts] >= 0).all()):
-        raise SettingsError("the best stop needs points before the camera, at 0 /m (infinity) or more")
+    if not np.isfinite(w[counts]).all():
+        raise SettingsError("the best stop needs points at finite inverse depths")
     if not (np.isfinite(circles[counts]).all() and (circles[counts] > 0).all()):
         raise SettingsError("the circles of confusion that points may have must be finite and above 0 mm")
     widest, narrowest = f_stop_range

@@ -122,7 +122,7 @@ def best_focus(
         x = np.clip(wish, stretches.low, stretches.high)
     slopes = law.slope_at_f1_mm_m(x)
     energies = np.where(stretches.high > stretches.low, stretches.energy(x, slopes), np.inf)
-    could_be = (weights * (slopes.max(axis=1, keepdims=True) * w + circles) ** 2).sum(axis=1, keepdims=True)
+    could_be = (weights * (slopes.max(axis=1, keepdims=True) * np.abs(w) + circles) ** 2).sum(axis=1, keepdims=True)
     good = energies <= energies.min(axis=1, keepdims=True) + TIE * could_be
     chosen = np.argmin(np.where(good, np.abs(x - camera_w[:, None]), np.inf), axis=1)[:, None]
     found, wished = (np.take_along_axis(values, chosen, axis=1)[:, 0] for values in (x, wish))

@@ -236,6 +236,21 @@ class FocusTargets:
         ahead = aims >= NEAREST_DEPTH_M
         return np.where(ahead, 1 / np.where(ahead, aims, 1.0), 0.0)
 
+    def axis_w(self, tilts: ArrayLike = 0.0) -> DoubleArray:
+        """``(n, k)`` inverse depth at which a lens must be focused on the view axis to have its focus where each point would.
+
+        Of an upright lens that is `aims_w`. Of a tilted one it is more or less by what its plane of focus rises from the axis to
+        the point; where it is below 0, the plane meets the axis behind the camera.
+
+        Args:
+            tilts: ``(n, 2)`` how the plane's w changes with the slope to the right and up, as in
+                `render.focal_surface.FocalPlane`; or 0.
+        """
+        rise = np.broadcast_to(np.asarray(tilts, np.float64), (self.frames, 2))
+        if not rise.any():
+            return self.aims_w
+        return np.asarray(self.aims_w - (rise[:, None] * np.nan_to_num(self.slopes)).sum(axis=-1))
+
     def at(self, frame: int) -> tuple[FocusTarget, ...]:
         """The points at one frame.
 

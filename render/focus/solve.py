@@ -133,6 +133,7 @@ def solve_distances(
     coc_slopes_mm_m: ArrayLike = 0.0,
     *,
     law: LensLaw | None = None,
+    tilts: ArrayLike = 0.0,
     keep_outside: bool = False,
     near_priority: ArrayLike = 0.0,
     occluded: Occluded = "keep",
@@ -151,6 +152,8 @@ def solve_distances(
             confusion of a thin lens that focuses anywhere and does not breathe; 0 for a pinhole.
         law: of any other lens, for each frame or one for all, in place of the slopes. Where it ends the focus ends, and the
             solution says so.
+        tilts: ``(n, 2)`` of the plane of focus of a lens that is tilted (`render.focus.points.FocusTargets.axis_w`), or 0. The
+            focus distance is then where that plane meets the view axis.
         keep_outside: let points outside the picture count too.
         near_priority: ``(n,)`` or one for all: an exponent p that makes nearer points count more: weights are multiplied by
             (1 / depth in m)^p.
@@ -173,7 +176,7 @@ def solve_distances(
     shares = counts(targets, used, _frames(near_priority, targets.frames, "near priorities"), occluded)
     decided = np.asarray(shares.any(axis=1))
     circles = np.where(used & targets.is_blurred, targets.blurs_mm, 0.0)
-    best = best_focus(shares, np.where(used, targets.aims_w, 0.0), circles, law, own_w)
+    best = best_focus(shares, np.where(used, targets.axis_w(tilts), 0.0), circles, law, own_w)
     w = np.where(decided, best.w, own_w)
     sources: list[FocusSource] = ["points" if by_points else "camera" for by_points in decided.tolist()]
     limits = tuple(_limits(best, decided))

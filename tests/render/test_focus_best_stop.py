@@ -139,3 +139,16 @@ def test_impossible_numbers_are_refused():
         best_stop(1.0, 0.5, LIMIT_MM, FOCAL_MM, f_stop_range=(8, 2))
     with pytest.raises(SettingsError, match="focus law of 2 frames"):
         stops_for(FocusTargets.of("a", [1.0]), LensLaw.thin([50.0, 60.0], 2.0), LIMIT_MM)
+
+
+def test_through_a_tilted_lens_the_split_is_about_its_plane():
+    """Points on a tilted plane need no stop at all; those off it, as much as were the plane upright."""
+    tilt = np.array([[0.4, -1.5]])
+    slopes = np.array([[[0.1, -0.2], [-0.2, 0.0], [0.0, 0.1]]])
+    off = np.array([0.02, -0.01, 0.0])
+    w = 0.5 + off + (slopes * tilt[:, None]).sum(-1)
+    targets = FocusTargets.of("abc", 1 / w, slopes=slopes)
+    found = stops_for(targets, THIN, LIMIT_MM, tilts=tilt)
+    upright = stops_for(FocusTargets.of("abc", [1 / (0.5 + off)]), THIN, LIMIT_MM)
+    assert found.f_stops == pytest.approx(upright.f_stops)
+    assert found.focus.focus_w == pytest.approx(upright.focus.focus_w)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from render.errors import SettingsError
 from render.focal_surface import FocalPlane
 from render.focus.points import FocusTargets
+from render.focus.solve import solve_distances
 from render.focus.tilt import (
     fit_planes,
     fit_targets,
@@ -259,3 +260,16 @@ def test_impossible_planes_and_numbers_are_refused():
         plane_through([[0, 0]], [1.0], [-1.0])
     with pytest.raises(SettingsError, match="finite places"):
         plane_through([[np.nan, 0]], [1.0])
+
+
+def test_a_lens_tilted_by_hand_is_focused_where_its_plane_serves_the_points():
+    tilted = plane_of(math.radians(-4), math.radians(2), 3.0, 50.0)
+    slopes = np.array([[[0.1, -0.2], [-0.2, 0.05]]])
+    targets = FocusTargets.of("ab", 1 / w_on(tilted, slopes), slopes=slopes)
+    tilts = [[tilted.slope_x, tilted.slope_y]]
+    assert solve_distances(targets, 9.0, tilts=tilts).focus_distance_m[0] == pytest.approx(3.0)
+    beyond = FocusTargets.of(
+        "a", [[1 / 0.1]], slopes=[[[0.0, -0.2]]]
+    )  # the plane would pass it only from behind the camera
+    solved = solve_distances(beyond, 9.0, tilts=tilts).at(0)
+    assert (solved.focus_distance_m, solved.limit, solved.states) == (math.inf, "infinity", ("used",))

@@ -18,8 +18,6 @@ from usd_schemas.channels import Channel, checked_channels
 from usd_schemas.curve_fit import Knots, fit_knots
 from usd_schemas.errors import SchemaError
 
-FOCUS_TOLERANCE = 1e-3
-"""How far a fitted focus distance may be from a sample, relative to the sample, where a few knots are worth more."""
 EXACT = 5e-7
 """How far a curve may be from a sample, relative to the sample, to be the same in single precision's six digits."""
 
@@ -125,20 +123,6 @@ def camera_layer(
     t = np.asarray(times, np.float64)
     layer.startTimeCode, layer.endTimeCode = float(t[0]), float(t[-1])
     return layer
-
-
-def focus_layer(
-    stage: Usd.Stage,
-    camera_path: str,
-    times: ArrayLike,
-    focus_distance: ArrayLike,
-    form: Literal["spline", "samples"] = "spline",
-    tolerance: float = FOCUS_TOLERANCE,
-) -> Sdf.Layer:
-    """A layer with nothing but the camera's focus distance: `camera_layer` of one curve, its tolerance relative."""
-    distance = np.asarray(focus_distance, np.float64)
-    tolerances = {"focusDistance": tolerance * np.abs(distance)}
-    return camera_layer(stage, camera_path, times, {"focusDistance": distance}, form, tolerances)
 
 
 def spline_from_knots(knots: Knots, value_type: Literal["float", "double"]) -> Ts.Spline:

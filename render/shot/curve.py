@@ -7,16 +7,20 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Sdf, Usd
 
 from render.errors import SettingsError
 from render.focus import FocusCurve, PointState, PointTrack
 from render.focus.tilt import tilt_and_swing
 from render.optics.thin_lens import focal_surface
+from render.shot.edits import schema_errors_as_settings
 from render.shot.focusing import Focused
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
-from usd_schemas.units import units_from_metres
+from usd_schemas.units import tenths_from_mm, units_from_metres
+
+DoubleArray = NDArray[np.float64]
 
 MAX_CURVE_FRAMES = 100_000
 """About an hour at 24 frames a second: more than that in one curve is a slip of the hand."""
@@ -88,42 +92,52 @@ def lens_angles(focused: Focused) -> tuple[float, float]:
     return (0.0, 0.0) if plane.is_upright else tilt_and_swing(plane, focused.camera.focal_length_mm)
 
 
-def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool) -> str:
-    """A layer that gives the camera its solved focus, to be sublayered over the shot by any tool.
+def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: float = curves.EXACT) -> str:
+    """A layer that gives the camera all that drives it, to be sublayered over the shot by any tool: focus distance, f-number,
+    focal length, and where the lens is tilted its tilt and swing; and the circle of confusion that counts as sharp.
 
-    It sets ``focus:mode`` to manual where the camera asks its points, so that a tool which knows the schemas takes the
-    curve and does not solve once more.
+    It sets ``focus:mode`` to manual where the points set the distance or the tilt, so that a tool which knows the schemas takes
+    the curve and does not solve once more. A surface through points stays one, as no curve of a camera says it.
 
     Args:
         stage: the stage that the curve is of.
         curve: the curve.
-        baked: time samples, for tools that read no splines, in place of a native spline.
+        baked: time samples, for tools that read no splines, in place of native splines.
+        tolerance: how far a spline may be off, relative to the value; more makes fewer knots.
 
     Returns:
         usda text.
+
+    Raises:
+        SettingsError: the tolerance is no share, or a value is beyond what its attribute allows.
     """
-    distances = units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage)
+    if not 0 <= tolerance < 1:
+        raise SettingsError(f"the tolerance of a focus layer must be a share from 0 to below 1, got {tolerance:g}")
+    values = _driven(stage, curve)
+    tolerances = {name: tolerance * np.abs(column) for name, column in values.items()}
     form: Literal["spline", "samples"] = "samples" if baked else "spline"
-    with quiet_diagnostics():
-        layer = curves.focus_layer(stage, curve.camera, curve.time_codes, distances, form, _tolerance(curve))
+    with schema_errors_as_settings(), quiet_diagnostics():
+        layer = curves.camera_layer(stage, curve.camera, curve.time_codes, values, form, tolerances)
     layer.comment = f"Focus of {curve.camera}, solved by Pullfocus: sublayer this over the shot."
-    if LensCamera(stage.GetPrimAtPath(curve.camera)).focus.read().mode != "manual":
-        spec = layer.GetPrimAtPath(curve.camera)
+    spec = layer.GetPrimAtPath(curve.camera)
+    if LensCamera(stage.GetPrimAtPath(curve.camera)).focus.read().mode in ("points", "tiltPlane"):
         mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
         mode.default = "manual"
     with quiet_diagnostics():
         return str(layer.ExportToString())
 
 
-def _tolerance(curve: FocusCurve) -> float:
-    """How far, relative to the distance, a spline may be off: by a tenth of what can be seen, and never over 1 in 1000.
-
-    A focus that is off by the share e of its distance z makes a circle of confusion of slope · e / z.
-    """
-    z = np.minimum(curve.focus_distance_m, FAR_AWAY_M)
-    with np.errstate(divide="ignore"):
-        slope_mm_m = np.where(curve.f_stop > 0, curve.focal_length_mm**2 / curve.f_stop / 1000, 0.0)
-        return float(min(curves.FOCUS_TOLERANCE, np.min(0.1 * curve.coc_limit_mm * z / slope_mm_m)))
+def _driven(stage: Usd.Stage, curve: FocusCurve) -> dict[str, DoubleArray]:
+    """``(n,)`` values of the camera's attributes, each in its own unit."""
+    values = {
+        "focusDistance": units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage),
+        "fStop": curve.f_stop,
+        "focalLength": tenths_from_mm(curve.focal_length_mm, stage),
+        "focus:circleOfConfusion": curve.coc_limit_mm,
+    }
+    if curve.tilt_rad.any() or curve.swing_rad.any():
+        values |= {"tiltShift:tilt": np.degrees(curve.tilt_rad), "tiltShift:swing": np.degrees(curve.swing_rad)}
+    return values
 
 
 def _track(solved: Sequence[Focused], index: int) -> PointTrack:

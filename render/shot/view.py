@@ -35,6 +35,7 @@ from render.stage import (
     read_camera,
 )
 from usd_schemas import FocusPointView, Key, LensCamera, SchemaError
+from usd_schemas.curves import EXACT
 
 
 class ShotView:
@@ -216,18 +217,21 @@ class ShotView:
         path = self._path(camera_path)
         return solve_curve(self.stage, path, frames, lambda times: self._focus.over(path, times, self._edits.revision))
 
-    def focus_layer(self, camera_path: str | None, frames: Sequence[float], baked: bool = False) -> str:
+    def focus_layer(
+        self, camera_path: str | None, frames: Sequence[float], baked: bool = False, tolerance: float = EXACT
+    ) -> str:
         """The solved focus as a USD layer for other tools (usda text), to be sublayered over the shot.
 
         Args:
             camera_path: of a camera.
             frames: rising USD time codes.
-            baked: time samples, for tools that read no splines, in place of a native spline.
+            baked: time samples, for tools that read no splines, in place of native splines.
+            tolerance: how far a spline may be off, relative to the value; more makes fewer knots.
 
         Raises:
-            SettingsError: there are no frames, too many, or they do not rise.
+            SettingsError: there are no frames, too many, or they do not rise; or the tolerance is no share.
         """
-        return focus_layer(self.stage, self.focus_curve(camera_path, frames), baked=baked)
+        return focus_layer(self.stage, self.focus_curve(camera_path, frames), baked=baked, tolerance=tolerance)
 
     def check_not_own(self, path: Path) -> None:
         """Refuse to write a result over a file that the shot uses: a layer, a texture, or the saved edits over it.

@@ -209,7 +209,7 @@ def test_the_focus_layer_gives_any_usd_tool_the_solved_focus(tmp_path, units, ba
     path = write_shot(tmp_path / "shot.usda", units)
     shot = Shot.open(path)
     shot.add_focus_point(CAMERA, "far", ON_FAR)
-    frames = [frame * units.per_second / 24 for frame in FRAMES]
+    frames = (np.linspace(FRAMES[0], FRAMES[-1], 1000) * units.per_second / 24).tolist()
     text = shot.focus_layer(CAMERA, frames, baked)
     assert ("spline" in text) is not baked
     assert ("timeSamples" in text) is baked
@@ -221,9 +221,29 @@ def test_the_focus_layer_gives_any_usd_tool_the_solved_focus(tmp_path, units, ba
     stage = Usd.Stage.Open(root)
     attribute = stage.GetPrimAtPath(CAMERA).GetAttribute("focusDistance")
     distances_m = [metres_from_units(attribute.Get(time), shot.stage) for time in frames]
-    assert distances_m == pytest.approx([far_depth_m(frame) for frame in FRAMES], rel=1.1e-3)
+    ours_m = shot.focus_curve(CAMERA, frames).focus_distance_m
+    assert distances_m == pytest.approx(ours_m, rel=1e-6)
+    assert ours_m[0] == pytest.approx(far_depth_m(FRAMES[0]))
+    assert stage.GetPrimAtPath(CAMERA).GetAttribute("fStop").Get(frames[500]) == pytest.approx(2.0)
     assert stage.GetPrimAtPath(CAMERA).GetAttribute("focus:mode").Get() == "manual"
     assert shot.export_edits().count("focusDistance") == 0, "the shot itself is not changed"
+
+
+def test_a_looser_spline_has_fewer_knots(shot):
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    shot.add_focus_point(CAMERA, "near", ON_NEAR)
+    for frame, weight in ((2, 0.0), (6, 1.0), (12, 0.1)):
+        shot.set_key(CAMERA, "near", "weight", frame, weight, "auto")
+    knots = {}
+    for tolerance in (1e-6, 1e-2):
+        layer = Sdf.Layer.CreateAnonymous("focus.usda")
+        layer.ImportFromString(shot.focus_layer(CAMERA, list(FRAMES), tolerance=tolerance))
+        stage = Usd.Stage.Open(layer)
+        attribute = stage.GetPrimAtPath(CAMERA).GetAttribute("focusDistance")
+        knots[tolerance] = len(attribute.GetSpline().GetKnots())
+    assert knots[1e-2] < knots[1e-6]
+    with pytest.raises(SettingsError, match="tolerance"):
+        shot.focus_layer(CAMERA, list(FRAMES), tolerance=-1.0)
 
 
 @pytest.mark.parametrize("frames", [[], [3, 2, 1], [1, math.nan], [1, 1], range(10**9)])

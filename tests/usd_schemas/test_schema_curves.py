@@ -10,7 +10,7 @@ from pxr import Sdf, Ts, Usd, UsdGeom
 
 from usd_schemas import SchemaError
 from usd_schemas.curve_fit import fit_knots
-from usd_schemas.curves import author_samples, author_splines, focus_layer, spline_from_knots
+from usd_schemas.curves import author_samples, author_splines, camera_layer, spline_from_knots
 
 FRAMES = np.arange(1.0, 97.0)
 SINGLE = 1e-6  # focusDistance and its spline are single precision
@@ -130,9 +130,9 @@ def test_new_samples_leave_none_of_the_old(stage: Usd.Stage) -> None:
 @pytest.mark.parametrize("form", ["spline", "samples"])
 def test_a_focus_layer_over_the_shot_gives_the_curve(stage: Usd.Stage, form: str) -> None:
     """Also at another time-code rate than USD's default 24, at which a layer that is silent would be retimed."""
-    layer = focus_layer(stage, "/shot/cam", FRAMES, rack(), form)  # type: ignore[arg-type]
+    layer = camera_layer(stage, "/shot/cam", FRAMES, {"focusDistance": rack()}, form)  # type: ignore[arg-type]
     stage.GetRootLayer().subLayerPaths.append(layer.identifier)
-    np.testing.assert_allclose(focus(stage), rack(), rtol=1e-3 + SINGLE)
+    np.testing.assert_allclose(focus(stage), rack(), rtol=1e-6 + SINGLE)
     assert spec_of(layer).HasInfo("spline") is (form == "spline")
     assert spec_of(layer).HasInfo("timeSamples") is (form == "samples")
     assert layer.GetPrimAtPath("/shot/cam").specifier == Sdf.SpecifierOver
@@ -141,7 +141,8 @@ def test_a_focus_layer_over_the_shot_gives_the_curve(stage: Usd.Stage, form: str
 def test_both_layers_agree_at_every_frame(stage: Usd.Stage) -> None:
     both = []
     for form in ("spline", "samples"):
-        over = Usd.Stage.Open(focus_layer(stage, "/shot/cam", FRAMES, rack(), form, 1e-5))
+        off = {"focusDistance": 1e-5 * rack()}
+        over = Usd.Stage.Open(camera_layer(stage, "/shot/cam", FRAMES, {"focusDistance": rack()}, form, off))  # type: ignore[arg-type]
         both.append(focus(over))
     np.testing.assert_allclose(both[0], both[1], rtol=1e-5 + SINGLE)
 
@@ -182,7 +183,7 @@ def test_what_makes_no_curve_is_refused(
 @pytest.mark.parametrize("path", ["/shot", "/nowhere", "not a path", "/shot/cam.focusDistance"])
 def test_a_path_that_is_no_camera_is_refused(stage: Usd.Stage, path: str) -> None:
     with pytest.raises(SchemaError, match="need a camera"):
-        focus_layer(stage, path, [1], [1.0])
+        camera_layer(stage, path, [1], {"focusDistance": [1.0]})
 
 
 @pytest.mark.parametrize("path", ["/", "cam", "no path"])

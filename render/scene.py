@@ -140,7 +140,7 @@ class Batch:
         instance_prim_ids: ``(k,)`` int32 index into ``Scene.prim_paths`` of the prim an instance is picked as, or None
             where the triangle's own prim is. For native instances: one entry for each instance, and each is the instance
             proxy's path of the mesh. For a PointInstancer: the instancer.
-        instance_numbers: ``(k,)`` int32 the PointInstancer's instance index, or -1.
+        instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
     """
 
     geometry: Geometry

@@ -237,7 +237,7 @@ class FocusPoint:
         face: index of the authored face, -1 for the origin of the target's space.
         fan_triangle: which triangle of that face's fan: corners 0, i + 1, i + 2 in authored order.
         barycentric: weights of those corners, in that order.
-        instance: index in the PointInstancer, else -1.
+        instance: id in the PointInstancer (its index where it has no ids), else -1.
         offset: from the surface, in scene units in the target's own space.
         kind: sharp or soft.
         blur: wanted diameter of the circle of confusion on the film, in millimetres.

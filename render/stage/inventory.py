@@ -14,7 +14,7 @@ from render.stage.surface import is_drawable
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract)
-_INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales", "protoIndices", "invisibleIds")
+_INSTANCER_ATTRIBUTES = ("positions", "orientations", "orientationsf", "scales", "protoIndices", "ids", "invisibleIds")
 # A single sample of these moves instances all the time.
 _INSTANCER_RATES = ("velocities", "accelerations", "angularVelocities")
 _MAX_NESTED_INSTANCERS = 8

@@ -39,11 +39,13 @@ class _Instances:
         matrices: ``(n, 4, 4)`` instancer from prototype root.
         prototypes: ``(n,)`` which prototype each is of.
         visible: ``(n,)`` bool.
+        names: ``(n,)`` by what they are told apart over time: their ids, else their indices.
     """
 
     matrices: DoubleArray
     prototypes: IntArray
     visible: NDArray[np.bool_]
+    names: IntArray
 
 
 class InstanceReader:
@@ -59,8 +61,12 @@ class InstanceReader:
         self._transforms = UsdGeom.XformCache(time)
         self._read: dict[str, _Instances] = {}
 
-    def of_prototype(self, link: InstancerLink) -> tuple[DoubleArray, IntArray, int]:
-        """The visible instances of one prototype.
+    def of_prototype(self, link: InstancerLink, *, drawn: bool = True) -> tuple[DoubleArray, IntArray, int]:
+        """The instances of one prototype.
+
+        Args:
+            link: the instancer and which of its prototypes.
+            drawn: whether those alone are meant that are visible.
 
         Returns:
             ``(k, 4, 4)`` instancer from prototype root, ``(k,)`` their indices, and how many instances of all prototypes
@@ -69,17 +75,24 @@ class InstanceReader:
         Raises:
             StageError: a transform is not finite.
         """
-        path = str(link.instancer.GetPath())
-        if path not in self._read:
-            self._read[path] = self._usable(UsdGeom.PointInstancer(link.instancer))
-        every = self._read[path]
-        indices = np.flatnonzero(every.visible & (every.prototypes == link.prototype)).astype(np.int32)
+        every = self._of(link.instancer)
+        indices = np.flatnonzero((every.visible | (not drawn)) & (every.prototypes == link.prototype)).astype(np.int32)
         local, _resets = self._transforms.GetLocalTransformation(link.root)
         with np.errstate(invalid="ignore", over="ignore"):
             matrices = every.matrices[indices] @ column_matrix(local)
         if not np.isfinite(matrices).all():
             raise _not_finite(link.instancer)
         return matrices, indices, len(every.prototypes)
+
+    def names(self, instancer: Usd.Prim) -> IntArray:
+        """``(n,)`` by what an instancer's instances are told apart over time: their ids, or their indices where it has none."""
+        return self._of(instancer).names
+
+    def _of(self, instancer: Usd.Prim) -> _Instances:
+        path = str(instancer.GetPath())
+        if path not in self._read:
+            self._read[path] = self._usable(UsdGeom.PointInstancer(instancer))
+        return self._read[path]
 
     def _usable(self, instancer: UsdGeom.PointInstancer) -> _Instances:
         """The instances of an instancer; none, and a finding, where its values cannot be read."""
@@ -88,7 +101,8 @@ class InstanceReader:
             return self._instances(instancer)
         except UNREADABLE as problem:
             self._log.add("bad_instances", path, f"instancer {path} is not drawn: {why_unreadable(problem)}")
-            return _Instances(np.zeros((0, 4, 4)), np.zeros(0, np.int32), np.zeros(0, bool))
+            none = np.zeros(0, np.int32)
+            return _Instances(np.zeros((0, 4, 4)), none, np.zeros(0, bool), none)
 
     def _instances(self, instancer: UsdGeom.PointInstancer) -> _Instances:
         authored = instancer.GetProtoIndicesAttr().Get(self._time)
@@ -104,7 +118,19 @@ class InstanceReader:
         count = min(len(prototypes), len(matrices))
         mask = instancer.ComputeMaskAtTime(self._time)
         visible = np.array(mask, bool)[:count] if mask else np.ones(count, bool)
-        return _Instances(matrices[:count], prototypes[:count], visible)
+        return _Instances(matrices[:count], prototypes[:count], visible, self._names(instancer, count))
+
+    def _names(self, instancer: UsdGeom.PointInstancer, count: int) -> IntArray:
+        authored = np.array(instancer.GetIdsAttr().Get(self._time) or [], np.int64)
+        if not len(authored):
+            return np.arange(count, dtype=np.int32)
+        fit = authored[:count]
+        if len(fit) < count or len(np.unique(fit)) < count or fit.min() < 0 or fit.max() > np.iinfo(np.int32).max:
+            path = instancer.GetPath()
+            told = f"the instances of {path} are told apart by their indices: its ids must be"
+            self._log.add("bad_ids", path, f"{told} {count} different whole numbers from 0 to 2147483647")
+            return np.arange(count, dtype=np.int32)
+        return fit.astype(np.int32)
 
     def _note_faults(self, instancer: UsdGeom.PointInstancer, prototypes: IntArray, count: int) -> None:
         path = instancer.GetPath()
@@ -134,10 +160,13 @@ def instance_poses(
     transforms: UsdGeom.XformCache,
     world: DoubleArray,
     instances: InstanceReader,
+    *,
+    drawn: bool = True,
 ) -> tuple[DoubleArray, IntArray]:
     """Where the instances of a surface below one or more point instancers stand.
 
-    Nested instancers number their instances as digits: ``outer · (inner count) + inner``.
+    An instance's number is its id, by which USD tells it from the others while they come and go, or its index where its
+    instancer has no ids. Nested instancers number theirs by index, as digits: ``outer · (inner count) + inner``.
 
     Args:
         chain: the instancers, outermost first.
@@ -145,6 +174,7 @@ def instance_poses(
         transforms: at the asked time.
         world: world from stage.
         instances: reads instancers, at the same time.
+        drawn: whether those alone are meant that are visible.
 
     Returns:
         ``(k, 4, 4)`` world from the prim's own space, and ``(k,)`` instance numbers.
@@ -155,11 +185,13 @@ def instance_poses(
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
     for link, below in zip(chain, [*(next_.instancer for next_ in chain[1:]), prim], strict=True):
-        matrices, indices, count = instances.of_prototype(link)
+        matrices, indices, count = instances.of_prototype(link, drawn=drawn)
         relative = relative_pose(below, link.root, transforms)
         check_places(len(poses) * len(matrices), link.instancer.GetPath())
         poses = (poses[:, None] @ (matrices @ relative)[None]).reshape(-1, 4, 4)
         numbers = (numbers[:, None] * count + indices[None]).reshape(-1)
+    if len(chain) == 1:
+        numbers = instances.names(chain[0].instancer)[numbers]
     return poses, numbers
 
 
@@ -171,8 +203,8 @@ def pose_of_instance(
     world: DoubleArray,
     instances: InstanceReader,
 ) -> DoubleArray | None:
-    """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time."""
-    poses, numbers = instance_poses(chain, prim, transforms, world, instances)
+    """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time; it may be invisible."""
+    poses, numbers = instance_poses(chain, prim, transforms, world, instances, drawn=False)
     found = np.flatnonzero(numbers == number)
     return poses[found[0]] if len(found) else None
 

@@ -138,6 +138,45 @@ def test_on_nested_instancers() -> None:
     assert_everywhere(stage, 0)
 
 
+def test_an_instance_is_followed_by_its_id_as_others_come_and_go() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [])
+    for time, ids in ((1, [4, 8]), (2, [8, 9]), (3, [9])):
+        dots.GetProtoIndicesAttr().Set([0] * len(ids), time)
+        dots.CreateIdsAttr().Set(ids, time)
+        dots.GetPositionsAttr().Set([Gf.Vec3f(10 * number, time, 0) for number in ids], time)
+    p = point(("/dots", "/dots/a"), barycentric=(1.0, 0.0, 0.0), instance=8)
+    found = AnchorReader(stage).anchored([[p]] * 3, [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(found.positions_m[:2, 0], [[80, 1, 0], [80, 2, 0]])
+    assert "instance 8 of /dots, which does not exist at time 3" in found.problems[2]["p"]
+    for time in (1, 2, 3):
+        assert_everywhere(stage, time)
+
+
+def test_an_instance_that_is_invisible_keeps_its_place() -> None:
+    stage = new_stage()
+    add_mesh(stage, "/dots/a")
+    dots = instancer(stage, "/dots", ["/dots/a"], [0, 0])
+    dots.CreateInvisibleIdsAttr([1])
+    p = point(("/dots", "/dots/a"), barycentric=(1.0, 0.0, 0.0), instance=1)
+    np.testing.assert_allclose(anchor_position(stage, p, 0), [10, 0, 0])
+
+
+@pytest.mark.parametrize("ids", [[5, 5, 6], [5, 6], [-1, 0, 1], [0, 1, 2**40]])
+def test_ids_that_tell_nothing_apart_are_told_and_indices_are_used(ids: list[int]) -> None:
+    stage = new_stage()
+    add_mesh(stage, "/dots/a")
+    instancer(stage, "/dots", ["/dots/a"], [0, 0, 0]).CreateIdsAttr(ids)
+    reader = StageReader(stage)
+    assert [b.instance_numbers.tolist() for b in reader.read(0).batches if b.instance_numbers is not None] == [
+        [0, 1, 2]
+    ]
+    assert "bad_ids" in {finding.code for finding in reader.findings}
+    p = point(("/dots", "/dots/a"), barycentric=(1.0, 0.0, 0.0), instance=2)
+    np.testing.assert_allclose(anchor_position(stage, p, 0), [20, 0, 0])
+
+
 def test_a_target_without_a_surface_or_a_face_is_its_origin() -> None:
     stage = new_stage()
     UsdGeom.Xform.Define(stage, "/locator").AddTranslateOp().Set(Gf.Vec3d(1, 2, 3))

@@ -165,14 +165,15 @@ def instance_matrix(frame: float, number: int) -> DoubleArray:
     return placed(turned(1, angle) * size, position)
 
 
-def author_instances(stage: Usd.Stage, path: str, prototype: str) -> None:
-    """Three instances, of which the first is hidden now and then."""
+def author_instances(stage: Usd.Stage, path: str, prototype: str, *, mixed: bool = False) -> None:
+    """Three instances, of which the first is hidden now and then; ``mixed``: their order changes, and their ids go with them."""
     dots = UsdGeom.PointInstancer.Define(stage, path)
     dots.CreatePrototypesRel().SetTargets([Sdf.Path(prototype)])
     dots.CreateProtoIndicesAttr([0, 0, 0])
-    dots.CreateIdsAttr([50, 60, 70])
     for frame in FRAMES:
-        places = [instance_place(frame, number) for number in range(3)]
+        order = np.roll([0, 1, 2], int(frame) // 5 if mixed else 0).tolist()
+        dots.CreateIdsAttr().Set([50 + 10 * number for number in order], frame)
+        places = [instance_place(frame, number) for number in order]
         dots.CreatePositionsAttr().Set([Gf.Vec3f(*p.tolist()) for p, _, _ in places], frame)
         quats = [Gf.Quatf(float(np.cos(a / 2)), 0, float(np.sin(a / 2)), 0) for _, a, _ in places]
         dots.CreateOrientationsfAttr().Set(Vt.QuatfArray(quats), frame)
@@ -181,10 +182,10 @@ def author_instances(stage: Usd.Stage, path: str, prototype: str) -> None:
 
 
 def points(stage: Usd.Stage) -> tuple[tuple[str, ...], int, Place]:
-    """The third instance of a PointInstancer."""
+    """One instance of a PointInstancer, by its id."""
     define_subject(stage, "/dots/subject")
-    author_instances(stage, "/dots", "/dots/subject")
-    return ("/dots", "/dots/subject/sheet"), 2, lambda frame: instance_matrix(frame, 2)
+    author_instances(stage, "/dots", "/dots/subject", mixed=True)
+    return ("/dots", "/dots/subject/sheet"), 70, lambda frame: instance_matrix(frame, 2)
 
 
 def nested(stage: Usd.Stage) -> tuple[tuple[str, ...], int, Place]:

@@ -145,7 +145,7 @@ def test_a_point_instancer_draws_its_prototypes_and_numbers_its_instances() -> N
     assert scene.prim_paths[b.geometry.prim_ids[0]] == "/dots/b/inner"
 
 
-def test_invisible_and_inactive_instances_are_not_drawn_and_the_others_keep_their_numbers() -> None:
+def test_invisible_and_inactive_instances_are_not_drawn_and_the_others_are_told_apart_by_their_ids() -> None:
     stage = new_stage()
     add_mesh(stage, "/dots/a")
     dots = instancer(stage, "/dots", ["/dots/a"], [0] * 5)
@@ -154,7 +154,7 @@ def test_invisible_and_inactive_instances_are_not_drawn_and_the_others_keep_thei
     dots.DeactivateId(103)
     batch = only_batch(read(stage))
     assert batch.instance_numbers is not None
-    assert batch.instance_numbers.tolist() == [0, 2, 4]
+    assert batch.instance_numbers.tolist() == [100, 102, 104]
 
 
 def test_instances_that_come_and_go_over_time() -> None:

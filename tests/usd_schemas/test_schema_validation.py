@@ -161,6 +161,22 @@ def test_a_stop_beyond_the_lens_is_a_warning(stage: Usd.Stage) -> None:
     assert "the lens opens from f/2.8 to f/22, got fStop of 1.4" in problem.message
 
 
+def test_an_instance_is_named_by_its_id_where_there_are_ids(stage: Usd.Stage) -> None:
+    ids = UsdGeom.PointInstancer(stage.GetPrimAtPath("/trees")).CreateIdsAttr([100, 2, 300])
+    assert validate(stage) == []
+    ids.Set([100, 200, 300])
+    assert "/trees has no instance of id 2" in the_problem(stage).message
+    ids.Set([200, 2, 300], 10)  # it may come later
+    assert validate(stage) == []
+
+
+def test_instances_in_instances_have_numbers_beyond_the_outer_count(stage: Usd.Stage) -> None:
+    inner = UsdGeom.PointInstancer.Define(stage, "/trees/twigs")
+    inner.CreateProtoIndicesAttr([0, 0])
+    put("focusPoint:leaf:instance", 5)(stage)
+    assert validate(stage) == []
+
+
 @pytest.mark.parametrize(
     ("targets", "message"),
     [

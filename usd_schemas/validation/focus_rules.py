@@ -94,13 +94,30 @@ def _instance_fault(view: FocusPointView, point: FocusPoint) -> Iterator[Fault]:
     instancer = UsdGeom.PointInstancer(view.prim.GetStage().GetPrimAtPath(first))
     path = view.prim.GetPath().AppendProperty(f"focusPoint:{view.name}:instance")
     if instancer:
-        count = len(_whole_numbers(instancer.GetProtoIndicesAttr()))
-        if not 0 <= point.instance < count:
-            yield Fault(path, f"focus point {view.name}: {first} has {count} instances, got {point.instance}")
+        fault = _instance_problem(instancer, point)
+        if fault:
+            yield Fault(path, f"focus point {view.name}: {fault}")
     elif point.instance >= 0:
         yield Fault(
             path, f"focus point {view.name} names instance {point.instance} of a target that is no PointInstancer"
         )
+
+
+def _instance_problem(instancer: UsdGeom.PointInstancer, point: FocusPoint) -> str:
+    """What is wrong with a focus point's instance, when the instancer first says anything; empty where nothing is."""
+    where = instancer.GetPath()
+    if point.instance < 0:
+        return f"{where} is a PointInstancer, whose instance must be named, got {point.instance}"
+    ids = instancer.GetIdsAttr()
+    if ids.ValueMightBeTimeVarying():
+        return ""  # it may come later
+    known = set(ids.Get(Usd.TimeCode.EarliestTime()) or [])
+    if known:
+        return "" if point.instance in known else f"{where} has no instance of id {point.instance}"
+    count = len(_whole_numbers(instancer.GetProtoIndicesAttr()))
+    below = Usd.PrimRange.AllPrims(instancer.GetPrim())
+    nested = sum(prim.IsA(UsdGeom.PointInstancer) for prim in below) > 1
+    return "" if nested or point.instance < count else f"{where} has {count} instances, got {point.instance}"
 
 
 def _whole_numbers(attribute: Usd.Attribute) -> Vt.IntArray:

@@ -55,6 +55,8 @@ _HONOURED = _OF_LENSES | frozenset(
         "tiltShift:fromFocusPoints",
         "tiltShift:maxAngle",
         "lens:focusThrow",
+        "lens:expressive:pupilPower",
+        "lens:expressive:blend",
     }
 )
 """Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""

@@ -143,6 +143,7 @@ def test_power_drawn_over_the_pupil_reaches_the_lens(stage: Usd.Stage, camera: L
     camera.lens.author(LensData(pupil_power=(1.0, 1.1, 0.9), expressive_blend=0.25))
     lens = _read(stage).lens
     assert (lens.pupil_power, lens.expressive_blend) == ((1.0, 1.1, 0.9), 0.25)
+    assert camera_findings(stage, ["/cam"]) == []
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from service.lens_work import lens_to_mount
-from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
+from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.opened import OpenedShots
 from service.store import ShotRecord
 from service.terms import Terms
@@ -86,3 +86,35 @@ class ReadLens:
 
         with opened.use(self.record) as shot:
             return as_readout(shot.readout(self.camera, self.time), self.time)
+
+
+@dataclass(frozen=True)
+class ReadPlace:
+    """Read the lens off at a place of the picture, or at a focus point.
+
+    Attributes:
+        record: of which shot.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        place: name of a focus point, or place in the picture and depth in metres of the thing there.
+        aspect: width over height of the picture; None takes the film gate's.
+    """
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+    place: str | tuple[tuple[float, float], float]
+    aspect: float | None
+
+    def run(self, opened: OpenedShots) -> PlaceReadout:
+        """Raises `CameraError`, `NotFoundError` or `InputError`."""
+        from service.reading import as_place_readout
+
+        with opened.use(self.record) as shot:
+            path = self.camera or shot.default_camera().path
+            if isinstance(self.place, str):
+                at = shot.readout_at_point(self.camera, self.time, self.place, aspect=self.aspect)
+                return as_place_readout(at, path, self.time, self.place)
+            screen, depth_m = self.place
+            at = shot.readout_at(self.camera, self.time, screen, depth_m, aspect=self.aspect)
+            return as_place_readout(at, path, self.time, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,9 @@ from service.store import ShotRecord
 if TYPE_CHECKING:
     from render.film import Grade
     from render.frame import FrameRenderer
+
+PICK_WIDTH = 2048
+"""Pixels of the picture in which a place is looked up: finer than what anybody points at."""
 
 
 class Darkroom:
@@ -123,3 +127,40 @@ class PickSurface:
             instance=found.instance,
         )
         return Pick(hit=True, anchor=anchor, depth_m=found.depth_m, position_m=found.position_m)
+
+
+@dataclass(frozen=True)
+class FindDepth:
+    """Find how far away is what a place of the picture shows.
+
+    Attributes:
+        record: of which shot.
+        edits: its edit layer at the moment of asking.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        screen: the place, from (0, 0) top left to (1, 1) bottom right.
+        aspect: width over height of the picture; None takes the film gate's.
+    """
+
+    record: ShotRecord
+    edits: str
+    camera: str | None
+    time: float
+    screen: tuple[float, float]
+    aspect: float | None
+
+    def run(self, room: Darkroom) -> float:
+        """Metres along the view axis; infinite where there is nothing. Raises `CameraError` or `SettingsError`."""
+        from render.shot.size import picture_height
+
+        with room.opened.use(self.record, self.edits) as shot:
+            height = (
+                max(1, round(PICK_WIDTH / self.aspect))
+                if self.aspect
+                else picture_height(shot, self.camera, self.time, PICK_WIDTH)
+            )
+            scene = shot.scene_at(self.time)
+            camera = shot.camera_at(self.camera, self.time, PICK_WIDTH, height)
+            x, y = self.screen[0] * PICK_WIDTH, self.screen[1] * height
+            found = room.renderer.pick(scene, camera, PICK_WIDTH, height, x, y)
+        return math.inf if found is None else found.depth_m

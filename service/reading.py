@@ -15,9 +15,10 @@ from render.shot import PlacedPoint
 from render.shot import Readout as OpenReadout
 from render.shot import Shot as OpenShot
 from render.shot.inspection import inspect_shot
+from render.shot.place_readout import PlaceReadout as OpenPlaceReadout
 from render.stage import read_camera
 from service.models.base import Finding, Vector3
-from service.models.cameras import CameraList, CameraState, Readout
+from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute, Tangents
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
@@ -68,7 +69,16 @@ def inspect(record: ShotRecord, shot: OpenShot) -> Inspection:
 
 def as_readout(lens: OpenReadout, time: float) -> Readout:
     """The lens in numbers."""
-    return Readout.model_validate({**vars(lens), "time": time})
+    angles = {"tilt_deg": math.degrees(lens.tilt_rad), "swing_deg": math.degrees(lens.swing_rad)}
+    said = {name: getattr(lens, name) for name in set(Readout.model_fields) - {"time", *angles}}
+    return Readout.model_validate(said | angles | {"time": time})
+
+
+def as_place_readout(read: OpenPlaceReadout, camera: str | None, time: float, point: str | None) -> PlaceReadout:
+    """The lens at one place, in numbers."""
+    return PlaceReadout.model_validate(
+        {**vars(read), "sharp": read.is_sharp, "camera": camera, "time": time, "point": point}
+    )
 
 
 def _frame_range(shot: OpenShot) -> FrameRange:

@@ -38,6 +38,9 @@ READOUT_EXAMPLE: JsonDict = {
     "cocLimitMm": 0.019,
     "source": "points",
     "reason": "focused by driver",
+    "note": "",
+    "tiltDeg": 0.0,
+    "swingDeg": 0.0,
     "lensName": "Planar 50 mm f/1.4",
     "lensModel": "prescription",
 }
@@ -125,5 +128,42 @@ class Readout(Model):
     coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
     source: str = Field(description="Whether focus points decided, or the camera's own focus distance was kept.")
     reason: str = Field(description="One sentence that says why.")
+    note: str = Field(description="What could not be done as asked, in a sentence; or empty.")
+    tilt_deg: float = Field(description="Turn of the lens: positive looks up.")
+    swing_deg: float = Field(description="Turn of the lens, before the tilt: positive looks left.")
     lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
     lens_model: LensModel = Field(description="How light passes it.")
+
+
+class PlaceReadout(Model):
+    """What the lens does at one place of the picture at one time."""
+
+    model_config = shown_as(
+        {
+            "camera": "/World/Camera",
+            "time": 24.0,
+            "point": "driver",
+            "screen": [0.43, 0.55],
+            "depthM": 3.42,
+            "focusDistanceM": 3.4,
+            "nearM": 3.26,
+            "farM": 3.55,
+            "hyperfocalM": 65.7,
+            "cocMm": 0.0021,
+            "cocLimitMm": 0.019,
+            "sharp": True,
+        }
+    )
+
+    camera: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
+    time: float = Field(description="USD time code.")
+    point: str | None = Field(description="Name of the focus point that was asked for, if any.")
+    screen: tuple[float, float] = Field(description="The place, 0 to 1 from the picture's top left corner.")
+    depth_m: Distance = Field(description="Of the thing there, along the view axis; null is infinity.")
+    focus_distance_m: Distance = Field(description="Depth of the focal surface at that place; null is infinity.")
+    near_m: Distance = Field(description="Nearest depth that is sharp at that place; null is infinity.")
+    far_m: Distance = Field(description="Farthest depth that is sharp at that place; null is infinity.")
+    hyperfocal_m: Distance = Field(description="Of the lens, on the view axis.")
+    coc_mm: float = Field(description="Diameter on the film of the thing's circle of confusion.")
+    coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
+    sharp: bool = Field(description="Whether the thing is.")

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response
+from typing import Annotated, Self
 
-from service.camera_work import EditCamera, ListCameras, ReadCamera, ReadLens
-from service.hub import HubDep
-from service.models.cameras import CameraEdit, CameraList, CameraState, Readout
+from fastapi import APIRouter, Query, Response
+from pydantic import Field, model_validator
+
+from service.camera_work import EditCamera, ListCameras, ReadCamera, ReadLens, ReadPlace
+from service.hub import Hub, HubDep
+from service.models.base import Model, PointName, PrimPath, TimeCode
+from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
+from service.picture_work import FindDepth
 from service.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
+from service.store import ShotRecord
 
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
 EDITED = problems(412)
@@ -43,3 +49,60 @@ async def edit_camera(
 async def get_readout(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
     """Focus distance, depth of field and hyperfocal distance at one time."""
     return await hub.ask_stage(ReadLens(hub.store.get(shot), camera, time))
+
+
+class PlaceQuery(Model):
+    """Which place of the picture: a focus point's, or one that is pointed at."""
+
+    camera: PrimPath | None = Field(
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+    )
+    time: TimeCode = Field(description="USD time code.", examples=[24])
+    point: PointName | None = Field(
+        default=None, description="A focus point's name, in place of `x` and `y`.", examples=["driver"]
+    )
+    x: float | None = Field(
+        default=None, ge=0, le=1, description="From the picture's left edge (0) to its right one (1).", examples=[0.43]
+    )
+    y: float | None = Field(
+        default=None, ge=0, le=1, description="From the picture's top edge (0) to its bottom one (1).", examples=[0.55]
+    )
+    depth_m: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e9,
+        description="Depth of a thing at that place, along the view axis; left out, that of what is seen there.",
+        examples=[3.42],
+    )
+    aspect: float | None = Field(
+        default=None,
+        ge=0.01,
+        le=100,
+        description="Width over height of the picture; the film gate's when left out.",
+        examples=[1.7778],
+    )
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        pointed_at = self.x is not None and self.y is not None
+        if (self.point is None) != pointed_at or (self.point is not None and self.depth_m is not None):
+            raise ValueError("a place is a focus point's name, or x and y, and with these a depth if need be")
+        return self
+
+
+@router.get("/shots/{shot}/readout/place", operation_id="getPlaceReadout")
+async def get_place_readout(hub: HubDep, shot: ShotId, query: Annotated[PlaceQuery, Query()]) -> PlaceReadout:
+    """What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there."""
+    record = hub.store.get(shot)
+    place = query.point or await _pointed_at(hub, record, query)
+    return await hub.ask_stage(ReadPlace(record, query.camera, query.time, place, query.aspect))
+
+
+async def _pointed_at(hub: Hub, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
+    assert query.x is not None
+    assert query.y is not None
+    screen, depth_m = (query.x, query.y), query.depth_m
+    if depth_m is None:
+        find = FindDepth(record, record.edit_text(), query.camera, query.time, screen, query.aspect)
+        depth_m = await hub.ask_picture(find)
+    return screen, depth_m

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Path, Response
 
 from service.hub import HubDep
 from service.models.focus import (
@@ -25,6 +25,7 @@ from service.point_work import (
     SetKey,
 )
 from service.routes.parameters import (
+    AspectQuery,
     CameraQuery,
     PointNameInPath,
     ShotId,
@@ -38,15 +39,6 @@ router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 EDITED = problems(412)
 
 AttributeInPath = Annotated[KeyedAttribute, Path(description="What the key is of.", examples=["weight"])]
-AspectQuery = Annotated[
-    float | None,
-    Query(
-        gt=0,
-        allow_inf_nan=False,
-        description="Width over height of the picture; the film gate's when left out.",
-        examples=[1.7778],
-    ),
-]
 
 
 @router.get("/shots/{shot}/focus-points", operation_id="listFocusPoints")

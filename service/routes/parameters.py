@@ -17,6 +17,16 @@ CameraQuery = Annotated[
     Query(description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]),
 ]
 
+AspectQuery = Annotated[
+    float | None,
+    Query(
+        gt=0,
+        allow_inf_nan=False,
+        description="Width over height of the picture; the film gate's when left out.",
+        examples=[1.7778],
+    ),
+]
+
 
 def _terms(
     if_match: Annotated[

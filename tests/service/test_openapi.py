@@ -31,6 +31,7 @@ PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GE
 GET /v1/lenses/{name}/section.svg,
 GET /v1/shots/{shot}/camera/focus, PATCH /v1/shots/{shot}/camera/focus, POST /v1/shots/{shot}/racks,
 PUT /v1/shots/{shot}/camera/keys/{attribute}, DELETE /v1/shots/{shot}/camera/keys/{attribute},
+GET /v1/shots/{shot}/readout/place,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

@@ -18,6 +18,9 @@ const READOUT = toReadout({
   cocLimitMm: 0.03,
   source: "camera",
   reason: "",
+  note: "",
+  tiltDeg: 0,
+  swingDeg: 0,
   lensName: "",
   lensModel: "thin",
 });

@@ -570,6 +570,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/readout/place": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Place Readout
+         * @description What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there.
+         */
+        readonly get: operations["getPlaceReadout"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/version": {
         readonly parameters: {
             readonly query?: never;
@@ -1888,8 +1908,11 @@ export interface components {
          *           "lensModel": "prescription",
          *           "lensName": "Planar 50 mm f/1.4",
          *           "nearM": 3.28,
+         *           "note": "",
          *           "reason": "focused by driver",
          *           "source": "points",
+         *           "swingDeg": 0,
+         *           "tiltDeg": 0,
          *           "time": 24
          *         }
          *       ],
@@ -2441,6 +2464,92 @@ export interface components {
             readonly y: number;
         };
         /**
+         * PlaceReadout
+         * @description What the lens does at one place of the picture at one time.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "cocLimitMm": 0.019,
+         *       "cocMm": 0.0021,
+         *       "depthM": 3.42,
+         *       "farM": 3.55,
+         *       "focusDistanceM": 3.4,
+         *       "hyperfocalM": 65.7,
+         *       "nearM": 3.26,
+         *       "point": "driver",
+         *       "screen": [
+         *         0.43,
+         *         0.55
+         *       ],
+         *       "sharp": true,
+         *       "time": 24
+         *     }
+         */
+        readonly PlaceReadout: {
+            /**
+             * Camera
+             * @description Prim path; null for the camera that frames a shot which has none.
+             */
+            readonly camera: string | null;
+            /**
+             * Coclimitmm
+             * @description Largest circle of confusion, as a diameter on the film, that is sharp.
+             */
+            readonly cocLimitMm: number;
+            /**
+             * Cocmm
+             * @description Diameter on the film of the thing's circle of confusion.
+             */
+            readonly cocMm: number;
+            /**
+             * Depthm
+             * @description Of the thing there, along the view axis; null is infinity.
+             */
+            readonly depthM: number | null;
+            /**
+             * Farm
+             * @description Farthest depth that is sharp at that place; null is infinity.
+             */
+            readonly farM: number | null;
+            /**
+             * Focusdistancem
+             * @description Depth of the focal surface at that place; null is infinity.
+             */
+            readonly focusDistanceM: number | null;
+            /**
+             * Hyperfocalm
+             * @description Of the lens, on the view axis.
+             */
+            readonly hyperfocalM: number | null;
+            /**
+             * Nearm
+             * @description Nearest depth that is sharp at that place; null is infinity.
+             */
+            readonly nearM: number | null;
+            /**
+             * Point
+             * @description Name of the focus point that was asked for, if any.
+             */
+            readonly point: string | null;
+            /**
+             * Screen
+             * @description The place, 0 to 1 from the picture's top left corner.
+             */
+            readonly screen: readonly [
+                number,
+                number
+            ];
+            /**
+             * Sharp
+             * @description Whether the thing is.
+             */
+            readonly sharp: boolean;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
          * Problem
          * @description Every error has this shape.
          */
@@ -2581,8 +2690,11 @@ export interface components {
          *       "lensModel": "prescription",
          *       "lensName": "Planar 50 mm f/1.4",
          *       "nearM": 3.28,
+         *       "note": "",
          *       "reason": "focused by driver",
          *       "source": "points",
+         *       "swingDeg": 0,
+         *       "tiltDeg": 0,
          *       "time": 24
          *     }
          */
@@ -2632,6 +2744,11 @@ export interface components {
              */
             readonly nearM: number;
             /**
+             * Note
+             * @description What could not be done as asked, in a sentence; or empty.
+             */
+            readonly note: string;
+            /**
              * Reason
              * @description One sentence that says why.
              */
@@ -2641,6 +2758,16 @@ export interface components {
              * @description Whether focus points decided, or the camera's own focus distance was kept.
              */
             readonly source: string;
+            /**
+             * Swingdeg
+             * @description Turn of the lens, before the tilt: positive looks left.
+             */
+            readonly swingDeg: number;
+            /**
+             * Tiltdeg
+             * @description Turn of the lens: positive looks up.
+             */
+            readonly tiltDeg: number;
             /** Time */
             readonly time: number;
         };
@@ -5309,6 +5436,80 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Readout"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getPlaceReadout: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Width over height of the picture; the film gate's when left out. */
+                readonly aspect?: number | null;
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Depth of a thing at that place, along the view axis; left out, that of what is seen there. */
+                readonly depthM?: number | null;
+                /** @description A focus point's name, in place of `x` and `y`. */
+                readonly point?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+                /** @description From the picture's left edge (0) to its right one (1). */
+                readonly x?: number | null;
+                /** @description From the picture's top edge (0) to its bottom one (1). */
+                readonly y?: number | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["PlaceReadout"];
                 };
             };
             /** @description There is no such shot, camera, lens, focus point, key or revision. */

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from render.bench.focus_plan import add_arguments as add_focus_arguments
 from render.bench.plan import add_arguments
 
 
@@ -17,6 +18,9 @@ def add_parser(commands: Any) -> None:
     )
     lens.set_defaults(run=run_lens)
     add_arguments(lens)
+    focus = benches.add_parser("focus", help="focusing: the solvers, and what a surface that is no plane costs")
+    focus.set_defaults(run=run_focus)
+    add_focus_arguments(focus)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -31,5 +35,20 @@ def run_lens(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.lens import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_focus(arguments: argparse.Namespace) -> None:
+    """Measure focusing, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.focus import run  # brings OpenGL with it
 
     run(arguments)

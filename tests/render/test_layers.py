@@ -10,6 +10,7 @@ import pytest
 
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
 from render.optics.view import PinholeView
@@ -58,6 +59,34 @@ def test_layers_come_near_to_far_and_none_is_in_the_umbra_of_the_one_before(peel
     assert filled.any(axis=(1, 2)).all()
     assert (w[:-1][filled] - w[1:][filled] > umbra * 0.999).all()
     assert not (filled & (w[:-1] == 0)).any(), "a pixel that is empty stays empty"
+
+
+def test_a_layer_is_drawn_before_anybody_asks_whether_it_holds_anything(
+    peeler: Peeler, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Mesa 22 answers an occlusion query, and frees it, while a large scene is still drawn into it: the process crashes later.
+
+    Only some scenes and sizes do so; that the device had finished is seen with any.
+    """
+    fences, finished = [], []
+    end, answer = GL.glEndQuery, GL.glGetQueryObjectuiv
+
+    def ended(target: int) -> None:
+        end(target)
+        fences.append(GL.glFenceSync(GL.GL_SYNC_GPU_COMMANDS_COMPLETE, 0))
+
+    def answered(name: int, what: int) -> object:
+        finished.append(GL.glClientWaitSync(fences[-1], 0, 0) == GL.GL_ALREADY_SIGNALED)
+        GL.glDeleteSync(fences[-1])
+        return answer(name, what)
+
+    scene, camera = spheres_over_checkerboard()
+    peeler.load(scene)
+    monkeypatch.setattr(GL, "glEndQuery", ended)
+    monkeypatch.setattr(GL, "glGetQueryObjectuiv", answered)
+    layers = peeler.peel(PinholeView.from_camera(camera, 1280, 960), layers=8, umbra=0.01)
+    assert len(fences) == layers.count + 1
+    assert all(finished)
 
 
 def test_what_the_pupil_cannot_see_is_not_peeled(peeler: Peeler) -> None:

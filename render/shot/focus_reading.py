@@ -22,6 +22,8 @@ from usd_schemas.units import metres_per_unit
 
 DoubleArray = NDArray[np.float64]
 
+_STEEPEST_DEG = 89.0  # as the schema has it
+
 
 @dataclass(frozen=True, eq=False)
 class FocusReading:
@@ -147,6 +149,8 @@ def read_focus(
         points = tuple(tuple(view.read(time) for view in views) for time in times)
     except SchemaError as error:
         raise CameraError(str(error), path=camera_path) from error
+    for tilt in tilts:
+        _check_angles(tilt, camera_path)
     placed = anchors.anchored(points, list(times))
     positions_m = placed.positions_m
     return FocusReading(
@@ -165,6 +169,16 @@ def read_focus(
         metres_in_a_unit=metres_per_unit(stage),
         seconds_in_a_code=1 / stage.GetTimeCodesPerSecond(),
     )
+
+
+def _check_angles(tilt: TiltShiftData, camera_path: str) -> None:
+    """Raise `CameraError` where no lens turns so far: at a right angle to the film it has no plane of focus."""
+    angles = {"tilt": (tilt.tilt, -1), "swing": (tilt.swing, -1), "maxAngle": (tilt.max_angle, 0)}
+    for name, (angle, sign) in angles.items():
+        least = sign * _STEEPEST_DEG
+        if not least <= angle <= _STEEPEST_DEG:
+            what = f"from {least:g} to {_STEEPEST_DEG:g} degrees, got {angle:g}"
+            raise CameraError(f"tiltShift:{name} of camera {camera_path} must be {what}", path=camera_path)
 
 
 def _key_times(views: Sequence[FocusPointView]) -> DoubleArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,11 @@ import pytest
 from pxr import Gf, Usd, UsdGeom
 from table_shot import CAMERA, ON_TABLE, TABLE, on_table, write_table
 
+from render.errors import CameraError
 from render.focus.tilt import hinge_m, tilt_and_swing
 from render.frame import FrameRenderer, FrameSettings
 from render.shot import Shot
-from usd_schemas import LensCamera, LensData, SplitDiopter
+from usd_schemas import LensCamera, LensData, SplitDiopter, TiltShiftData
 
 WIDTH, HEIGHT = 480, 320
 SETTINGS = FrameSettings(WIDTH, HEIGHT, rays=16, aovs=("color", "depth", "coc", "focus_depth", "prim_id"))
@@ -65,6 +67,23 @@ def test_the_curve_has_the_angles_that_give_the_plane_back_by_hand(shot: Shot) -
     assert by_hand is not None
     told = (by_hand.plane.w0, by_hand.plane.slope_x, by_hand.plane.slope_y)
     assert told == pytest.approx((plane.w0, plane.slope_x, plane.slope_y), rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "angle", "reach"),
+    [
+        ("tilt", 500.0, "-89 to 89"),
+        ("tilt", math.nan, "-89 to 89"),
+        ("swing", -90.0, "-89 to 89"),
+        ("maxAngle", 1e30, "0 to 89"),
+        ("maxAngle", -1.0, "0 to 89"),
+    ],
+)
+def test_a_lens_is_not_turned_away_from_its_film(shot: Shot, name: str, angle: float, reach: str) -> None:
+    LensCamera(shot.stage.GetPrimAtPath(CAMERA)).tilt_shift.author(TiltShiftData())
+    shot.stage.GetPrimAtPath(CAMERA).GetAttribute(f"tiltShift:{name}").Set(angle)
+    with pytest.raises(CameraError, match=re.escape(f"from {reach} degrees, got {angle:g}")):
+        shot.camera_at(CAMERA, 1, WIDTH, HEIGHT)
 
 
 def test_a_lens_that_cannot_tilt_so_far_says_so(shot: Shot) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from render.errors import NotFoundError, SettingsError
-from render.shot.curve import FAR_AWAY_M
+from render.focus.curve import FAR_AWAY_M
 from render.shot.edits import set_value
 from usd_schemas import FocusData, Key, LensCamera, TiltShiftData
 from usd_schemas.applying import applied

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -74,7 +75,9 @@ def test_the_tour_over_rest_runs(tmp_path: Path) -> None:
         for words in commands("curl"):
             url = words[-1].replace(ADDRESS, address)
             small = "&width=64&rays=4&supersample=1" if "/frame?" in url else ""
-            answer = client.get(url + small)
+            method = words[words.index("-X") + 1] if "-X" in words else "GET"
+            sent = json.loads(words[words.index("--json") + 1]) if "--json" in words else None
+            answer = client.request(method, url + small, json=sent)
             assert answer.status_code == 200, f"{url}: {answer.text}"
             if "-o" in words:
                 (tmp_path / words[words.index("-o") + 1]).write_bytes(answer.content)

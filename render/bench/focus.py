@@ -83,10 +83,9 @@ def measure(picture: FrameSettings, repeats: Repeats) -> FocusBench:
         scene, camera = SCENES[SCENE]()
         rig.load(scene, camera)
         rows = _surface_rows(rig, camera, picture, repeats)
-        found = FocusBench(
+        return FocusBench(
             rig.graphics.renderer, picture.width, picture.height, picture.rays, solvers, rows, _goals(solvers, rows)
         )
-    return found
 
 
 def run(arguments: argparse.Namespace) -> None:

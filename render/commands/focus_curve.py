@@ -20,6 +20,7 @@ from render.frame_spec import every_frame, parse_frames
 from render.shot import Shot
 from render.shot.curve_layer import curve_layer
 from render.shot.importing import read_for_shot
+from usd_schemas.curves import EXACT
 
 LAYER = "usda"
 MAX_NAMED = 8
@@ -51,6 +52,14 @@ def add_parser(commands: Any) -> None:
         metavar="FILE",
         type=Path,
         help="do not solve the focus, take it from a csv, json, opentrackio or otio file",
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="SHARE",
+        type=float,
+        default=EXACT,
+        help="how far splines may be off, relative to the value (usda): 0.001 makes a curve of few keys, for hands to go on with;"
+        " without it they are exact at each frame",
     )
     parser.add_argument(
         "--gaps",
@@ -93,7 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         shared.mount(shot, camera, lens)
         frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
-        text = _solved(shot, camera, frames, wanted, baked=arguments.baked)
+        text = _solved(shot, camera, frames, wanted, arguments)
     if arguments.out is None:
         sys.stdout.write(text)
     else:
@@ -120,9 +129,9 @@ def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
     return CameraError(f"{stage} has no camera, and so no focus to pull; give it one with a layer over it")
 
 
-def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, *, baked: bool) -> str:
+def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, arguments: argparse.Namespace) -> str:
     if wanted == LAYER:
-        return shot.focus_layer(camera, frames, baked=baked)
+        return shot.focus_layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
     return curve_to_text(shot.focus_curve(camera, frames), wanted)  # type: ignore[arg-type]
 
 
@@ -137,7 +146,15 @@ def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespac
     _tell(read)
     if wanted == LAYER:
         comment = f"Focus of {camera}, from {arguments.source.name}, by Pullfocus: sublayer this over the shot."
-        return curve_layer(shot.stage, camera, read.curve, read.said, baked=arguments.baked, comment=comment)
+        return curve_layer(
+            shot.stage,
+            camera,
+            read.curve,
+            read.said,
+            baked=arguments.baked,
+            comment=comment,
+            tolerance=arguments.tolerance,
+        )
     return curve_to_text(read.curve, wanted)  # type: ignore[arg-type]
 
 

@@ -10,7 +10,7 @@ from pxr import Usd
 
 from render.scene import Scene
 from render.shot.focus_reading import FocusReading, read_focus
-from render.shot.focus_solving import FocusTrack, follows_over_time, solved
+from render.shot.focus_solving import FocusTrack, follows_over_time, keeps_sides, solved
 from render.shot.focusing import Focused, focused
 from render.stage import AnchorReader, frame_range
 from usd_schemas import LensCamera
@@ -83,7 +83,7 @@ class CameraFocus:
     def _follows(self, camera_path: str, reading: FocusReading) -> bool:
         if reading.focus[0].mode == "manual":
             return False
-        if any(follows_over_time(focus) for focus in reading.focus):
+        if keeps_sides(reading) or any(follows_over_time(focus) for focus in reading.focus):
             return True
         camera = LensCamera(self._stage.GetPrimAtPath(camera_path))
         return any(camera.keys(f"focus:{name}") for name in ("smoothing", "lag", "deadZone", "maxSpeed"))
@@ -122,4 +122,5 @@ def _taken_from(track: FocusTrack, whole: FocusTrack) -> FocusTrack:
         wanted_w=between(whole.wanted_w),
         f_stops=between(whole.f_stops),
         fades=between(whole.fades),
+        sides=whole.sides,
     )

@@ -4,32 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Sdf, Usd
+from pxr import Usd
 
 from render.errors import SettingsError
 from render.focus import FocusCurve, PointState, PointTrack
 from render.focus.tilt import tilt_and_swing
 from render.optics.thin_lens import focal_surface
-from render.shot.edits import schema_errors_as_settings
+from render.shot.curve_layer import curve_layer
 from render.shot.focusing import Focused
-from render.stage import quiet_diagnostics
-from usd_schemas import LensCamera, curves
-from usd_schemas.units import tenths_from_mm, units_from_metres
+from usd_schemas.curves import EXACT
 
 DoubleArray = NDArray[np.float64]
 
 MAX_CURVE_FRAMES = 100_000
 """About an hour at 24 frames a second: more than that in one curve is a slip of the hand."""
-
-FAR_AWAY_M = 1e5
-"""Stands for infinity where a curve must be finite to be interpolated.
-
-At 100 km, a 300 mm lens at f/2 makes a circle of confusion of half a micron of a star.
-"""
 
 
 def solve_curve(
@@ -92,12 +83,8 @@ def lens_angles(focused: Focused) -> tuple[float, float]:
     return (0.0, 0.0) if plane.is_upright else tilt_and_swing(plane, focused.camera.focal_length_mm)
 
 
-def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: float = curves.EXACT) -> str:
-    """A layer that gives the camera all that drives it, to be sublayered over the shot by any tool: focus distance, f-number,
-    focal length, and where the lens is tilted its tilt and swing; and the circle of confusion that counts as sharp.
-
-    It sets ``focus:mode`` to manual where the points set the distance or the tilt, so that a tool which knows the schemas takes
-    the curve and does not solve once more. A surface through points stays one, as no curve of a camera says it.
+def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: float = EXACT) -> str:
+    """A layer that gives the camera all that drives it, to be sublayered over the shot by any tool (`curve_layer`).
 
     Args:
         stage: the stage that the curve is of.
@@ -111,33 +98,8 @@ def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: 
     Raises:
         SettingsError: the tolerance is no share, or a value is beyond what its attribute allows.
     """
-    if not 0 <= tolerance < 1:
-        raise SettingsError(f"the tolerance of a focus layer must be a share from 0 to below 1, got {tolerance:g}")
-    values = _driven(stage, curve)
-    tolerances = {name: tolerance * np.abs(column) for name, column in values.items()}
-    form: Literal["spline", "samples"] = "samples" if baked else "spline"
-    with schema_errors_as_settings(), quiet_diagnostics():
-        layer = curves.camera_layer(stage, curve.camera, curve.time_codes, values, form, tolerances)
-    layer.comment = f"Focus of {curve.camera}, solved by Pullfocus: sublayer this over the shot."
-    spec = layer.GetPrimAtPath(curve.camera)
-    if LensCamera(stage.GetPrimAtPath(curve.camera)).focus.read().mode in ("points", "tiltPlane"):
-        mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
-        mode.default = "manual"
-    with quiet_diagnostics():
-        return str(layer.ExportToString())
-
-
-def _driven(stage: Usd.Stage, curve: FocusCurve) -> dict[str, DoubleArray]:
-    """``(n,)`` values of the camera's attributes, each in its own unit."""
-    values = {
-        "focusDistance": units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage),
-        "fStop": curve.f_stop,
-        "focalLength": tenths_from_mm(curve.focal_length_mm, stage),
-        "focus:circleOfConfusion": curve.coc_limit_mm,
-    }
-    if curve.tilt_rad.any() or curve.swing_rad.any():
-        values |= {"tiltShift:tilt": np.degrees(curve.tilt_rad), "tiltShift:swing": np.degrees(curve.swing_rad)}
-    return values
+    comment = f"Focus of {curve.camera}, solved by Pullfocus: sublayer this over the shot."
+    return curve_layer(stage, curve.camera, curve, baked=baked, comment=comment, tolerance=tolerance)
 
 
 def _track(solved: Sequence[Focused], index: int) -> PointTrack:

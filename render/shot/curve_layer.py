@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pxr import Sdf, Usd
 
+from render.errors import SettingsError
 from render.focus.curve import FAR_AWAY_M, FocusCurve
 from render.shot.edits import schema_errors_as_settings
 from render.shot.lens import set_focus_mode
@@ -18,7 +19,7 @@ from usd_schemas.units import tenths_from_mm, units_from_metres
 
 DoubleArray = NDArray[np.float64]
 
-DRIVEN = frozenset({"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad"})
+DRIVEN = frozenset({"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad", "coc_limit_mm"})
 """The columns of a focus curve that drive a camera."""
 
 _ANGLES = ("tiltShift:tilt", "tiltShift:swing")
@@ -32,12 +33,12 @@ def curve_layer(
     *,
     baked: bool,
     comment: str,
-    tolerances: Mapping[str, ArrayLike] | None = None,
+    tolerance: float = curves.EXACT,
 ) -> str:
     """A layer that gives a camera a focus curve, to be sublayered over the shot by any tool.
 
-    It sets ``focus:mode`` to manual where the camera asks its points, so that a tool which knows the schemas takes the
-    curve and does not solve once more.
+    It sets ``focus:mode`` to manual where the points set the distance or the tilt, so that a tool which knows the schemas takes
+    the curve and does not solve once more. A surface through points stays one, as no curve of a camera says it.
 
     Args:
         stage: the shot; it is not changed.
@@ -46,25 +47,36 @@ def curve_layer(
         columns: which of `DRIVEN` are wanted.
         baked: time samples, for tools that read no splines, in place of native splines.
         comment: of the layer.
-        tolerances: how far splines may be from the frames, by USD's names and in its units; see
-            `usd_schemas.curves.author_splines`. What is not named is exact to single precision.
+        tolerance: how far splines may be from the frames, relative to the value; more makes fewer knots.
 
     Returns:
         usda text.
 
     Raises:
-        SettingsError: a value is beyond what the camera's attribute allows.
+        SettingsError: a value is beyond what the camera's attribute allows, or the tolerance is no share.
     """
     with schema_errors_as_settings(), quiet_diagnostics():
         values = _wanted(stage, camera_path, curve, columns)
+        tolerances = {name: checked_tolerance(tolerance) * np.abs(column) for name, column in values.items()}
         form: Literal["spline", "samples"] = "samples" if baked else "spline"
         layer = curves.camera_layer(stage, camera_path, curve.time_codes, values, form, tolerances)
         layer.comment = comment
-        if LensCamera(stage.GetPrimAtPath(camera_path)).focus.read().mode != "manual":
+        if LensCamera(stage.GetPrimAtPath(camera_path)).focus.read().mode in ("points", "tiltPlane"):
             spec = layer.GetPrimAtPath(camera_path)
             mode = Sdf.AttributeSpec(spec, "focus:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
             mode.default = "manual"
         return str(layer.ExportToString())
+
+
+def checked_tolerance(tolerance: float) -> float:
+    """A share by which a spline may be off.
+
+    Raises:
+        SettingsError: it is none.
+    """
+    if not 0 <= tolerance < 1:
+        raise SettingsError(f"the tolerance of a focus layer must be a share from 0 to below 1, got {tolerance:g}")
+    return tolerance
 
 
 def author_curve(camera: LensCamera, curve: FocusCurve, columns: Collection[str] = DRIVEN, *, baked: bool) -> None:
@@ -100,6 +112,7 @@ def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Coll
         "focal_length_mm": ("focalLength", tenths_from_mm(curve.focal_length_mm, stage)),
         "tilt_rad": ("tiltShift:tilt", np.degrees(curve.tilt_rad)),
         "swing_rad": ("tiltShift:swing", np.degrees(curve.swing_rad)),
+        "coc_limit_mm": ("focus:circleOfConfusion", curve.coc_limit_mm),
     }
     values = dict(named[column] for column in named if column in columns)
     prim = stage.GetPrimAtPath(camera_path)

@@ -20,9 +20,11 @@ from render.lens_law import LensLaw
 from render.optics.depth_of_field import DepthOfField
 from render.optics.focus_law import focus_law
 from render.optics.thin_lens import focal_surface, focus_w
+from render.optics.view import PinholeView
 from render.scene import Camera
+from render.shot.focus_asking import coc_limit_mm
 from render.shot.focus_reading import FocusReading
-from render.shot.focus_solving import FocusTrack, coc_limit_mm
+from render.shot.focus_solving import FocusTrack
 from usd_schemas import FocusData, FocusPoint
 
 DoubleArray = NDArray[np.float64]
@@ -139,7 +141,7 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
     solution = replace(solution, focus_distance_m=distance_m)
     camera = replace(own, focus_distance_m=distance_m, f_stop=float(track.f_stops[index]))
     try:
-        surface = _surface(reading, camera, plane, track.fades[index], index)
+        surface = _surface(reading, camera, plane, track, index)
     except SettingsError as error:  # the numbers are the shot's, not the caller's
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
     return Focused(
@@ -155,27 +157,40 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
 
 
 def _surface(
-    reading: FocusReading, camera: Camera, plane: FocalPlane, fades: DoubleArray, index: int
+    reading: FocusReading, camera: Camera, plane: FocalPlane, track: FocusTrack, index: int
 ) -> FocalSurface | None:
     """The focal surface; None where it is the upright plane at the camera's focus distance."""
-    focus, frame = reading.focus[index], Frame.of(camera)
+    focus, frame = reading.focus[index], _frame(camera)
     surface = FocalSurface(plane, halves=_halves(reading, index, frame))
     if focus.mode == "surface" and focus.expressive > 0:
         growth = focus_law(camera).at_stops(camera.f_stop).coc_slope_mm_m(np.array([plane.w0]))
         controls = focal_controls(
-            _surface_points(reading, fades, index),
+            _surface_points(reading, track.fades[index], index),
             plane=plane,
             coc_slope_mm_m=float(growth[0]),
             frame_width=frame.width,
             exponent=focus.surface_exponent,
             near_priority=focus.near_priority,
+            sides=track.sides,
         )
         surface = replace(surface, controls=controls, blend=focus.expressive)
     if focus.field_offsets:
         drawn = np.array(focus.field_offsets, np.float64)
-        bent = bends(frame.slopes(drawn[:, :2]), drawn[:, 2], surface=surface, focal_length_mm=camera.focal_length_mm)
+        bent = bends(
+            frame.slopes(drawn[:, :2]),
+            drawn[:, 2],
+            surface=surface,
+            focal_length_mm=camera.focal_length_mm,
+            exponent=focus.surface_exponent,
+        )
         surface = replace(surface, bends=bent)
     return None if surface.is_plane and plane.is_upright and plane.w0 >= 0 else surface
+
+
+def _frame(camera: Camera) -> Frame:
+    """The gate in slopes, as much narrower as a lens that breathes makes its picture larger."""
+    stretch = PinholeView.from_camera(camera, 1, 1).fx * camera.horizontal_aperture_mm / camera.focal_length_mm
+    return Frame.of(camera, stretch)
 
 
 def _surface_points(reading: FocusReading, fades: DoubleArray, index: int) -> SurfacePoints:

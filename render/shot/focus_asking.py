@@ -140,10 +140,15 @@ def _tilt_through_points(
         fit = fits.at(int(i))
         told = [fit.reason] if fit.rank < 3 else []
         if changed[i]:
-            told.append(
-                f"the lens tilts by {reading.tilts[i].max_angle:g} degrees at most, so the plane misses some points"
-            )
+            told.append(_why_limited(kept[i], float(focal_mm[i]), reading.tilts[i].max_angle))
         notes[i] = _joined(notes[i], *told)
+
+
+def _why_limited(plane: DoubleArray, focal_length_mm: float, max_angle_deg: float) -> str:
+    turned_deg = math.degrees(math.asin(min(focal_length_mm / 1000 * math.hypot(plane[1], plane[2]), 1.0)))
+    if turned_deg > max_angle_deg * (1 - 1e-6):
+        return f"the lens tilts by {max_angle_deg:g} degrees at most, so the plane misses some points"
+    return "the plane through the points meets the view axis behind the camera, so it is laid along the axis and misses some"
 
 
 def _joined(*sentences: str) -> str:

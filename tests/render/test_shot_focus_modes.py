@@ -92,6 +92,16 @@ def test_a_lens_that_cannot_tilt_so_far_says_so(shot: Shot) -> None:
     curve = shot.focus_curve(CAMERA, [1.0])
     assert math.degrees(math.hypot(curve.tilt_rad[0], curve.swing_rad[0])) == pytest.approx(2.0, rel=1e-3)
     assert curve.limited[0]
+    assert "tilts by 2 degrees at most" in shot.readout(CAMERA, 1).note
+
+
+def test_a_plane_that_meets_the_axis_behind_the_camera_is_laid_along_it(shot: Shot) -> None:
+    for name, place in {"near": (0.0, 0.0, 0.5), "left": (-0.5, -1.3, -2.5), "right": (0.5, -1.3, -2.5)}.items():
+        shot.add_focus_point(CAMERA, name, on_table(name, place))
+    shot.set_focus(CAMERA, mode="tiltPlane", max_angle=60.0, off_screen="keep")
+    readout = shot.readout(CAMERA, 1)
+    assert readout.focus_distance_m == math.inf
+    assert "behind the camera" in readout.note
 
 
 def test_a_surface_has_near_and_far_sharp_and_the_middle_soft(shot: Shot, renderer: FrameRenderer) -> None:

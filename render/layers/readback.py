@@ -22,7 +22,7 @@ class Pick:
         face: index of the authored face.
         fan_triangle: which triangle of the face's fan, corners ``(0, i + 1, i + 2)``.
         barycentric: weights of those corners.
-        instance: the PointInstancer's instance index, or -1.
+        instance: as `render.scene.Batch.instance_numbers` has it, or -1.
         prototype_path: the mesh inside the PointInstancer's prototype, or None.
         depth_m: along the view axis, from the entrance pupil.
         position_m: in the world.

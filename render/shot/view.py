@@ -53,7 +53,9 @@ class ShotView:
         self._edits = edits
         self._reader = reader
         self._anchors = AnchorReader(stage)
-        self._focus = CameraFocus(stage, self._anchors, self.scene_at)
+        self._focus = CameraFocus(
+            stage, self._anchors, reader.read
+        )  # not of self: who lets go of a shot lets go of its files
         edits.attach(stage)
         self._lights: tuple[Light, ...] = ()
         self._of_focus: dict[Finding, int] = {}  # what focusing found, and with which revision of the edits

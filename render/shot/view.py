@@ -53,9 +53,8 @@ class ShotView:
         self._edits = edits
         self._reader = reader
         self._anchors = AnchorReader(stage)
-        self._focus = CameraFocus(
-            stage, self._anchors, reader.read
-        )  # not of self: who lets go of a shot lets go of its files
+        # asks the reader and not the shot, so that who lets go of the shot lets go of its files
+        self._focus = CameraFocus(stage, self._anchors, reader.read)
         edits.attach(stage)
         self._lights: tuple[Light, ...] = ()
         self._of_focus: dict[Finding, int] = {}  # what focusing found, and with which revision of the edits

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom, Vt
+from pxr import Sdf, Usd, UsdGeom, Vt
 from stage_kit import add_mesh, dense_grid, new_stage
 
 from render.shot import Shot
@@ -60,7 +60,8 @@ def test_a_reexport_with_the_same_faces_keeps_the_point_where_it_is_on_the_surfa
     before = Shot.open(tmp_path / "shot.usda", edits=edits)
     place = before.focus_points("/cam", 1)[0].position_m
     assert place is not None
-    del before  # and with it, what was read of the files
+    del before
+    assert Sdf.Layer.Find(str(tmp_path / "character.usda")) is None, "who lets go of a shot lets go of its files"
     export(tmp_path / "character.usda", bend=0.5)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)
     found = shot.focus_points("/cam", 1)[0].position_m

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Usd
 
 from render.scene import Scene
@@ -15,16 +18,50 @@ from render.shot.focusing import Focused, focused
 from render.stage import AnchorReader, frame_range
 from usd_schemas import LensCamera
 
+DoubleArray = NDArray[np.float64]
+
 MAX_FOLLOWED_FRAMES = 20_000
-"""A hand that follows is followed from the first frame of the shot; of a longer shot, from so many frames before the time."""
+"""A hand that follows is followed from the first frame of the shot to its last. In a longer shot, and beyond the ends of any, it is
+followed from a while before the part of the shot in which the time lies."""
+
+_PART, _BEFORE, _AFTER = 500, 1500, 250  # frames: a minute's run-up is longer than a hand is late
+_KEPT = 8  # stretches of frames, of all cameras
+_SAME_FRAME = 1e-6  # of a frame: nearer than this to a frame is that frame
+
+_Stretch = tuple[int, int]
+"""First and last frame of what is worked out at once, counted from the first of the shot."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Followed:
-    """The focus over all frames of the shot, as it was with a revision of the edits."""
+@dataclass(frozen=True)
+class _Frames:
+    """The frames of a shot: the first is frame 0."""
 
-    revision: int
-    track: FocusTrack
+    start: float
+    step: float
+    count: int
+
+    @classmethod
+    def of(cls, stage: Usd.Stage) -> _Frames:
+        """Those of a stage; one whose range is turned about has its first alone."""
+        shot, step = frame_range(stage), stage.GetTimeCodesPerSecond() / stage.GetFramesPerSecond()
+        return cls(shot.start, step, max(1, math.ceil((shot.end - shot.start) / step - _SAME_FRAME) + 1))
+
+    def stretch(self, time: float) -> _Stretch:
+        """Which frames the focus at a time follows from. It depends on nothing but the time, so that a frame has the same focus
+        whatever was looked at before; and less than a frame beyond the shot, as a shutter opens, is in it still."""
+        frame = (time - self.start) / self.step
+        if -1 < frame < self.count and self.count <= MAX_FOLLOWED_FRAMES:
+            return 0, self.count - 1
+        part = math.floor(frame / _PART) * _PART
+        first = part - _BEFORE
+        return (max(first, 0) if frame > -1 else first), part + _PART + _AFTER
+
+    def times(self, stretch: _Stretch, key_times: DoubleArray) -> DoubleArray:
+        """The frames of a stretch, and the keys between them: what is exact there must be so between frames too."""
+        first, last = stretch
+        keys = (key_times - self.start) / self.step
+        between = keys[(keys > first) & (keys < last) & (np.abs(keys - np.rint(keys)) > _SAME_FRAME)]
+        return self.start + self.step * np.union1d(first + np.arange(last - first + 1.0), between)
 
 
 class CameraFocus:
@@ -40,7 +77,7 @@ class CameraFocus:
         self._stage = stage
         self._anchors = anchors
         self._scene_at = scene_at
-        self._followed: dict[str, _Followed] = {}
+        self._followed: OrderedDict[tuple[str, int, _Stretch], FocusTrack] = OrderedDict()
 
     def at(self, camera_path: str, time: float, revision: int) -> Focused:
         """A camera at one time.
@@ -74,7 +111,7 @@ class CameraFocus:
         reading = self._read(camera_path, times)
         track = solved(reading)
         if self._follows(camera_path, reading):
-            track = _taken_from(track, self._whole(camera_path, times, revision))
+            track = self._as_followed(track, reading, revision)
         return [focused(reading, track, i) for i in range(len(times))]
 
     def _read(self, camera_path: str, times: Sequence[float]) -> FocusReading:
@@ -88,39 +125,39 @@ class CameraFocus:
         camera = LensCamera(self._stage.GetPrimAtPath(camera_path))
         return any(camera.keys(f"focus:{name}") for name in ("smoothing", "lag", "deadZone", "maxSpeed"))
 
-    def _whole(self, camera_path: str, times: Sequence[float], revision: int) -> FocusTrack:
-        """The focus from the first frame of the shot to its last, and to the asked times where they lie beyond."""
-        kept = self._followed.get(camera_path)
-        if kept is not None and kept.revision == revision and _covers(kept.track, times):
-            return kept.track
-        shot = frame_range(self._stage)
-        step = self._stage.GetTimeCodesPerSecond() / self._stage.GetFramesPerSecond()
-        first, last = min(shot.start, times[0]), max(shot.end, times[-1])
-        first = max(first, last - (MAX_FOLLOWED_FRAMES - 1) * step)
-        frames = shot.start + step * np.arange(
-            np.floor((first - shot.start) / step), np.ceil((last - shot.start) / step) + 1
-        )
-        track = solved(self._read(camera_path, frames.tolist()))
-        self._followed[camera_path] = _Followed(revision, track)
-        return track
+    def _as_followed(self, track: FocusTrack, reading: FocusReading, revision: int) -> FocusTrack:
+        """The track with what follows over time taken from the frames before and after, joined by straight lines between them."""
+        frames = _Frames.of(self._stage)
+        stretches = [frames.stretch(time) for time in track.times.tolist()]
+        columns = {name: np.array(getattr(track, name)) for name in _FOLLOWED}
+        for stretch in dict.fromkeys(stretches):
+            rows = np.array([stretch == of_time for of_time in stretches])
+            whole = self._over_stretch(reading, frames, stretch, revision)
+            for name, column in columns.items():
+                column[rows] = _between(whole.times, getattr(whole, name), track.times[rows])
+        return replace(track, **columns)
+
+    def _over_stretch(self, reading: FocusReading, frames: _Frames, stretch: _Stretch, revision: int) -> FocusTrack:
+        path = reading.cameras[0].path
+        key = path, revision, stretch
+        if key not in self._followed:
+            track = solved(self._read(path, frames.times(stretch, reading.key_times).tolist()))
+            for old in [k for k in self._followed if k[1] != revision]:
+                del self._followed[old]
+            self._followed[key] = track
+        self._followed.move_to_end(key)
+        while len(self._followed) > _KEPT:
+            self._followed.popitem(last=False)
+        return self._followed[key]
 
 
-def _covers(track: FocusTrack, times: Sequence[float]) -> bool:
-    return bool(track.times[0] <= times[0] and times[-1] <= track.times[-1])
+_FOLLOWED = ("planes", "wanted_w", "f_stops", "fades", "sides")
 
 
-def _taken_from(track: FocusTrack, whole: FocusTrack) -> FocusTrack:
-    """The track with what follows over time taken from that of the whole shot, joined by straight lines between its frames."""
-
-    def between(columns: np.ndarray) -> np.ndarray:
-        made = [np.interp(track.times, whole.times, column) for column in columns.reshape(len(whole.times), -1).T]
-        return np.array(made).T.reshape(len(track.times), *columns.shape[1:])
-
-    return replace(
-        track,
-        planes=between(whole.planes),
-        wanted_w=between(whole.wanted_w),
-        f_stops=between(whole.f_stops),
-        fades=between(whole.fades),
-        sides=whole.sides,
-    )
+def _between(times: DoubleArray, column: DoubleArray, at: DoubleArray) -> DoubleArray:
+    """``(m, ...)`` of a column ``(n, ...)``, joined by straight lines and level beyond its ends."""
+    flat = column.reshape(len(times), -1)
+    made = np.empty((len(at), flat.shape[1]))
+    for i, values in enumerate(flat.T):
+        made[:, i] = np.interp(at, times, values)
+    return made.reshape(len(at), *column.shape[1:])

@@ -45,7 +45,7 @@ class FocusTrack:
         wanted_w: ``(n,)`` w on the axis that was asked for, before the hand that follows.
         f_stops: ``(n,)``.
         fades: ``(n, k)`` how much of each point is there, 0 to 1.
-        sides: ``(k,)`` on which side of each soft point the focal surface passes (`render.focus.expressive.soft_sides`).
+        sides: ``(n, k)`` on which side of each soft point the focal surface passes (`render.focus.expressive.soft_sides`).
         solutions: whose focus it is.
         notes: n sentences on what could not be done as asked, empty where all could.
     """
@@ -108,7 +108,7 @@ def _by_hand(reading: FocusReading) -> FocusTrack:
         camera_w,
         own_f_stops(reading),
         np.zeros((count, points)),
-        np.ones(points),
+        np.ones((count, points)),
         solutions,
         ("",) * count,
     )
@@ -134,14 +134,14 @@ def _by_points(reading: FocusReading) -> FocusTrack:
 
 
 def _sides(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleArray:
-    """``(k,)`` on which side of each soft point the focal surface passes: one for all the times, lest its blur jump."""
+    """``(n, k)`` on which side of each soft point the focal surface passes: one for all the times, lest its blur jump."""
     targets = reading.targets
     growth = law.coc_slope_mm_m(planes[:, 0])[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         w = np.where(targets.depths_m > 0, 1 / targets.depths_m, np.nan)
         off = np.where(targets.is_blurred, targets.blurs_mm * targets.extents / growth, 0.0)
         base = planes[:, :1] + (planes[:, None, 1:] * targets.slopes).sum(-1)
-    return soft_sides(w, base, off)
+    return np.broadcast_to(soft_sides(w, base, off), w.shape)
 
 
 def _driven(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleArray:

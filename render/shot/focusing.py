@@ -171,7 +171,7 @@ def _surface(
             frame_width=frame.width,
             exponent=focus.surface_exponent,
             near_priority=focus.near_priority,
-            sides=track.sides,
+            sides=track.sides[index],
         )
         surface = replace(surface, controls=controls, blend=focus.expressive)
     if focus.field_offsets:

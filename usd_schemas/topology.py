@@ -36,7 +36,7 @@ def topology_under(stage: Usd.Stage, point: FocusPoint) -> str:
 def topology_change(stage: Usd.Stage, point: FocusPoint) -> str | None:
     """One sentence where the faces are no longer those on which a focus point was placed, so that its own may mean another place.
 
-    A target that is gone, or that is nowhere, is another matter, and a point that was placed without a fingerprint has nothing to compare.
+    A target that is gone or nowhere is another matter, and a point that was placed without a fingerprint has nothing to compare.
     """
     target = _target(stage, point)
     if not point.topology or point.face < 0 or target is None:

@@ -21,8 +21,8 @@ from usd_schemas import LensCamera
 DoubleArray = NDArray[np.float64]
 
 MAX_FOLLOWED_FRAMES = 20_000
-"""A hand that follows is followed from the first frame of the shot to its last. In a longer shot, and beyond the ends of any, it is
-followed from a while before the part of the shot in which the time lies."""
+"""A hand that follows is followed from the first frame of the shot to its last. In a longer shot, and beyond the ends of any, it
+is followed from a while before the part of the shot in which the time lies."""
 
 _PART, _BEFORE, _AFTER = 500, 1500, 250  # frames: a minute's run-up is longer than a hand is late
 _KEPT = 8  # stretches of frames, of all cameras

@@ -11,6 +11,8 @@ from pxr import Usd
 from table_shot import CAMERA, on_table, write_table
 
 from render.shot import Shot, camera_focus
+from render.shot.focus_reading import FocusReading
+from render.shot.focus_solving import FocusTrack, solved
 
 NEAR, FAR = (0.0, 0.0, 0.5), (0.0, 0.0, -2.2)
 
@@ -66,8 +68,12 @@ def test_a_time_far_beyond_the_shot_is_answered_from_the_frames_about_it(
     shot = racked_shot(tmp_path, 6, 12)
     shot.set_focus(CAMERA, lag=0.3)
     frames: list[int] = []
-    solved = camera_focus.solved
-    monkeypatch.setattr(camera_focus, "solved", lambda reading: frames.append(len(reading.times)) or solved(reading))
+
+    def counted(reading: FocusReading) -> FocusTrack:
+        frames.append(len(reading.times))
+        return solved(reading)
+
+    monkeypatch.setattr(camera_focus, "solved", counted)
     near, far = distances_m(shot, [1.0, 1e7])
     assert far > near
     assert max(frames) < 5000

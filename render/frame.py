@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import TracebackType
 from typing import Any
 
@@ -25,12 +26,12 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface
-from render.layers.shadows import Sphere
+from render.layers.shadows import shadow_interest
 from render.optics.distortion import seen_at
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
-from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
-from render.scene import Camera, Dome, FloatArray, Light, Scene
+from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling, check_thin
+from render.scene import Camera, Dome, FloatArray, Light, Moment, Scene
 from render.trace.aovs import MEASURED
 from render.trace.lens import LensEngine, OnPass
 from render.trace.rays import ray_pattern
@@ -56,6 +57,9 @@ class Frame:
     color: FloatArray
     aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
     prim_paths: tuple[str, ...] = ()
+
+
+_WHOLE = (0, 1)  # all rays: the first of one part
 
 
 class FrameRenderer:
@@ -107,21 +111,79 @@ class FrameRenderer:
         on_progress: Callable[[float], None] | None,
         on_pass: OnPass | None,
     ) -> Frame:
-        self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
-        lens = replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
-        accumulates = settings.engine == "accumulation"
-        if accumulates:
-            check_thin(camera)
-        draw = self._accumulate if accumulates else self._trace
-        color = draw(view, lens, settings, settings.shading == "unlit", on_progress, on_pass)
-        aovs = self._aovs(view, lens, settings, lambda: draw(view, lens, settings, True, None, None))
+        lens = self._loaded(scene, camera, settings)
+        color = self._drawn(view, lens, settings, _WHOLE, on_progress=on_progress, on_pass=on_pass)
+        aovs = self._aovs(view, lens, settings, lambda: self._drawn(view, lens, settings, _WHOLE, unlit=True))
         return Frame(color, aovs, scene.prim_paths)
+
+    def render_moving(
+        self,
+        count: int,
+        moment_at: Callable[[int], Moment],
+        settings: FrameSettings,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> Frame:
+        """Render one frame of what moves while the shutter is open: its rays are spread over the moments, each of which has its
+        own scene, camera and focus. Motion blur and depth of field are one integral, and are taken as one (Cook, Porter &
+        Carpenter 1984, "Distributed ray tracing").
+
+        Args:
+            count: of the moments, one or more.
+            moment_at: the shot at each of them, in the order of time. What is measured beside the colour is that of the middle
+                one.
+            settings: how; each moment has at least one ray.
+            on_progress: called with the share that is done, from 0 to 1.
+
+        Raises:
+            CameraError: a camera's numbers make no picture.
+            GraphicsError: the device refuses.
+        """
+        settings = replace(settings, rays=max(settings.rays, count))
+        total = np.zeros((settings.height, settings.width, 4), np.float32)
+        frame = Frame(total)
+        for i in range(count):
+            moment = moment_at(i)
+            view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
+            with self._device():
+                lens = self._loaded(moment.scene, moment.camera, settings)
+                total += moment.share * self._drawn(view, lens, settings, (i, count))
+                if i == count // 2:
+                    aovs = self._aovs(
+                        view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True)
+                    )
+                    frame = Frame(total, aovs, moment.scene.prim_paths)
+            if on_progress is not None:
+                on_progress((i + 1) / count)
+        return frame
+
+    def _loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:
+        """Put the scene on the device; the camera as the engine has it."""
+        if settings.engine == "accumulation":
+            check_thin(camera)
+        self._peeler.load(self._with_light(scene, camera), shadow_interest(camera))
+        return replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
+
+    def _drawn(
+        self,
+        view: PinholeView,
+        camera: Camera,
+        settings: FrameSettings,
+        part: tuple[int, int],
+        *,
+        unlit: bool = False,
+        on_progress: Callable[[float], None] | None = None,
+        on_pass: OnPass | None = None,
+    ) -> FloatArray:
+        """The loaded scene's picture by some part of its rays, told as its number and how many parts there are."""
+        draw = self._accumulate if settings.engine == "accumulation" else self._trace
+        return draw(view, camera, settings, part, unlit or settings.shading == "unlit", on_progress, on_pass)
 
     def _trace(
         self,
         view: PinholeView,
         camera: Camera,
         settings: FrameSettings,
+        part: tuple[int, int],
         unlit: bool,
         on_progress: Callable[[float], None] | None,
         on_pass: OnPass | None,
@@ -130,7 +192,7 @@ class FrameRenderer:
             self._peeler,
             camera,
             view,
-            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
+            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled).part(*part),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
             supersample=settings.supersample,
@@ -198,13 +260,14 @@ class FrameRenderer:
         view: PinholeView,
         camera: Camera,
         settings: FrameSettings,
+        part: tuple[int, int],
         unlit: bool,
         on_progress: Callable[[float], None] | None,
         on_pass: OnPass | None,
     ) -> FloatArray:
         """The accumulation buffer; it has no passes to show, since it draws view by view."""
         del on_pass
-        points = accumulated_rays(camera, settings.rays, settings.seed)
+        points = accumulated_rays(camera, settings.rays, settings.seed)[part[0] :: part[1]]
         sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
         return self._accumulator.accumulate(
             self._peeler,
@@ -238,24 +301,3 @@ class FrameRenderer:
             dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
             self._lit = (scene, camera, replace(scene, lights=lights, dome=dome))
         return self._lit[2]
-
-
-def check_thin(camera: Camera) -> None:
-    """Raise `SettingsError` where the accumulation buffer, which moves a pinhole about the pupil, cannot show the lens."""
-    if camera.lens.model not in ("thin", "pinhole") and camera.f_stop > 0:
-        raise SettingsError(
-            f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
-            f"{camera.lens.model}: use engine lens"
-        )
-    if not focal_surface(camera).is_plane:
-        raise SettingsError(
-            f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is none: "
-            "use engine lens"
-        )
-
-
-def shadow_interest(camera: Camera) -> Sphere:
-    """Where a distant light's shadows are resolved in a large scene: around the point in focus, twelve metres at the least."""
-    focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
-    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
-    return Sphere(x, y, z, max(12.0, 2.5 * focus_m))

@@ -15,6 +15,7 @@ LATER_ENGINES = ("scatter", "flag", "importance")
 AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MAX_SUPERSAMPLE = 4
+MAX_MOTION = 256
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class FrameSettings:
         seed: of the sampling pattern.
         tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
         wavelengths: traced through a lens with colour errors: 3 is one for each channel, more a smoother spectrum.
+        motion: moments of the shutter's opening at which the scene is looked at; 1 stops all motion at the frame's own time.
         aovs: of `AOVS`; ``color`` is always there.
     """
 
@@ -46,6 +48,7 @@ class FrameSettings:
     seed: int = 0
     tiled: bool = True
     wavelengths: int = 3
+    motion: int = 1
     aovs: tuple[str, ...] = ("color",)
 
     def __post_init__(self) -> None:
@@ -58,6 +61,7 @@ class FrameSettings:
         _check_range("layers", self.layers, 1, MAX_LAYERS)
         _check_range("supersample", self.supersample, 1, MAX_SUPERSAMPLE)
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
+        _check_range("motion", self.motion, 1, MAX_MOTION)
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
             _check_choice("aov", aov, AOVS)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from render.focal_surface import FocalSurface
 from render.lens import THIN_LENS, IrisShape, Lens
+from render.shutter import GLOBAL_SHUTTER, Shutter
 
 FloatArray = NDArray[np.float32]
 DoubleArray = NDArray[np.float64]
@@ -231,6 +232,7 @@ class Camera:
         focal_surface: where the focus lies over the picture, in place of the plane at the focus distance; None for that plane.
         shutter_open: in frames relative to the time, as in USD.
         shutter_close: likewise.
+        shutter: how it opens, and in which order it bares the picture.
         breathing: whether the physical image distance sets the field of view.
         path: prim path.
     """
@@ -251,6 +253,7 @@ class Camera:
     focal_surface: FocalSurface | None = None
     shutter_open: float = 0.0
     shutter_close: float = 0.0
+    shutter: Shutter = GLOBAL_SHUTTER
     breathing: bool = False
     path: str = ""
 
@@ -277,3 +280,18 @@ class Scene:
     def triangle_count(self) -> int:
         """Triangles drawn, instances counted."""
         return sum(len(b.geometry.triangles) * len(b.poses) for b in self.batches)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """The shot at one moment of the shutter's opening.
+
+    Attributes:
+        scene: what is there.
+        camera: what looks, its focus solved.
+        share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
+    """
+
+    scene: Scene
+    camera: Camera
+    share: FloatArray | float

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 
 from render.bench.clock import Repeats, Spent, StageClock, median_spent
-from render.frame import shadow_interest
 from render.frame_settings import FrameSettings
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Peeler
+from render.layers.shadows import shadow_interest
 from render.layers.umbra import umbra_reach
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView

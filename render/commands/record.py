@@ -15,7 +15,7 @@ from render.commands import arguments as shared
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
 from render.film import Grade
-from render.frame_settings import FrameSettings
+from render.frame_settings import MAX_MOTION, FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.output import format_of, write_frame
@@ -89,6 +89,14 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         default="color",
         metavar="LIST",
         help="parts of an EXR: color, depth, coc, defocus, focus_depth, albedo, prim_id, face_id",
+    )
+    group.add_argument(
+        "--motion",
+        type=int,
+        default=1,
+        metavar="N",
+        help=f"moments of the shutter's opening to look at, from 1 to {MAX_MOTION}, over which the rays are spread;"
+        " 1 stops motion",
     )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 
@@ -194,6 +202,7 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         supersample=arguments.supersample,
         wavelengths=arguments.wavelengths,
         shading=arguments.shading,
+        motion=arguments.motion,
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.layers.lights import ShadowSlot, power, unit_axes
-from render.scene import DoubleArray, Light
+from render.scene import Camera, DoubleArray, Light
 
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024
@@ -127,3 +127,10 @@ def _perspective(
     clip[2, 3] = near_m * far_m / (far_m - near_m)
     clip[3, 2] = -1
     return clip @ _look(position, forward)
+
+
+def shadow_interest(camera: Camera) -> Sphere:
+    """Where a distant light's shadows are resolved in a large scene: around the point in focus, twelve metres at the least."""
+    focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
+    x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
+    return Sphere(x, y, z, max(12.0, 2.5 * focus_m))

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
+from render.errors import SettingsError
 from render.focal_surface import FocalPlane
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache
@@ -99,3 +100,17 @@ class Accumulator:
         seen.bind_to_image(1, read=True, write=True)
         program.run(-(-total.width // 8), -(-total.height // 8))
         self._ctx.memory_barrier()
+
+
+def check_thin(camera: Camera) -> None:
+    """Raise `SettingsError` where the accumulation buffer, which moves a pinhole about the pupil, cannot show the lens."""
+    if camera.lens.model not in ("thin", "pinhole") and camera.f_stop > 0:
+        raise SettingsError(
+            f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
+            f"{camera.lens.model}: use engine lens"
+        )
+    if not focal_surface(camera).is_plane:
+        raise SettingsError(
+            f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is none: "
+            "use engine lens"
+        )

@@ -55,6 +55,10 @@ _HONOURED = _OF_LENSES | frozenset(
         "tiltShift:fromFocusPoints",
         "tiltShift:maxAngle",
         "lens:focusThrow",
+        "film:shutter:type",
+        "film:shutter:direction",
+        "film:shutter:travelTime",
+        "film:shutter:efficiency",
         "lens:expressive:pupilPower",
         "lens:expressive:blend",
     }

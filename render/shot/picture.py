@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 from pxr import Usd
 
 from render.film import Grade, develop
 from render.output import FrameMetadata
-from render.scene import Camera, FloatArray
+from render.scene import Camera, FloatArray, Moment
 from render.shot.shot import Shot
+from render.shutter import moments, shares
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -59,9 +61,13 @@ def make_picture(
         CameraError: it is no camera, or has impossible numbers.
         GraphicsError: the device refuses.
     """
-    scene = shot.scene_at(time)
     lens = shot.camera_at(camera, time, settings.width, settings.height)
-    frame = renderer.render(scene, lens, settings, on_progress)
+    if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
+        frame = renderer.render_moving(
+            settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
+        )
+    else:
+        frame = renderer.render(shot.scene_at(time), lens, settings, on_progress)
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
     metadata = FrameMetadata(
         camera=lens,
@@ -75,6 +81,22 @@ def make_picture(
         iso=_authored(prim, "exposure:iso", time),
     )
     return Picture(frame, develop(frame.color, lens.exposure_scale, grade), lens, metadata)
+
+
+def _moments(
+    shot: Shot, camera: str | None, lens: Camera, time: float, settings: FrameSettings
+) -> Callable[[int], Moment]:
+    """The shot while the camera's shutter is open, moment by moment."""
+    opens, closes, count = lens.shutter_open, lens.shutter_close, settings.motion
+    offsets = moments(opens, closes, lens.shutter, count)
+    parts = shares(opens, closes, lens.shutter, count, settings.width, settings.height).astype(np.float32)
+
+    def at(index: int) -> Moment:
+        when = time + float(offsets[index])
+        looks = shot.camera_at(camera, when, settings.width, settings.height)
+        return Moment(shot.scene_at(when), looks, parts[index, ..., None])
+
+    return at
 
 
 def _authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:

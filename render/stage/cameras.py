@@ -11,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
 from render.scene import Camera
+from render.shutter import Shutter
 from render.stage.camera_list import list_cameras
 from render.stage.lenses import iris_of, lens_of
 from render.stage.opening import confinement, reading
@@ -18,6 +19,7 @@ from render.stage.poses import world_pose
 from render.stage.values import number, shown
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
+from usd_schemas import Shutter as ShutterData
 from usd_schemas.units import metres_from_units, mm_from_tenths
 
 Conform = Literal[
@@ -231,6 +233,7 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
         _number(usd.GetPrim().GetAttribute(name), time)
     at = time.GetValue()
     aperture, glass, moved = lens.aperture.read(at), lens.lens.read(at), lens.tilt_shift.read(at)
+    shutter = lens.film.read(at).shutter
     confined_to = confinement(stage)
     return replace(
         camera,
@@ -243,8 +246,17 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
         lens=lens_of(glass, camera.path, confined_to),
         shutter_open=_number(usd.GetShutterOpenAttr(), time),
         shutter_close=_number(usd.GetShutterCloseAttr(), time),
+        shutter=_shutter(shutter, stage, camera.path),
         breathing=glass.breathing,
     )
+
+
+def _shutter(said: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
+    travel = said.travel_time * stage.GetTimeCodesPerSecond()
+    try:
+        return Shutter(said.type, said.direction, travel, tuple(said.efficiency))
+    except SettingsError as error:  # the numbers are the shot's, not the caller's
+        raise CameraError(f"camera {path}: {error.detail}", code="bad_shutter", path=path) from error
 
 
 def _check(camera: Camera) -> None:

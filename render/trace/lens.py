@@ -105,7 +105,7 @@ class LensEngine:
         umbra = umbra_reach(pupil_px)
         plane = focus.affine
         sampling = sampling_of_layers(
-            wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, bundle.count if plane else 1
+            wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1
         )
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")

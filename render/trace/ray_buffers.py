@@ -61,7 +61,7 @@ class RayBuffers:
         self._buffer(pattern.shifts, _SHIFTS)
         self._buffer(pattern_mask(), _MASK)
         set_uniforms(program, narrowing=(1.0 / bundle.squeeze, 1.0), jitters=int(len(pattern.shifts) > 1))
-        set_uniforms(program, spread=0.0 if pattern.count == 1 else 1.0)
+        set_uniforms(program, spread=0.0 if pattern.whole == 1 else 1.0)
         if pattern.iris_points is not None and pattern.iris_image is not None:
             set_uniforms(program, pattern_rays=pattern.count)
             self._buffer(pattern.iris_points, _IRIS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,6 +25,7 @@ class RayPattern:
             twice.
         shifts: ``(patterns, 4)`` float32, of squared radius, turn (in turns), sensor x and y.
         iris_points: ``(patterns, n, 2)`` float32 on the stop, y down, where the iris is not simply round; else None.
+        stands_for: rays of the whole pattern of which this is a part; 0 where it is the whole.
         iris_image: ``(side, side)`` float32 transmission over its mean on the disc, row 0 at the top; None likewise.
     """
 
@@ -32,11 +33,29 @@ class RayPattern:
     shifts: FloatArray
     iris_points: FloatArray | None = None
     iris_image: FloatArray | None = None
+    stands_for: int = 0
 
     @property
     def count(self) -> int:
         """Rays per pixel."""
         return len(self.base)
+
+    @property
+    def whole(self) -> int:
+        """Rays per pixel of the whole pattern."""
+        return self.stands_for or self.count
+
+    def part(self, index: int, parts: int) -> RayPattern:
+        """Every so manieth ray: together the parts are the pattern.
+
+        Args:
+            index: of the part, from 0.
+            parts: at most as many as there are rays.
+        """
+        if parts == 1:
+            return self
+        points = None if self.iris_points is None else np.ascontiguousarray(self.iris_points[:, index::parts])
+        return replace(self, base=self.base[index::parts], iris_points=points, stands_for=self.whole)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,9 @@
 """Colour into the working space, through OpenColorIO.
 
 USD's own colours (authored constants, light colours, displayColor) are linear with Rec. 709 primaries. Textures say by their
-``sourceColorSpace`` what they hold. All of it is converted to the working space, which is the role ``scene_linear`` of the
-configuration: ACEScg in OpenColorIO's default one.
+``sourceColorSpace`` what they hold: in USD's words, or by a name, an alias or an input role (``texture_paint``) of the
+configuration. All of it is converted to the working space, which is the role ``scene_linear`` of the configuration: ACEScg in
+OpenColorIO's default one.
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ import PyOpenColorIO as ocio
 from numpy.typing import NDArray
 
 from render.errors import InputError, SettingsError
+from render.near_names import hint, near_names
 
 USD_LINEAR = "lin_rec709"
 _WORKING_ROLE = ocio.ROLE_SCENE_LINEAR
 _BUILTIN_NAMES = {"sRGB": "srgb_texture", "lin_rec709": "lin_rec709"}
+_BUILTIN_PREFIX = "ocio://"
 _UNCONVERTED = ("raw", "data", "unknown", "identity", "")
+# Messages that hold bytes of a damaged file cannot always be made Python strings.
+OCIO_ERRORS = (ocio.Exception, ocio.ExceptionMissingFile, UnicodeDecodeError)
 
 
 def working_config(path: str | Path | None = None) -> ocio.Config:
@@ -33,17 +38,28 @@ def working_config(path: str | Path | None = None) -> ocio.Config:
     Raises:
         SettingsError: the file is missing, damaged, or has no ``scene_linear`` role.
     """
-    return _read_config(str(path or os.environ.get("OCIO") or "ocio://default"))
+    name = str(path or os.environ.get("OCIO") or "ocio://default")
+    return _read_config(name, file_stamp(name))
 
 
-@functools.cache
-def _read_config(name: str) -> ocio.Config:
+def file_stamp(name: str | Path) -> tuple[int, int]:
+    """What tells a file from the same file rewritten: when it was last written (ns), and its size; zeros where there is none."""
+    try:
+        status = os.stat(name)
+    except (OSError, ValueError):
+        return (0, 0)
+    return (status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=32)
+def _read_config(name: str, stamp: tuple[int, int]) -> ocio.Config:
+    """A configuration; the stamp makes a file that was edited be read again."""
+    del stamp
     try:
         config = ocio.Config.CreateFromFile(name)
-    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
-        reason = str(error).splitlines()[0]
+    except OCIO_ERRORS as error:
         raise SettingsError(
-            f"cannot read the OpenColorIO configuration {name}: {reason}", code="bad_colour_config"
+            f"cannot read the OpenColorIO configuration {name}: {_reason(name, error)}", code="bad_colour_config"
         ) from error
     if not config.hasRole(_WORKING_ROLE):
         raise SettingsError(
@@ -53,6 +69,17 @@ def _read_config(name: str) -> ocio.Config:
     return config
 
 
+def _reason(name: str, error: Exception) -> str:
+    """Why a configuration cannot be read, in one sentence."""
+    if name.startswith(_BUILTIN_PREFIX):
+        known = (_BUILTIN_PREFIX + row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs())
+        return f"there is none built in of that name: {hint(name, known)}"
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text"
+    # OpenColorIO names the file once more, in front of what is wrong with it.
+    return " ".join(str(error).split()).removeprefix(f"Error: Loading the OCIO profile '{name}' failed. ")
+
+
 def to_working(
     pixels: NDArray[np.float32], source: str = USD_LINEAR, config: ocio.Config | None = None
 ) -> NDArray[np.float32]:
@@ -60,8 +87,8 @@ def to_working(
 
     Args:
         pixels: ``(..., 3)`` or ``(..., 4)`` float32; alpha passes through.
-        source: ``sRGB``, ``raw``, or a colour space name that OpenColorIO's default configuration knows, such as
-            ``lin_rec709`` or ``lin_ap1_scene``. ``raw`` and ``data`` are not converted.
+        source: ``sRGB``, ``raw``; or a colour space of the configuration, by name, alias or role; or one that OpenColorIO's
+            default configuration knows, such as ``lin_rec709`` or ``lin_ap1_scene``. ``raw`` and ``data`` are not converted.
         config: the configuration; by default ``working_config()``.
 
     Returns:
@@ -75,19 +102,20 @@ def to_working(
     return _apply(_to_working_processor(source, config or working_config()), pixels)
 
 
-def linearise(pixels: NDArray[np.float32], source: str) -> NDArray[np.float32]:
+def linearise(pixels: NDArray[np.float32], source: str, config: ocio.Config | None = None) -> NDArray[np.float32]:
     """Undo a colour space's transfer function and keep Rec. 709 primaries: for single channels that were stored as colour.
 
     Args:
         pixels: ``(..., 3)`` or ``(..., 4)`` float32.
         source: as for :func:`to_working`.
+        config: the configuration; by default ``working_config()``.
 
     Raises:
         InputError: the source colour space is not known.
     """
     if source in (*_UNCONVERTED, USD_LINEAR):
         return np.array(pixels, np.float32)
-    return _apply(_linear_processor(source), pixels)
+    return _apply(_linear_processor(source, config or working_config()), pixels)
 
 
 def rgb_to_working(rgb: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -99,23 +127,43 @@ def rgb_to_working(rgb: tuple[float, float, float]) -> tuple[float, float, float
 @functools.lru_cache(maxsize=64)
 def _to_working_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
     try:
+        if _is_own(source, config):
+            return config.getProcessor(source, _WORKING_ROLE).getDefaultCPUProcessor()
         return ocio.Config.GetProcessorFromBuiltinColorSpace(
             _BUILTIN_NAMES.get(source, source), config, _WORKING_ROLE
         ).getDefaultCPUProcessor()
-    except ocio.Exception as error:
-        raise InputError(
-            f"colour space {source!r} is not known: expected sRGB, raw or a name of OpenColorIO's default configuration",
-            code="unknown_colour_space",
-        ) from error
+    except OCIO_ERRORS as error:
+        raise _unusable_space(source, config, error) from error
 
 
 @functools.lru_cache(maxsize=64)
-def _linear_processor(source: str) -> ocio.CPUProcessor:
-    builtin = ocio.Config.CreateFromBuiltinConfig("ocio://default")
+def _linear_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
     try:
-        return builtin.getProcessor(_BUILTIN_NAMES.get(source, source), USD_LINEAR).getDefaultCPUProcessor()
-    except ocio.Exception as error:
-        raise InputError(f"colour space {source!r} is not known", code="unknown_colour_space") from error
+        if _is_own(source, config):
+            return ocio.Config.GetProcessorToBuiltinColorSpace(config, source, USD_LINEAR).getDefaultCPUProcessor()
+        return _builtin_config().getProcessor(_BUILTIN_NAMES.get(source, source), USD_LINEAR).getDefaultCPUProcessor()
+    except OCIO_ERRORS as error:
+        raise _unusable_space(source, config, error) from error
+
+
+def _is_own(source: str, config: ocio.Config) -> bool:
+    """Whether the configuration has such a space. USD's own words mean the same whatever configuration there is."""
+    return source not in _BUILTIN_NAMES and config.getColorSpace(source) is not None
+
+
+def _unusable_space(source: str, config: ocio.Config, error: Exception) -> InputError:
+    if _is_own(source, config):
+        reason = " ".join(str(error).split())
+        return InputError(f"colour space {source!r} cannot be converted: {reason}", code="bad_colour_space")
+    near = near_names(source, [*_BUILTIN_NAMES, *config.getColorSpaceNames(), *_builtin_config().getColorSpaceNames()])
+    meant = " or ".join(f"'{name}'" for name in near)
+    expected = f"did you mean {meant}?" if near else "expected sRGB, raw or a name of the OpenColorIO configuration"
+    return InputError(f"colour space {source!r} is not known: {expected}", code="unknown_colour_space")
+
+
+@functools.cache
+def _builtin_config() -> ocio.Config:
+    return ocio.Config.CreateFromBuiltinConfig("ocio://default")
 
 
 def _apply(processor: ocio.CPUProcessor, pixels: NDArray[np.float32]) -> NDArray[np.float32]:

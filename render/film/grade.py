@@ -9,6 +9,7 @@ import PyOpenColorIO
 
 from render.colour import working_config
 from render.errors import SettingsError
+from render.near_names import hint
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,8 @@ class Grade:
             (names separated by commas, ``-name`` for the inverse); None for none.
 
     Raises:
-        SettingsError: the configuration cannot be read, or has no such display, view or look; the message lists what it
-            has.
+        SettingsError: the configuration cannot be read, or has no such display, view or look; the message has the
+            nearest names, else all.
     """
 
     config: str | None = None
@@ -116,5 +117,4 @@ def _check_known(kind: str, name: str, known: Iterable[str], of_what: str = "") 
     """Raise `SettingsError` unless ``name`` is one of ``known``."""
     names = list(known)
     if name not in names:
-        listed = ", ".join(f"'{n}'" for n in names) or "none"
-        raise SettingsError(f"unknown {kind} '{name}'{of_what}: expected one of {listed}", code=f"unknown_{kind}")
+        raise SettingsError(f"unknown {kind} '{name}'{of_what}: {hint(name, names)}", code=f"unknown_{kind}")

@@ -24,8 +24,8 @@ STILL = FrameSettings(WIDTH, HEIGHT, engine="pinhole", shading="unlit", rays=1, 
 
 
 def write_moving(path: Path, *, shutter: ShutterData | None = None, closes: float = 0.5) -> Path:
-    """A white card, 0.2 m wide and 1.2 m high, moves to the right by 1 m a frame, 2 m before a pinhole that sees 2.4 by 1.2 m there:
-    100 pixels a frame. The shutter opens at each frame's time."""
+    """A white card, 0.2 m wide and 1.2 m high, moves to the right by 1 m a frame, 2 m before a pinhole that sees 2.4 by 1.2 m
+    there: 100 pixels a frame. The shutter opens at each frame's time."""
     stage = Usd.Stage.CreateNew(str(path))
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, "Y")
@@ -73,7 +73,7 @@ def test_a_trail_is_as_long_as_the_way_and_as_bright_as_the_time(renderer: Frame
 
 @pytest.mark.parametrize(("direction", "sign"), [("down", 1), ("up", -1)])
 def test_a_rolling_shutter_leans_what_moves(renderer: FrameRenderer, tmp_path: Path, direction: str, sign: int) -> None:
-    """Lines that are read one after the other over half a frame see the card 50 pixels farther on in the last than in the first."""
+    """Lines that are read one after the other over half a frame see the card 50 pixels farther on in the last than the first."""
     rolling = ShutterData(type="rolling", direction=direction, travel_time=0.5 / 24)  # type: ignore[arg-type]
     shot = Shot.open(write_moving(tmp_path / "rolling.usda", shutter=rolling, closes=0.02))
     seen = coverage(renderer, shot, 104)

@@ -39,6 +39,7 @@ from usd_schemas.film_data import (
     Sensor,
     Shutter,
 )
+from usd_schemas.film_library import LibraryFilm, film_names, library_film, library_films
 from usd_schemas.focus_point import FocusPointView
 from usd_schemas.keys import Interpolation, Key, Tangents
 from usd_schemas.lens_library import LibraryLens, lens_names, library_lens, library_lenses
@@ -69,6 +70,7 @@ __all__ = [
     "Key",
     "LensCamera",
     "LensData",
+    "LibraryFilm",
     "LibraryLens",
     "Metering",
     "Mounted",
@@ -84,7 +86,10 @@ __all__ = [
     "TiltShiftData",
     "define_camera",
     "define_lens_camera",
+    "film_names",
     "lens_names",
+    "library_film",
+    "library_films",
     "library_lens",
     "library_lenses",
     "mount_lens",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 from pxr import Sdf, Usd
@@ -52,6 +52,42 @@ def read(kind: type[Data], prim: Usd.Prim, time: Time = None, prefix: str = "", 
             value = read_value(prim.GetAttribute(prefix + item.metadata["usd"]), time)
             values[item.name] = item.default if value is None else value
     return kind(**values)
+
+
+def read_over(
+    kind: type[Data], prim: Usd.Prim, times: Sequence[float], prefix: str = "", **given: Any
+) -> tuple[Data, ...]:
+    """Read a dataclass at some times: what is not animated once for all of them.
+
+    Args:
+        kind: the dataclass.
+        prim: the camera.
+        times: USD time codes.
+        prefix: what stands before each property's name.
+        given: fields that are not attributes.
+    """
+    if not times:
+        return ()
+    first = read(kind, prim, times[0], prefix, **given)
+    attributes = {name: prim.GetAttribute(prefix + name) for name in property_names(kind)}
+    animated = {name for name, attribute in attributes.items() if attribute and is_animated(attribute)}
+    if not animated:
+        return (first,) * len(times)
+    return (first, *(_reread(first, animated, prim, time, prefix) for time in times[1:]))
+
+
+def _reread(data: Data, names: Collection[str], prim: Usd.Prim, time: Time, prefix: str) -> Data:
+    """A dataclass with some of its properties, and all of its groups that have such, read at another time."""
+    values: dict[str, Any] = {}
+    for item in fields(data):  # type: ignore[arg-type]
+        if "group" in item.metadata:
+            group = item.metadata["group"]
+            if not set(names).isdisjoint(property_names(group)):
+                values[item.name] = read(group, prim, time, prefix)
+        elif item.metadata.get("usd") in names:
+            value = read_value(prim.GetAttribute(prefix + item.metadata["usd"]), time)
+            values[item.name] = item.default if value is None else value
+    return replace(data, **values)  # type: ignore[type-var]
 
 
 def author(data: Any, prim: Usd.Prim, time: Time = None, prefix: str = "") -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -35,6 +36,14 @@ class FocusPointView:
             SchemaError: its target is authored as an attribute.
         """
         return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, target=self._targets())
+
+    def read_over(self, times: Sequence[float]) -> tuple[FocusPoint, ...]:
+        """What the point says at some time codes.
+
+        Raises:
+            SchemaError: its target is authored as an attribute.
+        """
+        return binding.read_over(FocusPoint, self.prim, times, self._prefix, name=self.name, target=self._targets())
 
     def author(self, point: FocusPoint, time: Time = None) -> None:
         """Author what differs from what the point says; ``point.name`` does not matter.

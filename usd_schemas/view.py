@@ -6,6 +6,7 @@ to the stage's edit target, so that they are a layer.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Generic, TypeVar
 
 from pxr import Sdf, Usd, UsdGeom
@@ -44,6 +45,10 @@ class SchemaView(Generic[Data]):
     def read(self, time: Time = None) -> Data:
         """What the schema says at a time code (None: the default time); its fallbacks where it is not applied."""
         return binding.read(self._kind, self.prim, time) if self.applied else self._kind()
+
+    def read_over(self, times: Sequence[float]) -> tuple[Data, ...]:
+        """What the schema says at some time codes; its fallbacks where it is not applied."""
+        return binding.read_over(self._kind, self.prim, times) if self.applied else (self._kind(),) * len(times)
 
     def author(self, data: Data, time: Time = None) -> None:
         """Apply the schema if need be, and author what differs from what the camera says.

@@ -6,6 +6,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +130,7 @@ class CameraFocus:
         """The track with what follows over time taken from the frames before and after, joined by straight lines between them."""
         frames = _Frames.of(self._stage)
         stretches = [frames.stretch(time) for time in track.times.tolist()]
-        columns = {name: np.array(getattr(track, name)) for name in _FOLLOWED}
+        columns: dict[str, Any] = {name: np.array(getattr(track, name)) for name in _FOLLOWED}
         for stretch in dict.fromkeys(stretches):
             rows = np.array([stretch == of_time for of_time in stretches])
             whole = self._over_stretch(reading, frames, stretch, revision)

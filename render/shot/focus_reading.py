@@ -142,11 +142,12 @@ def read_focus(
     cameras = tuple(read_camera(stage, camera_path, time) for time in times)
     try:
         lens_camera = LensCamera(stage.GetPrimAtPath(camera_path))
-        focus = tuple(lens_camera.focus.read(time) for time in times)
-        tilts = tuple(lens_camera.tilt_shift.read(time) for time in times)
-        lenses = [lens_camera.lens.read(time) for time in times]
+        focus = lens_camera.focus.read_over(times)
+        tilts = lens_camera.tilt_shift.read_over(times)
+        lenses = lens_camera.lens.read_over(times)
         views = lens_camera.focus_points()
-        points = tuple(tuple(view.read(time) for view in views) for time in times)
+        of_points = [view.read_over(times) for view in views]
+        points = tuple(tuple(over_times[i] for over_times in of_points) for i in range(len(times)))
     except SchemaError as error:
         raise CameraError(str(error), path=camera_path) from error
     for tilt in tilts:

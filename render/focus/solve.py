@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -39,6 +39,7 @@ __all__ = [
     "FocusTargets",
     "Occluded",
     "PointState",
+    "kept_within",
     "solve_distances",
     "solve_focus",
     "why",
@@ -187,6 +188,34 @@ def solve_distances(
         sources=tuple(sources),
         reasons=_reasons(targets.names, codes, decided, limits, law),
         limits=limits,
+    )
+
+
+def kept_within(
+    solutions: FocusSolutions, wished_w: DoubleArray, frames: BoolArray, names: Sequence[str], law: LensLaw
+) -> FocusSolutions:
+    """The same solutions, focused elsewhere in some frames, as near there as the lens reaches.
+
+    Args:
+        solutions: for n frames.
+        wished_w: ``(n,)`` where else, 1/m.
+        frames: ``(n,)`` in which.
+        names: of the k points.
+        law: of the lens, for each frame or one for all.
+    """
+    w = np.where(frames, np.clip(wished_w, law.far_w, law.near_w), solutions.focus_w)
+    beyond = np.where(frames, np.sign(wished_w - w), 0.0).tolist()
+    ends: dict[float, FocusLimit] = {-1.0: "infinity", 0.0: "", 1.0: "close_focus"}
+    limits = tuple(
+        ends[end] if is_elsewhere else limit
+        for end, is_elsewhere, limit in zip(beyond, frames.tolist(), solutions.limits, strict=True)
+    )
+    decided = np.asarray(solutions.shares.any(axis=1))
+    return replace(
+        solutions,
+        focus_distance_m=np.where(w > 0, 1 / np.where(w > 0, w, 1.0), np.inf),
+        limits=limits,
+        reasons=_reasons(names, solutions.state_codes, decided, limits, law),
     )
 
 

@@ -14,7 +14,7 @@ from render.focus.influence import SEEN
 from render.focus.plane_fit import fit_targets, limit_planes
 from render.focus.points import FocusTargets
 from render.focus.smoothing import faded
-from render.focus.solve import FocusSolutions, solve_distances
+from render.focus.solve import FocusSolutions, kept_within, solve_distances
 from render.focus.tilt import planes_of
 from render.lens_law import LensLaw
 from render.optics.depth_of_field import default_coc_limit_mm
@@ -59,7 +59,9 @@ def asked_by_points(reading: FocusReading, targets: FocusTargets, law: LensLaw) 
     )
     planes, notes = np.column_stack([solutions.focus_w, tilt]), [""] * len(camera_w)
     if focus.mode == "tiltPlane":
-        _tilt_through_points(reading, targets, solutions.shares, law, planes, notes)
+        tilted = _tilt_through_points(reading, targets, solutions.shares, law, planes, notes)
+        solutions = kept_within(solutions, planes[:, 0], tilted, targets.names, law)
+        planes[:, 0] = np.where(tilted, solutions.focus_w, planes[:, 0])
     made = Asked(planes, own_f_stops(reading), solutions, notes)
     return _with_stops(reading, targets, law, made) if any(f.solve_stop for f in reading.focus) else made
 
@@ -127,8 +129,8 @@ def _tilt_through_points(
     law: LensLaw,
     planes: DoubleArray,
     notes: list[str],
-) -> None:
-    """Put the planes through the points in place, where they drive the tilt and any of them counts."""
+) -> NDArray[np.bool_]:
+    """Put the planes through the points in place, where they drive the tilt and any of them counts; and say where."""
     asked = np.array([tilt.from_focus_points for tilt in reading.tilts]) & shares.any(axis=1)
     fits, w = fit_targets(targets, shares, law.coc_slope_mm_m(planes[:, 0]))
     focal_mm = np.array([camera.focal_length_mm for camera in reading.cameras])
@@ -142,6 +144,7 @@ def _tilt_through_points(
         if changed[i]:
             told.append(_why_limited(kept[i], float(focal_mm[i]), reading.tilts[i].max_angle))
         notes[i] = _joined(notes[i], *told)
+    return np.asarray(asked)
 
 
 def _why_limited(plane: DoubleArray, focal_length_mm: float, max_angle_deg: float) -> str:

@@ -104,6 +104,19 @@ def test_a_plane_that_meets_the_axis_behind_the_camera_is_laid_along_it(shot: Sh
     assert "behind the camera" in readout.note
 
 
+@pytest.mark.parametrize(("marked_mm", "nearest_m"), [(0.0, 0.0), (2100.0, 0.0), (5000.0, 4.9597)])
+def test_a_tilted_lens_focuses_no_nearer_than_it_is_marked(shot: Shot, marked_mm: float, nearest_m: float) -> None:
+    """Upright it would focus nearer than tilted, so that only the last mark is beyond it."""
+    with_table_points(shot, "tiltPlane")
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        LensCamera(shot.stage.GetPrimAtPath(CAMERA)).lens.author(LensData(close_focus=marked_mm))
+    readout, curve = shot.readout(CAMERA, 1), shot.focus_curve(CAMERA, [1.0])
+    wanted_m = 0.7 / math.sin(math.radians(18))  # where the view axis meets the table
+    assert readout.focus_distance_m == pytest.approx(nearest_m or wanted_m, rel=1e-4)
+    assert ("focuses no nearer than" in readout.reason) == bool(nearest_m)
+    assert bool(curve.limited[0]) == bool(nearest_m)
+
+
 def test_a_surface_has_near_and_far_sharp_and_the_middle_soft(shot: Shot, renderer: FrameRenderer) -> None:
     shot.add_focus_point(CAMERA, "near", on_table("near", (0.0, 0.0, 0.5)))
     shot.add_focus_point(CAMERA, "far", on_table("far", (0.0, 0.0, -2.2)))

@@ -6,6 +6,7 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import PyOpenColorIO
 
 from render.errors import SettingsError
 from render.film.grade import Grade
@@ -39,8 +40,30 @@ def develop(radiance: FloatArray, exposure_scale: float, grade: Grade) -> FloatA
         raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
     if not (np.isfinite(exposure_scale) and exposure_scale >= 0):
         raise SettingsError(f"exposure scale must be a finite number from 0 up, got {exposure_scale}")
-    processor = grade.cpu_processor()
-    picture = expose(radiance[..., :3], exposure_scale)
+    return _displayed(expose(radiance[..., :3], exposure_scale), grade.cpu_processor())
+
+
+def project(print_light: FloatArray, grade: Grade, space: str) -> FloatArray:
+    """Show the light of a film's print or positive on a display: as it is, without the view's tone mapping.
+
+    Args:
+        print_light: ``(height, width, 3)`` linear, 1 = the display's white. NaN counts as black.
+        grade: the display; its CDL and looks are those of a colourist who has the print before him.
+        space: the linear space that the light is in, as for `Grade.processor`.
+
+    Returns:
+        ``(height, width, 3)`` float32, encoded for the display, from 0 to 1.
+
+    Raises:
+        SettingsError: no such picture, or OpenColorIO cannot build the transform.
+    """
+    if print_light.ndim != 3 or print_light.shape[2] != 3:
+        raise SettingsError(f"print light must be (height, width, 3), got {print_light.shape}")
+    return _displayed(expose(print_light, 1.0), grade.cpu_processor(space))
+
+
+def _displayed(picture: FloatArray, processor: PyOpenColorIO.CPUProcessor) -> FloatArray:
+    """Run a picture through OpenColorIO, in place."""
     bands = [picture[row : row + _ROWS_IN_A_BAND] for row in range(0, len(picture), _ROWS_IN_A_BAND)]
     with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
         list(threads.map(processor.applyRGB, bands))

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import PyOpenColorIO
 
-from render.colour import working_config
+from render.colour import OCIO_ERRORS, working_config
 from render.errors import SettingsError
+from render.film.cdl import NEUTRAL, Cdl, read_cdl
+from render.film.display_transform import print_to_display, scene_to_display
 from render.near_names import hint
+
+if TYPE_CHECKING:  # a grade by names and numbers needs no USD
+    from usd_schemas.film_data import GradeData
 
 
 @dataclass(frozen=True)
 class Grade:
-    """How radiance is turned into a display's picture. Names are checked when a grade is made.
+    """How light is turned into a display's picture. That it can be done is checked when a grade is made.
 
     Attributes:
         config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one that the environment
@@ -23,16 +30,20 @@ class Grade:
         view: a view of that display; None takes its default.
         look: looks of that configuration, applied in the working space before the view, with OpenColorIO's syntax
             (names separated by commas, ``-name`` for the inverse); None for none.
+        cdl: the shot's colour decision, applied before the looks in the configuration's ``color_timing`` space, or in the
+            working space where it has none.
 
     Raises:
         SettingsError: the configuration cannot be read, or has no such display, view or look; the message has the
-            nearest names, else all.
+            nearest names, else all. Or OpenColorIO cannot build the transform, such as when a file that a look names is
+            missing.
     """
 
     config: str | None = None
     display: str | None = None
     view: str | None = None
     look: str | None = None
+    cdl: Cdl = NEUTRAL
 
     def __post_init__(self) -> None:
         known = list_displays(self.config)
@@ -40,6 +51,27 @@ class Grade:
         _check_known("view", self.view_name, known[self.display_name], f" of display '{self.display_name}'")
         for look in _look_names(self.look):
             _check_known("look", look, working_config(self.config).getLookNames())
+        self.processor()
+
+    @classmethod
+    def from_film_data(cls, data: GradeData, confined_to: Path | None = None) -> Grade:
+        """The grade that a shot asks for by its ``film:ocio:*`` and ``film:cdl:*``.
+
+        Args:
+            data: as it is at a time; a CDL file takes the place of the CDL's numbers.
+            confined_to: a folder that holds all that the shot may read; None where it may read everything.
+
+        Raises:
+            SettingsError: as when a grade is made, or a number of the CDL is out of range.
+            InputError: a file is missing, damaged or outside of the folder, or has no such correction.
+        """
+        from render.film.shot_files import cdl_file, config_file
+
+        config = config_file(data.config, confined_to)
+        cdl = Cdl(data.cdl_slope, data.cdl_offset, data.cdl_power, data.cdl_saturation)
+        if data.cdl_file.path:
+            cdl = read_cdl(cdl_file(data.cdl_file, confined_to), data.cdl_id)
+        return cls(config, data.display or None, data.view or None, data.look or None, cdl)
 
     @property
     def display_name(self) -> str:
@@ -68,30 +100,33 @@ class Grade:
         space = config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(self.display_name, self.view_name))
         return str(space.getInteropID()) if space else ""
 
-    def cpu_processor(self) -> PyOpenColorIO.CPUProcessor:
-        """OpenColorIO's processor from the working space to the display, which OpenColorIO caches.
+    def processor(self, light: str | None = None) -> PyOpenColorIO.Processor:
+        """OpenColorIO's transform of light to what the display is sent, which OpenColorIO caches.
+
+        Args:
+            light: None for scene-linear light in the working space, which the view tone-maps. Else the name of a linear space,
+                of the configuration or of OpenColorIO's default one, such as ``lin_rec709``, in which there is the light of a
+                film's print: it is shown as it is, its 1 as the display's white, with the CDL and the looks but no tone
+                mapping.
 
         Raises:
-            SettingsError: OpenColorIO cannot build the transform, such as when a file that a look names is missing.
+            SettingsError: OpenColorIO cannot build the transform.
         """
-        transform = PyOpenColorIO.GroupTransform()
-        if self.look:
-            transform.appendTransform(
-                PyOpenColorIO.LookTransform(
-                    src=PyOpenColorIO.ROLE_SCENE_LINEAR, dst=PyOpenColorIO.ROLE_SCENE_LINEAR, looks=self.look
-                )
-            )
-        transform.appendTransform(
-            PyOpenColorIO.DisplayViewTransform(
-                src=PyOpenColorIO.ROLE_SCENE_LINEAR, display=self.display_name, view=self.view_name
-            )
-        )
+        config = working_config(self.config)
+        way = (config, self.display_name, self.view_name, self.look, self.cdl)
         try:
-            return working_config(self.config).getProcessor(transform).getDefaultCPUProcessor()
-        except (PyOpenColorIO.Exception, PyOpenColorIO.ExceptionMissingFile) as error:
+            return config.getProcessor(scene_to_display(*way) if light is None else print_to_display(*way, light))
+        except OCIO_ERRORS as error:
+            shown = "" if light is None else f" of a print in '{light}'"
             raise SettingsError(
-                f"display '{self.display_name}' with view '{self.view_name}' cannot be made: {error}", code="bad_grade"
+                f"display '{self.display_name}' with view '{self.view_name}'{shown} cannot be made: "
+                f"{' '.join(str(error).split())}",
+                code="bad_grade",
             ) from error
+
+    def cpu_processor(self, light: str | None = None) -> PyOpenColorIO.CPUProcessor:
+        """`processor` for arrays."""
+        return self.processor(light).getDefaultCPUProcessor()
 
 
 def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:
@@ -105,6 +140,18 @@ def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:
     """
     read = working_config(config)
     return {display: tuple(read.getViews(display)) for display in read.getDisplays()}
+
+
+def list_looks(config: str | None = None) -> tuple[str, ...]:
+    """Looks of a configuration, in its order.
+
+    Args:
+        config: as `Grade.config`.
+
+    Raises:
+        SettingsError: the configuration cannot be read.
+    """
+    return tuple(working_config(config).getLookNames())
 
 
 def _look_names(look: str | None) -> list[str]:

@@ -6,25 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from colour_kit import OWN_CONFIG
 
 from render.colour import linearise, to_working, working_config
 from render.errors import InputError, SettingsError
-
-# A studio's own configuration: it works in linear Rec. 709 and has no names in common with USD's.
-OWN_CONFIG = """
-ocio_profile_version: 2.3
-roles: {default: Studio Linear, scene_linear: Studio Linear, aces_interchange: AP0, data: Numbers}
-file_rules: [!<Rule> {name: Default, colorspace: Studio Linear}]
-displays: {Monitor: [!<View> {name: Plain, colorspace: Studio Linear}]}
-colorspaces:
-  - !<ColorSpace> {name: AP0}
-  - !<ColorSpace> {name: Numbers, isdata: true}
-  - !<ColorSpace>
-    name: Studio Linear
-    to_scene_reference: !<MatrixTransform>
-      matrix: [0.439632982, 0.382988698, 0.17737832, 0, 0.0897764431, 0.813439429, 0.0967841284, 0,
-               0.0175411704, 0.111546553, 0.870912277, 0, 0, 0, 0, 1]
-"""
 
 
 def test_srgb_texels_become_linear_and_neutral_stays_neutral() -> None:

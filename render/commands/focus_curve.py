@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from render.commands import arguments as shared
-from render.commands.report import say
+from render.commands.report import say, warn_of
 from render.errors import CameraError, InputError, SettingsError
 from render.files import write_atomic
 from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
@@ -103,6 +103,7 @@ def run(arguments: argparse.Namespace) -> None:
         shared.mount(shot, camera, lens)
         frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
         text = _solved(shot, camera, frames, wanted, arguments)
+        warn_of(shot.findings(), arguments.stage)
     if arguments.out is None:
         sys.stdout.write(text)
     else:

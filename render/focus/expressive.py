@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import SettingsError
-from render.focal_surface import Controls, DoubleArray, FocalPlane
+from render.focal_surface import MAX_CONTROLS, Controls, DoubleArray, FocalPlane
 from render.focus.surface import NEAREST_SLOPE, on_plane
 
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
 
 OVERLAP_FRAME_WIDTHS = 0.05
 """Soft points nearer than this to a sharp one on the screen overlap it, and lose influence."""
@@ -112,7 +113,8 @@ def focal_controls(
 
     At the place of a point that is all there, the surface has the focus that the point wants (`wanted_w`) and its extent,
     exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`apart_from_sharp`), and points
-    of hardly any weight (`FADING_WEIGHT`) with their weight.
+    of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`) the
+    strongest are taken.
 
     Args:
         points: at one time.
@@ -127,7 +129,7 @@ def focal_controls(
         Values are w in 1/m and the natural logarithm of the extent; None where no point counts.
 
     Raises:
-        SettingsError: more points count than a surface may have, or the exponent is out of range.
+        SettingsError: the exponent is out of range.
     """
     wanted = wanted_w(points, plane, coc_slope_mm_m, sides)
     is_placed = np.isfinite(wanted) & np.isfinite(points.slopes).all(-1) & (points.weights > 0)
@@ -139,10 +141,10 @@ def focal_controls(
     order = order[fades[order] > _ABSENT]
     if len(order) == 0:
         return None
+    weights = _prior_weights(points, order, near_priority)
+    strongest = np.sort(np.argsort(-weights * fades[order], kind="stable")[:MAX_CONTROLS])
+    order, weights = order[strongest], weights[strongest]
     places, fades = points.slopes[order], fades[order]
-    near = np.asarray(1 / points.depths_m[order])
-    weights = points.weights[order] / points.weights[order].max()
-    weights = weights * np.maximum((near / max(near.max(), 1e-300)) ** near_priority, _LEAST_PRIORITY)
     base = np.stack([on_plane(plane, places), np.zeros(len(order))], axis=-1)
     controls = Controls(
         places,
@@ -152,6 +154,13 @@ def focal_controls(
         exponent,
     )
     return _drawn_back(controls, fades, base)
+
+
+def _prior_weights(points: SurfacePoints, order: IntArray, near_priority: float) -> DoubleArray:
+    """Weights of those points of the given order, more for the nearer; the largest is at most 1."""
+    near = np.asarray(1 / points.depths_m[order])
+    weights = points.weights[order] / points.weights[order].max()
+    return np.asarray(weights * np.maximum((near / max(near.max(), 1e-300)) ** near_priority, _LEAST_PRIORITY))
 
 
 def wanted_w(

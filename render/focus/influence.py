@@ -19,7 +19,8 @@ PointState = Literal[
 ]
 """What became of a focus point: it counts, or why it does not.
 
-``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing.
+``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing, or its
+numbers have no meaning.
 ``behind_camera``: it, or the focus that it asks for, is not in front. ``hidden``: something stands before it.
 ``pinhole``: it should be soft, but a pinhole makes nothing soft.
 """

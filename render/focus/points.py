@@ -20,6 +20,9 @@ PointKind = Literal["sharp", "soft"]
 NEAREST_DEPTH_M = 1e-100
 """What is nearer counts as behind the camera, so that inverse depths can be squared."""
 
+LEAST_EXTENT = 1e-3
+"""As the schema has it: no depth of field is none."""
+
 
 @dataclass(frozen=True)
 class FocusTarget:
@@ -287,15 +290,14 @@ def number_faults(names: Sequence[str], columns: Mapping[str, DoubleArray]) -> d
             falloffs, extents, visible. Others are passed over.
     """
     faults: dict[str, str] = {}
-    for column, (what, can_be_negative) in _CHECKED.items():
+    for column, (what, least) in _CHECKED.items():
         if column not in columns:
             continue
         values = np.atleast_2d(columns[column])
-        sizes = np.abs(values) if can_be_negative else values
-        bad = ~(np.isfinite(sizes) & (sizes >= 0))
+        bad = ~(np.isfinite(values) & (values >= least))
         for i in np.flatnonzero(bad.any(axis=0)).tolist():
             value = values[np.argmax(bad[:, i]), i]
-            expected = "a finite number" if can_be_negative else "a finite number of 0 or more"
+            expected = "a finite number" if least == -math.inf else f"a finite number of {least:g} or more"
             faults.setdefault(
                 names[i], f"the {what} of focus point {names[i]!r} must be {expected}, but it is {value:g}"
             )
@@ -313,10 +315,10 @@ _COLUMNS = (
     "visible",
 )
 _CHECKED = {
-    "weights": ("weight", False),
-    "blurs_mm": ("blur in mm", False),
-    "surface_offsets_m": ("surface offset in m", True),
-    "falloffs": ("falloff in frame widths", False),
-    "extents": ("extent", False),
-    "visible": ("visible share", False),
+    "weights": ("weight", 0.0),
+    "blurs_mm": ("blur in mm", 0.0),
+    "surface_offsets_m": ("surface offset in m", -math.inf),
+    "falloffs": ("falloff in frame widths", 0.0),
+    "extents": ("extent", LEAST_EXTENT),
+    "visible": ("visible share", 0.0),
 }

@@ -109,7 +109,7 @@ def _track(solved: Sequence[Focused], index: int) -> PointTrack:
     return PointTrack(
         name=solved[0].points[index].name,
         depth_m=np.array(depths_m),
-        weight=np.array([s.points[index].weight for s in solved]),
+        weight=np.array([s.targets[index].weight for s in solved]),
         share=np.array([s.solution.shares[index] for s in solved]),
         coc_mm=np.array(
             [

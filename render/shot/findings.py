@@ -11,10 +11,20 @@ from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.optics.mounting import nearer_than_marked
 from render.scene import Light
+from render.shot.focus_checks import PointNumbers
 from render.shot.focusing import Focused
 from render.shot.topology_findings import topology_findings
 from render.stage import Finding
-from usd_schemas import AberrationScales, ApertureData, HeightField, LensCamera, Prescription, Seidel, SplitDiopter
+from usd_schemas import (
+    AberrationScales,
+    ApertureData,
+    FocusPoint,
+    HeightField,
+    LensCamera,
+    Prescription,
+    Seidel,
+    SplitDiopter,
+)
 from usd_schemas.binding import property_names
 
 _OF_LENSES = frozenset(
@@ -105,7 +115,7 @@ def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
 
 
 def lost_point_findings(focused: Focused) -> list[Finding]:
-    """One finding for each focus point that should count, but whose target is missing.
+    """One finding for each focus point that should count, but whose target is missing or whose numbers have no meaning.
 
     Args:
         focused: a camera, its focus solved.
@@ -113,10 +123,24 @@ def lost_point_findings(focused: Focused) -> list[Finding]:
     kept = focused.solution.source == "camera"
     so = "the camera's own focus distance is kept" if kept else "the other points decide the focus"
     return [
-        Finding("lost_focus_point", focused.camera.path, f"{focused.problems[point.name]}, so {so}")
+        Finding(_why_lost(point), focused.camera.path, f"{focused.problems[point.name]}, so {so}")
         for point, state in zip(focused.points, focused.solution.states, strict=True)
         if state == "lost"
     ]
+
+
+def unmet_findings(focused: Focused) -> list[Finding]:
+    """A finding where a lens or its focal surface could not be set as its focus points ask.
+
+    Args:
+        focused: a camera, its focus solved.
+    """
+    path = focused.camera.path
+    return [Finding("focus_not_as_asked", path, f"{path}: {focused.note}")] if focused.note else []
+
+
+def _why_lost(point: FocusPoint) -> str:
+    return "bad_focus_point" if any(PointNumbers.of([[point]], 1.0).faults) else "lost_focus_point"
 
 
 def close_focus_findings(focused: Focused) -> list[Finding]:

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from render.errors import CameraError, SettingsError
-from render.focus.points import FocusTargets, number_faults
+from render.errors import CameraError
+from render.focus.points import FocusTargets
 from render.optics.distortion import shown_at
 from render.optics.view import PinholeView
 from render.scene import Camera, Scene
+from render.shot.focus_checks import NUMBERS, PointNumbers, check_settings, sound_kinds
 from render.shot.visibility import visible
 from render.stage import AnchorReader, read_camera
 from usd_schemas import FocusData, FocusPoint, FocusPointView, LensCamera, SchemaError, SplitDiopter, TiltShiftData
@@ -39,8 +40,9 @@ class FocusReading:
         f_stop_range: of the lens, wide open and stopped down; 0 leaves an end unbounded.
         key_times: ``(m,)`` times of the keys of its focus points that say a value and do not hold it.
         points: for each time, its focus points.
+        numbers: what they say in numbers.
         positions_m: ``(n, k, 3)`` where they stand in the world; NaN where a point has no place.
-        problems: for each time, why points have no place, by name.
+        problems: for each time, why points have no place or are left out, by name.
         visible: ``(n, k)`` how much of each is seen, 1 where nobody asks; NaN never.
         metres_in_a_unit: of the stage.
         seconds_in_a_code: of the stage.
@@ -55,6 +57,7 @@ class FocusReading:
     f_stop_range: tuple[float, float]
     key_times: DoubleArray
     points: tuple[tuple[FocusPoint, ...], ...]
+    numbers: PointNumbers
     positions_m: DoubleArray
     problems: tuple[dict[str, str], ...]
     visible: DoubleArray
@@ -78,46 +81,19 @@ class FocusReading:
 
     @cached_property
     def targets(self) -> FocusTargets:
-        """The points as the lens sees them.
-
-        Raises:
-            CameraError: a number of a point has no meaning; the message names it.
-        """
+        """The points as the lens sees them; those that are at fault have no place, and the numbers of a new point."""
         seen = [see(camera, places) for camera, places in zip(self.cameras, self.positions_m, strict=True)]
-        columns = {name: self._column(field) for name, field in _COLUMNS.items()}
-        columns["surface_offsets_m"] = columns["surface_offsets_m"] * self.metres_in_a_unit
-        path = self.cameras[0].path
-        for fault in number_faults(self.names, columns).values():
-            raise CameraError(f"camera {path}: {fault}", code="bad_focus_point", path=path)
-        try:
-            return FocusTargets.of(
-                self.names,
-                np.array([s.depths_m for s in seen]),
-                kinds=[point.kind for point in self.points[0]],
-                slopes=np.array([s.slopes for s in seen]),
-                enabled=self._column("enabled").astype(bool),
-                in_frame=np.array([s.inside for s in seen]),
-                visible=self.visible,
-                frame_widths=np.array([c.horizontal_aperture_mm / c.focal_length_mm for c in self.cameras]),
-                **columns,
-            )
-        except SettingsError as error:  # the numbers are the shot's, not the caller's
-            raise CameraError(f"camera {path}: {error.detail}", code=error.code, path=path) from error
-
-    def _column(self, field: str) -> DoubleArray:
-        """``(n, k)`` of what points say."""
-        shape = len(self.times), len(self.names)
-        values = [[getattr(point, field) for point in points] for points in self.points]
-        return np.array(values, np.float64).reshape(shape)
-
-
-_COLUMNS = {
-    "weights": "weight",
-    "blurs_mm": "blur",
-    "surface_offsets_m": "surface_offset",
-    "falloffs": "falloff",
-    "extents": "extent",
-}
+        return FocusTargets.of(
+            self.names,
+            np.array([s.depths_m for s in seen]),
+            kinds=sound_kinds(self.points[0]),
+            slopes=np.array([s.slopes for s in seen]),
+            enabled=np.array([[point.enabled for point in points] for points in self.points], np.bool_),
+            in_frame=np.array([s.inside for s in seen]),
+            visible=self.visible,
+            frame_widths=np.array([c.horizontal_aperture_mm / c.focal_length_mm for c in self.cameras]),
+            **self.numbers.columns,
+        )
 
 
 def read_focus(
@@ -152,8 +128,12 @@ def read_focus(
         raise CameraError(str(error), path=camera_path) from error
     for tilt in tilts:
         _check_angles(tilt, camera_path)
-    placed = anchors.anchored(points, list(times))
-    positions_m = placed.positions_m
+    check_settings(lens_camera.prim, focus)
+    metres = metres_per_unit(stage)
+    placed, numbers = anchors.anchored(points, list(times)), PointNumbers.of(points, metres)
+    positions_m = placed.positions_m.copy()
+    for i, told in enumerate(numbers.faults):
+        positions_m[i, [point.name in told for point in points[i]]] = np.nan
     return FocusReading(
         times=np.array(times, np.float64),
         cameras=cameras,
@@ -164,10 +144,11 @@ def read_focus(
         f_stop_range=lenses[0].f_stop_range,
         key_times=_key_times(views),
         points=points,
+        numbers=numbers,
         positions_m=positions_m,
-        problems=tuple(placed.problems),
+        problems=tuple(lost | told for lost, told in zip(placed.problems, numbers.faults, strict=True)),
         visible=_visible(cameras, focus, positions_m, times, scene_at),
-        metres_in_a_unit=metres_per_unit(stage),
+        metres_in_a_unit=metres,
         seconds_in_a_code=1 / stage.GetTimeCodesPerSecond(),
     )
 
@@ -183,7 +164,7 @@ def _check_angles(tilt: TiltShiftData, camera_path: str) -> None:
 
 
 def _key_times(views: Sequence[FocusPointView]) -> DoubleArray:
-    keys = [key for view in views for attribute in _COLUMNS.values() for key in view.keys(attribute)]
+    keys = [key for view in views for attribute in NUMBERS for key in view.keys(attribute)]
     return np.unique([key.time for key in keys if key.interpolation != "held"]).astype(np.float64)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import CameraError, SettingsError
-from render.focal_surface import FocalPlane, FocalSurface, HalfLens
+from render.focal_surface import MAX_CONTROLS, FocalPlane, FocalSurface, HalfLens
 from render.focus.drawn import Frame, bends, half_lenses
 from render.focus.expressive import SurfacePoints, focal_controls
 from render.focus.points import FocusTarget
@@ -152,8 +152,15 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
         positions_m=reading.positions_m[index],
         problems=reading.problems[index],
         solution=solution,
-        note=track.notes[index],
+        note="; ".join(note for note in (track.notes[index], _crowding(surface, solution)) if note),
     )
+
+
+def _crowding(surface: FocalSurface | None, solution: FocusSolution) -> str:
+    """That a focal surface has no room for all points that count, in a sentence; or empty."""
+    if surface is None or surface.controls is None or solution.states.count("used") <= MAX_CONTROLS:
+        return ""
+    return f"a focal surface has room for {MAX_CONTROLS} focus points, so only the strongest shape it"
 
 
 def _surface(

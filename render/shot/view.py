@@ -16,7 +16,13 @@ from render.scene import Camera, Light, Scene
 from render.shot.camera_focus import CameraFocus
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
-from render.shot.findings import camera_findings, close_focus_findings, light_findings, lost_point_findings
+from render.shot.findings import (
+    camera_findings,
+    close_focus_findings,
+    light_findings,
+    lost_point_findings,
+    unmet_findings,
+)
 from render.shot.focusing import Focused, without_points
 from render.shot.own_files import check_not_own
 from render.shot.place_readout import PlaceReadout, read_place, read_point
@@ -216,7 +222,7 @@ class ShotView:
             SettingsError: there are no frames, too many, or they do not rise.
         """
         path = self._path(camera_path)
-        return solve_curve(self.stage, path, frames, lambda times: self._focus.over(path, times, self._edits.revision))
+        return solve_curve(self.stage, path, frames, lambda times: self._focused_over(path, times))
 
     def focus_layer(
         self, camera_path: str | None, frames: Sequence[float], baked: bool = False, tolerance: float = EXACT
@@ -260,9 +266,21 @@ class ShotView:
         if choice is not None and choice.framing is not None:
             return without_points(choice.framing)
         focused = self._focus.at(self._path(camera_path), time, self._edits.revision)
-        findings = [*lost_point_findings(focused), *close_focus_findings(focused)]
-        self._of_focus.update(dict.fromkeys(findings, self._edits.revision))
+        self._note(close_focus_findings(focused))
+        self._note_points(focused)
         return focused
+
+    def _focused_over(self, camera_path: str, times: list[float]) -> list[Focused]:
+        over = self._focus.over(camera_path, times, self._edits.revision)
+        for focused in over:
+            self._note_points(focused)
+        return over
+
+    def _note_points(self, focused: Focused) -> None:
+        self._note([*lost_point_findings(focused), *unmet_findings(focused)])
+
+    def _note(self, findings: Sequence[Finding]) -> None:
+        self._of_focus.update(dict.fromkeys(findings, self._edits.revision))
 
     def _for_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:
         """The focused camera with its film gate conformed to a picture."""

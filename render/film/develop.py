@@ -38,8 +38,7 @@ def develop(radiance: FloatArray, exposure_scale: float, grade: Grade) -> FloatA
     """
     if radiance.ndim != 3 or radiance.shape[2] < 3:
         raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
-    if not (np.isfinite(exposure_scale) and exposure_scale >= 0):
-        raise SettingsError(f"exposure scale must be a finite number from 0 up, got {exposure_scale}")
+    check_exposure(exposure_scale)
     return _displayed(expose(radiance[..., :3], exposure_scale), grade.cpu_processor())
 
 
@@ -68,6 +67,12 @@ def _displayed(picture: FloatArray, processor: PyOpenColorIO.CPUProcessor) -> Fl
     with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
         list(threads.map(processor.applyRGB, bands))
     return np.clip(np.nan_to_num(picture, copy=False), 0, 1, out=picture)
+
+
+def check_exposure(exposure_scale: float) -> None:
+    """Raise `SettingsError` unless the scale is a finite number from 0 up."""
+    if not (np.isfinite(exposure_scale) and exposure_scale >= 0):
+        raise SettingsError(f"exposure scale must be a finite number from 0 up, got {exposure_scale}")
 
 
 def expose(radiance: FloatArray, exposure_scale: float) -> FloatArray:

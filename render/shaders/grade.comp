@@ -1,0 +1,24 @@
+#version 450 core
+// Exposes light and turns it into what a display is sent.
+// in:  light, linear; what exposure multiplies it by; OpenColorIO's own code and tables, which make `vec4 displayed(vec4 light)`
+// out: the picture, encoded for the display, 0 to 1; its format is the bound image's
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0) writeonly uniform image2D picture;
+
+uniform sampler2D light;
+uniform float exposure;
+
+const float BRIGHTEST = 65504.0;  // the largest half float, as on the CPU
+
+#pragma transform
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(picture)))) return;
+    vec3 exposed = exposure * texelFetch(light, pixel, 0).rgb;
+    exposed = clamp(mix(exposed, vec3(0.0), isnan(exposed)), -BRIGHTEST, BRIGHTEST);
+    vec3 shown = displayed(vec4(exposed, 1.0)).rgb;
+    imageStore(picture, pixel, vec4(clamp(mix(shown, vec3(0.0), isnan(shown)), 0.0, 1.0), 1.0));
+}

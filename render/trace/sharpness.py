@@ -45,7 +45,8 @@ def sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Shar
 def _over_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
     """``(heights,)`` shift of the sharpest w and radius of the pupil, at the middle wavelength."""
     rows = table.rows[len(table.rows) // 2].astype(np.float64)
-    nodes = pupil_nodes(rim=0)
+    half = pupil_nodes(rim=0)
+    nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is told from the middle of the whole disc
     slope = _evaluated(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
     pupil = _evaluated(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5)
     shift, radius = _least_spread(slope, pupil, np.ones(slope.shape[:2]))

@@ -12,6 +12,7 @@ definitions once, so import it before the first stage is opened. A tool without 
 
 from __future__ import annotations
 
+from usd_schemas.body_library import LibraryBody, body_names, library_bodies, library_body, mount_body
 from usd_schemas.data import (
     AberrationScales,
     ApertureData,
@@ -70,6 +71,7 @@ __all__ = [
     "Key",
     "LensCamera",
     "LensData",
+    "LibraryBody",
     "LibraryFilm",
     "LibraryLens",
     "Metering",
@@ -84,13 +86,17 @@ __all__ = [
     "SplitDiopter",
     "Tangents",
     "TiltShiftData",
+    "body_names",
     "define_camera",
     "define_lens_camera",
     "film_names",
     "lens_names",
+    "library_bodies",
+    "library_body",
     "library_film",
     "library_films",
     "library_lens",
     "library_lenses",
+    "mount_body",
     "mount_lens",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from functools import cache
 
@@ -10,6 +9,7 @@ from pxr import Usd, UsdGeom
 
 from usd_schemas.data import ApertureData, LensData
 from usd_schemas.errors import SchemaError
+from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
 from usd_schemas.units import mm_from_tenths
 from usd_schemas.view import LensCamera
@@ -60,9 +60,7 @@ def library_lens(name: str) -> LibraryLens:
     plain = name.lower().replace("-", "_")
     lenses = _library()
     if plain not in lenses:
-        near = difflib.get_close_matches(plain, lenses, n=3, cutoff=0.5)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(lenses)}"
-        raise SchemaError(f"there is no lens named {name!r} in the library: {hint}")
+        raise SchemaError(f"there is no lens named {name!r} in the library: {hint(plain, lenses)}")
     return lenses[plain]
 
 

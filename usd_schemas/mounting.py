@@ -75,7 +75,7 @@ def mount_lens(
             _author(camera.prim, aperture, tuple(binding.property_names(ApertureData)))
     if focal_length_mm is not None:
         attribute = camera.prim.GetAttribute("focalLength")
-        _set_for_all_time(attribute, tenths_from_mm(focal_length_mm, camera.prim.GetStage()))
+        binding.author_for_all_time(attribute, tenths_from_mm(focal_length_mm, camera.prim.GetStage()))
     return Mounted(focal_length_mm, f_stop if _raise_f_stop(camera.prim, f_stop) else None)
 
 
@@ -93,16 +93,7 @@ def _take_off_iris(camera: LensCamera) -> None:
 def _author(prim: Usd.Prim, data: LensData | ApertureData, names: tuple[str, ...]) -> None:
     for name, value in binding.property_values(data):
         if name in names:
-            _set_for_all_time(prim.GetAttribute(name), value)
-
-
-def _set_for_all_time(attribute: Usd.Attribute, value: object) -> None:
-    """Author a value over the keys and values of weaker layers, unless the attribute says it already."""
-    said = read_value(attribute)
-    if is_animated(attribute) or said is None or stored_value(attribute, value) != said:
-        checked = usd_value(attribute, value)
-        attribute.Clear()
-        attribute.Set(checked)
+            binding.author_for_all_time(prim.GetAttribute(name), value)
 
 
 def _raise_f_stop(prim: Usd.Prim, least: float) -> bool:

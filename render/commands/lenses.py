@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 
 from render.commands.lens_numbers import as_json, as_table
-from render.commands.report import print_json, say
+from render.commands.report import print_json, print_result, say
 from render.errors import InputError, NotFoundError, OutputError, SettingsError
 from render.files import check_writable, write_atomic
 from render.optics.report import LensReport, lens_report
@@ -21,7 +19,6 @@ from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from usd_schemas import library_lenses
 
 SHEET_SUFFIXES = (".png", ".svg")
-_PIPED_WIDTH = 240
 
 
 def add_parser(commands: Any) -> None:
@@ -75,7 +72,7 @@ def run_list(arguments: argparse.Namespace) -> None:
     for entry in entries:
         widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
         table.add_row(entry.name, entry.lens.model, f"{entry.focal_length_mm:g}", widest, entry.description)
-    _console().print(table)
+    print_result(table)
 
 
 def run_show(arguments: argparse.Namespace) -> None:
@@ -95,7 +92,7 @@ def run_show(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json(as_json(lens, report))
     else:
-        _console().print(as_table(lens, report))
+        print_result(as_table(lens, report))
     if target is not None:
         from render.drawing import lens_sheet  # matplotlib takes a second to load
 
@@ -148,13 +145,3 @@ def _gate(typed: str | None) -> tuple[float, float]:
     except ValueError:
         raise SettingsError(f"--gate takes width x height in mm, such as 24.89x18.66, got {typed}") from None
     return width, height
-
-
-def _console() -> Console:
-    """On standard output; where that is no terminal, nothing is wrapped."""
-    console = Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
-    return (
-        console
-        if console.is_terminal
-        else Console(file=sys.stdout, highlight=False, markup=False, emoji=False, width=_PIPED_WIDTH)
-    )

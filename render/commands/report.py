@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from render.errors import one_line
 from render.stage.findings import Finding
 
 MAX_WARNINGS = 8
+_PIPED_WIDTH = 240
 
 _console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
@@ -51,6 +52,18 @@ def print_json(result: Any) -> None:
     """
     json.dump(result, sys.stdout, indent=2, allow_nan=False)
     sys.stdout.write("\n")
+
+
+def print_result(result: RenderableType) -> None:
+    """Print a result for people on standard output; where that is no terminal, nothing is wrapped.
+
+    Args:
+        result: a table, or text.
+    """
+    console = Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
+    if not console.is_terminal:
+        console.width = _PIPED_WIDTH
+    console.print(result)
 
 
 def camel_case_keys(record: dict[str, Any]) -> dict[str, Any]:

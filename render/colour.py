@@ -22,7 +22,8 @@ from render.near_names import hint, near_names
 USD_LINEAR = "lin_rec709"
 _WORKING_ROLE = ocio.ROLE_SCENE_LINEAR
 _BUILTIN_NAMES = {"sRGB": "srgb_texture", "lin_rec709": "lin_rec709"}
-_BUILTIN_PREFIX = "ocio://"
+BUILTIN_PREFIX = "ocio://"
+DEFAULT_CONFIG = "ocio://default"
 _UNCONVERTED = ("raw", "data", "unknown", "identity", "")
 # Messages that hold bytes of a damaged file cannot always be made Python strings.
 OCIO_ERRORS = (ocio.Exception, ocio.ExceptionMissingFile, UnicodeDecodeError)
@@ -38,7 +39,7 @@ def working_config(path: str | Path | None = None) -> ocio.Config:
     Raises:
         SettingsError: the file is missing, damaged, or has no ``scene_linear`` role.
     """
-    name = str(path or os.environ.get("OCIO") or "ocio://default")
+    name = str(path or os.environ.get("OCIO") or DEFAULT_CONFIG)
     return _read_config(name, file_stamp(name))
 
 
@@ -71,8 +72,8 @@ def _read_config(name: str, stamp: tuple[int, int]) -> ocio.Config:
 
 def _reason(name: str, error: Exception) -> str:
     """Why a configuration cannot be read, in one sentence."""
-    if name.startswith(_BUILTIN_PREFIX):
-        known = (_BUILTIN_PREFIX + row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs())
+    if name.startswith(BUILTIN_PREFIX):
+        known = (BUILTIN_PREFIX + row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs())
         return f"there is none built in of that name: {hint(name, known)}"
     if isinstance(error, UnicodeDecodeError):
         return "it is no text"
@@ -141,7 +142,11 @@ def _linear_processor(source: str, config: ocio.Config) -> ocio.CPUProcessor:
     try:
         if _is_own(source, config):
             return ocio.Config.GetProcessorToBuiltinColorSpace(config, source, USD_LINEAR).getDefaultCPUProcessor()
-        return _builtin_config().getProcessor(_BUILTIN_NAMES.get(source, source), USD_LINEAR).getDefaultCPUProcessor()
+        return (
+            working_config(DEFAULT_CONFIG)
+            .getProcessor(_BUILTIN_NAMES.get(source, source), USD_LINEAR)
+            .getDefaultCPUProcessor()
+        )
     except OCIO_ERRORS as error:
         raise _unusable_space(source, config, error) from error
 
@@ -155,15 +160,12 @@ def _unusable_space(source: str, config: ocio.Config, error: Exception) -> Input
     if _is_own(source, config):
         reason = " ".join(str(error).split())
         return InputError(f"colour space {source!r} cannot be converted: {reason}", code="bad_colour_space")
-    near = near_names(source, [*_BUILTIN_NAMES, *config.getColorSpaceNames(), *_builtin_config().getColorSpaceNames()])
+    near = near_names(
+        source, [*_BUILTIN_NAMES, *config.getColorSpaceNames(), *working_config(DEFAULT_CONFIG).getColorSpaceNames()]
+    )
     meant = " or ".join(f"'{name}'" for name in near)
     expected = f"did you mean {meant}?" if near else "expected sRGB, raw or a name of the OpenColorIO configuration"
     return InputError(f"colour space {source!r} is not known: {expected}", code="unknown_colour_space")
-
-
-@functools.cache
-def _builtin_config() -> ocio.Config:
-    return ocio.Config.CreateFromBuiltinConfig("ocio://default")
 
 
 def _apply(processor: ocio.CPUProcessor, pixels: NDArray[np.float32]) -> NDArray[np.float32]:

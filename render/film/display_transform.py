@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import PyOpenColorIO as ocio
 
+from render.colour import DEFAULT_CONFIG, working_config
 from render.film.cdl import Cdl
 
 _WORKING = ocio.ROLE_SCENE_LINEAR
@@ -21,8 +22,15 @@ _MEASURED_FROM_ACES = "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"  # white stays whi
 
 
 def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, cdl: Cdl) -> ocio.GroupTransform:
-    """From the working space to what the display is sent, by the view."""
-    way = _graded(config, look, cdl)
+    """From the space that was rendered in to what the display is sent, by the view.
+
+    That space is the working space of `render.colour.working_config`; where the grade is by another configuration, the two must
+    have the role ``aces_interchange``.
+    """
+    way, rendered = ocio.GroupTransform(), working_config()
+    if config is not rendered:
+        _append_all(way, ocio.Config.GetProcessorFromConfigs(rendered, _WORKING, config, _WORKING))
+    way.appendTransform(_graded(config, look, cdl))
     way.appendTransform(ocio.DisplayViewTransform(src=_WORKING, display=display, view=view))
     return way
 
@@ -39,14 +47,14 @@ def print_to_display(
         view: its colour space is the one that the display is sent; a view of data is sent the light unchanged.
         look: as `render.film.Grade.look`.
         cdl: likewise.
-        light: name of a linear space, of the configuration or of OpenColorIO's default one.
+        light: name of a linear space, of the configuration that was rendered by or of OpenColorIO's default one.
     """
     target = config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(display, view))
     way = ocio.GroupTransform()
     if target is not None and target.isData():
         return way
     grading = _graded(config, look, cdl)
-    _append_to_aces(way, config, light)
+    _append_all(way, _config_that_has(light).getProcessor(light, _ACES))
     if len(grading):
         way.appendTransform(ocio.ColorSpaceTransform(src=_ACES, dst=_WORKING))
         way.appendTransform(grading)
@@ -72,11 +80,12 @@ def _graded(config: ocio.Config, look: str | None, cdl: Cdl) -> ocio.GroupTransf
     return way
 
 
-def _append_to_aces(way: ocio.GroupTransform, config: ocio.Config, light: str) -> None:
-    """Append the conversion of a linear space to ACES2065-1."""
-    if config.getColorSpace(light) is not None:
-        way.appendTransform(ocio.ColorSpaceTransform(src=light, dst=_ACES))
-        return
-    builtin = ocio.Config.CreateFromBuiltinConfig("ocio://default")
-    for step in builtin.getProcessor(light, _ACES).createGroupTransform():
+def _config_that_has(space: str) -> ocio.Config:
+    rendered = working_config()
+    return rendered if rendered.getColorSpace(space) is not None else working_config(DEFAULT_CONFIG)
+
+
+def _append_all(way: ocio.GroupTransform, processor: ocio.Processor) -> None:
+    """Append a processor of one configuration to a way through another."""
+    for step in processor.createGroupTransform():
         way.appendTransform(step)

@@ -24,8 +24,8 @@ class Grade:
     """How light is turned into a display's picture. That it can be done is checked when a grade is made.
 
     Attributes:
-        config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one that the environment
-            variable ``OCIO`` names, else OpenColorIO's default built-in one.
+        config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one that was rendered by: that which
+            the environment variable ``OCIO`` names, else OpenColorIO's default built-in one.
         display: a display of that configuration; None takes its default.
         view: a view of that display; None takes its default.
         look: looks of that configuration, applied in the working space before the view, with OpenColorIO's syntax
@@ -85,13 +85,13 @@ class Grade:
 
     @property
     def working_space(self) -> str:
-        """Name of the scene-linear space that the radiance is in."""
-        return str(working_config(self.config).getRoleColorSpace(PyOpenColorIO.ROLE_SCENE_LINEAR))
+        """Name of the scene-linear space that the radiance is in, in the configuration that was rendered by."""
+        return str(working_config().getRoleColorSpace(PyOpenColorIO.ROLE_SCENE_LINEAR))
 
     @property
     def working_space_id(self) -> str:
         """Colour interop id of the working space, such as ``lin_ap1_scene``; empty if the configuration says none."""
-        return str(working_config(self.config).getColorSpace(self.working_space).getInteropID())
+        return str(working_config().getColorSpace(self.working_space).getInteropID())
 
     @property
     def picture_space_id(self) -> str:
@@ -105,9 +105,9 @@ class Grade:
 
         Args:
             light: None for scene-linear light in the working space, which the view tone-maps. Else the name of a linear space,
-                of the configuration or of OpenColorIO's default one, such as ``lin_rec709``, in which there is the light of a
-                film's print: it is shown as it is, its 1 as the display's white, with the CDL and the looks but no tone
-                mapping.
+                of the configuration that was rendered by or of OpenColorIO's default one, such as ``lin_rec709``, in which there
+                is the light of a film's print: it is shown as it is, its 1 as the display's white, with the CDL and the looks but
+                no tone mapping.
 
         Raises:
             SettingsError: OpenColorIO cannot build the transform.

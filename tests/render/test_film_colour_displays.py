@@ -12,7 +12,7 @@ from colour_kit import OWN_CONFIG, chart
 
 from render.colour import to_working
 from render.errors import InputError, SettingsError
-from render.film import Cdl, Grade, develop, list_displays, list_looks, project
+from render.film import Cdl, Grade, develop, list_looks, project
 from usd_schemas.data import Asset
 from usd_schemas.film_data import GradeData
 
@@ -83,25 +83,27 @@ def test_without_a_space_for_timing_the_cdl_works_on_light_itself(tmp_path: Path
     np.testing.assert_allclose(graded, [[[0.5, 0.5, 0.0625]]], rtol=5e-5)  # OpenColorIO's quick powers
 
 
-def test_saturation_zero_leaves_luma_alone(tmp_path: Path) -> None:
+def test_saturation_zero_leaves_luma_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "own.ocio"
     file.write_text(OWN_CONFIG)
+    monkeypatch.setenv("OCIO", str(file))
     light = np.array([[[0.5, 0.25, 0.125]]], np.float32)
 
-    grey = develop(light, 1.0, Grade(str(file), cdl=Cdl(saturation=0)))
+    grey = develop(light, 1.0, Grade(cdl=Cdl(saturation=0)))
 
     np.testing.assert_allclose(grey, 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.125, atol=1e-6)
 
 
+def srgb(light: np.ndarray) -> np.ndarray:
+    """IEC 61966-2-1."""
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
 def test_a_print_is_shown_as_it_measures() -> None:
-    """Full light is the display's white, and sRGB's curve (IEC 61966-2-1) is all that lies between light and code value."""
+    """Full light is the display's white, and sRGB's curve is all that lies between light and code value."""
     wedge = np.repeat(np.linspace(0, 1, 21, dtype=np.float32), 3).reshape(1, 21, 3)
 
-    shown = project(wedge, Grade(), "lin_rec709")[0, :, 1]
-
-    light = wedge[0, :, 1]
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    np.testing.assert_allclose(shown, encoded, atol=2e-5)
+    np.testing.assert_allclose(project(wedge, Grade(), "lin_rec709"), srgb(wedge), atol=2e-5)
 
 
 @pytest.mark.parametrize(
@@ -145,16 +147,51 @@ def test_a_print_on_a_display_of_an_old_configuration_is_a_conversion_of_colour(
     np.testing.assert_allclose(project(light, Grade(str(file)), "lin_rec709_scene"), light, atol=2e-5)
 
 
+def test_a_print_as_data_is_left_alone() -> None:
+    light = np.array([[[0.1, 0.4, 0.7]]], np.float32)
+
+    np.testing.assert_array_equal(project(light, Grade(view="Raw"), "ACEScg"), light)
+
+
 def test_a_print_in_an_unknown_space_is_refused() -> None:
     with pytest.raises(SettingsError, match=r"of a print in 'technicolor' cannot be made: .*technicolor"):
         project(np.ones((1, 1, 3), np.float32), Grade(), "technicolor")
 
 
-def test_the_working_space_of_a_shot_is_its_configurations() -> None:
-    wide = Grade("ocio://studio-config-v5.0.0_aces-v2.1_ocio-v2.6")
+def test_light_is_in_the_space_that_was_rendered_in_whatever_configuration_grades_it(tmp_path: Path) -> None:
+    file = tmp_path / "own.ocio"
+    file.write_text(OWN_CONFIG)
+    texel = np.array([[[0.2, 0.4, 0.6]]], np.float32)
 
-    assert wide.working_space_id == "lin_ap1_scene"
-    assert len(list_displays(wide.config)) > len(list_displays())
+    grade = Grade(str(file))
+
+    assert grade.working_space == "ACEScg"
+    np.testing.assert_allclose(develop(to_working(texel, "lin_rec709"), 1.0, grade), texel, atol=5e-5)
+
+
+def test_in_an_environment_with_a_configuration_all_is_in_its_working_space(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "own.ocio"
+    file.write_text(OWN_CONFIG)
+    monkeypatch.setenv("OCIO", str(file))
+    texel = np.array([[[0.2, 0.4, 0.6]]], np.float32)
+
+    grade = Grade()
+
+    assert grade.working_space == "Studio Linear"
+    np.testing.assert_array_equal(develop(texel, 1.0, grade), texel)
+    np.testing.assert_allclose(
+        project(texel, Grade(ACES_2, view="Un-tone-mapped"), "Studio Linear"), srgb(texel), atol=5e-5
+    )
+
+
+def test_a_configuration_that_has_nothing_in_common_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "own.ocio"
+    file.write_text(OWN_CONFIG.replace("aces_interchange: AP0, ", ""))
+
+    with pytest.raises(SettingsError, match=r"cannot be made: .*'aces_interchange' is missing"):
+        Grade(str(file))
 
 
 @pytest.mark.parametrize(

@@ -224,9 +224,9 @@ def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_p
     expect(focal_length).to_have_value(before)
 
 
-def test_a_drag_on_a_slider_is_one_edit(page: Page) -> None:
+def test_a_drag_on_a_slider_is_one_edit(page: Page, service: str) -> None:
     settled(page)
-    revision = revision_of(page)
+    before, revision = httpx.get(f"{service}/v1/shots/demo").json()["revision"], revision_of(page)
     slider = page.get_by_role("slider", name="Focal length").bounding_box()
     assert slider is not None
     y = slider["y"] + slider["height"] / 2
@@ -242,7 +242,62 @@ def test_a_drag_on_a_slider_is_one_edit(page: Page) -> None:
     page.get_by_role("button", name="Undo: focal length").click()
     edited(page, revision)
     expect(focal_length).to_have_value("50 mm")
-    expect(page.get_by_role("button", name="Nothing to undo")).to_be_disabled()
+    assert httpx.get(f"{service}/v1/shots/demo").json()["revision"] == before
+
+
+def test_each_mode_shows_what_it_uses_and_why_the_focus_is_where_it_is(page: Page, service: str) -> None:
+    settled(page)
+    modes = {"By hand": "manual", "Tilt plane": "tiltPlane", "Surface": "surface", "Points": "points"}
+    uses = {"By hand": (), "Tilt plane": ("Largest angle",), "Surface": ("Expressive", "Locality"), "Points": ()}
+    for name, mode in modes.items():
+        page.get_by_role("radio", name=name, exact=True).click()
+        expect(page.get_by_role("radio", name=name, exact=True)).to_be_checked()
+        for label in ("Largest angle", "Expressive", "Locality"):
+            expect(page.get_by_role("textbox", name=label)).to_have_count(1 if label in uses[name] else 0)
+        asked = httpx.get(f"{service}/v1/shots/demo/readout", params={"time": 1}, timeout=120).json()
+        assert asked["focusMode"] == mode
+        expect(page.locator(".reason").first).to_have_text(asked["reason"])
+        expect(page.locator(".remark")).to_have_text([asked["note"]] if asked["note"] else [])
+
+
+def test_a_rack_runs_from_the_selected_point_to_another(page: Page, service: str) -> None:
+    page.goto("/?shot=demo&time=5")
+    settled(page, time=5)
+    page.get_by_role("button", name=re.compile(f"^{NEAR} ")).click()
+    page.get_by_label("Point to rack to").select_option(FAR)
+    page.get_by_label("Length of the rack in frames").fill("12")
+    revision = revision_of(page)
+    page.get_by_role("button", name="Rack", exact=True).click()
+    edited(page, revision)
+    weights = {time: {name: p["weight"] for name, p in points(service, time).items()} for time in (5, 11, 17)}
+    assert (weights[5][NEAR], weights[5][FAR]) == (1, 0)
+    assert 0 < weights[11][FAR] < 1
+    assert (weights[17][NEAR], weights[17][FAR]) == (0, 1)
+    page.get_by_role("button", name=f"Undo: Rack to {FAR}").click()
+    expect(page.get_by_role("button", name=f"Redo: Rack to {FAR}")).to_be_enabled()
+
+
+def test_two_editors_do_not_overwrite_each_other(page: Page, service: str) -> None:
+    settled(page)
+    address = f"{service}/v1/shots/demo"
+    httpx.patch(f"{address}/camera", json={"fStop": 5}, timeout=120).raise_for_status()
+    stop = page.get_by_role("textbox", name="f-number")
+    stop.fill("11")
+    stop.press("Enter")
+    expect(page.get_by_role("alert")).to_contain_text("Somebody else changed this meanwhile.")
+    expect(stop).to_have_value("f/5")
+    expect(page.get_by_role("button", name=re.compile("^Undo: Set f-number"))).to_be_enabled()
+
+    revision = revision_of(page)
+    stop.fill("8")
+    stop.press("Enter")
+    edited(page, revision)
+    readout = httpx.get(f"{address}/readout", params={"time": 1}, timeout=120).json()
+    assert readout["fStop"] == 8
+    # Whoever comes back to the page sees what was done meanwhile.
+    httpx.patch(f"{address}/camera", json={"fStop": 4}, timeout=120).raise_for_status()
+    page.evaluate("dispatchEvent(new Event('focus'))")
+    expect(stop).to_have_value("f/4")
 
 
 def test_the_keyboard_moves_in_time(page: Page) -> None:

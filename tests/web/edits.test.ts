@@ -1,7 +1,6 @@
-import { removePoint, setAttribute, setFocusMode, setLens, toggleKey, together } from "@/model/command";
+import { setAttribute, setFocus, setFocusMode, setKind, setLens, toggleKey } from "@/model/command";
 import type { Curve, CurveSample } from "@/model/curve";
-import { emptyHistory, moved, pushed, redoable, undoable } from "@/model/history";
-import type { Readout } from "@/model/shot";
+import type { FocusSettings, Readout } from "@/model/shot";
 import { point } from "./points";
 
 const readout: Readout = {
@@ -14,6 +13,9 @@ const readout: Readout = {
   source: "points",
   reason: "",
   focusMode: "points",
+  note: "",
+  tiltDeg: 0,
+  swingDeg: 0,
   lensName: "",
   lensModel: "thin",
 };
@@ -25,74 +27,78 @@ function curve(...samples: Partial<CurveSample>[]): Curve {
 describe("changes", () => {
   it("what is not keyed changes for the whole shot", () => {
     const change = setAttribute(point("a"), "weight", 0.3, 12);
-    expect(change.redo).toEqual([{ do: "changePoint", name: "a", change: { weight: 0.3 } }]);
-    expect(change.undo).toEqual([{ do: "changePoint", name: "a", change: { weight: 1 } }]);
+    expect(change).toEqual([{ do: "changePoint", name: "a", change: { weight: 0.3 } }]);
   });
 
-  it("what is keyed gets a key at the time, and undo removes it again", () => {
+  it("what is keyed gets a key at the time", () => {
     const change = setAttribute(point("a", { weight: { 1: 1 } }), "weight", 0.3, 12);
-    expect(change.redo).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.3 } }]);
-    expect(change.undo).toEqual([{ do: "removeKey", name: "a", attribute: "weight", time: 12 }]);
+    expect(change).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.3, interpolation: "auto" } }]);
   });
 
-  it("undo of a changed key is the key as it was", () => {
+  it("a key that is there keeps its interpolation", () => {
     const change = setAttribute(point("a", { weight: { 12: 0.9 } }), "weight", 0.3, 12);
-    expect(change.undo).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.9 } }]);
+    expect(change).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.3, interpolation: "linear" } }]);
   });
 
   it("the key button keeps the value and only keys it", () => {
     const on = toggleKey(point("a", {}, { weight: 0.7 }), "weight", 5);
-    expect(on.redo).toMatchObject([{ do: "setKey", key: { time: 5, value: 0.7 } }]);
+    expect(on).toMatchObject([{ do: "setKey", key: { time: 5, value: 0.7 } }]);
     const off = toggleKey(point("a", { weight: { 5: 0.7 } }), "weight", 5);
-    expect(off.redo).toMatchObject([{ do: "removeKey", time: 5 }]);
-  });
-
-  it("a removed point comes back with all its keys", () => {
-    const change = removePoint(point("a", { weight: { 1: 1, 9: 0 }, enabled: { 4: 1 } }));
-    expect(change.redo).toEqual([{ do: "removePoint", name: "a" }]);
-    expect(change.undo.map((command) => command.do)).toEqual(["addPoint", "setKey", "setKey", "setKey"]);
-  });
-
-  it("several changes are undone last to first", () => {
-    const both = together(setFocusMode("manual", "points"), removePoint(point("a")));
-    expect(both.undo[0]).toMatchObject({ do: "addPoint" });
-    expect(both.undo.at(-1)).toMatchObject({ do: "setLens", change: { focusMode: "points" } });
+    expect(off).toMatchObject([{ do: "removeKey", time: 5 }]);
   });
 });
 
 describe("the lens", () => {
-  it("undo of a hand on the focus ring gives the focus back to the points", () => {
+  it("a hand on the focus ring of a camera that points focus sets it for the whole shot", () => {
     const change = setLens("focusDistanceM", 5, 10, readout, curve({}, { focusDistanceM: 4 }));
-    expect(change.redo).toEqual([{ do: "setLens", change: { focusDistanceM: 5 }, time: null }]);
-    expect(change.undo).toMatchObject([{ change: { focusDistanceM: 3, focusMode: "points" } }]);
+    expect(change).toEqual([{ do: "setLens", change: { focusDistanceM: 5 }, time: null }]);
   });
 
   it("a still lens changes for the whole shot, a zoom gets a key", () => {
-    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {})).redo).toMatchObject([{ time: null }]);
+    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {}))).toMatchObject([{ time: null }]);
     const zoom = curve({ focalLengthMm: 50 }, { focalLengthMm: 60 });
-    expect(setLens("focalLengthMm", 35, 10, readout, zoom).redo).toMatchObject([{ time: 10 }]);
+    expect(setLens("focalLengthMm", 35, 10, readout, zoom)).toMatchObject([{ time: 10 }]);
   });
 
   it("saying again who focuses changes nothing", () => {
-    expect(setFocusMode("points", "points").redo).toEqual([]);
+    expect(setFocusMode("points", "points")).toEqual([]);
   });
 });
 
-describe("history", () => {
-  const edit = (label: string): { label: string; redo: string[]; undo: string[] } => ({ label, redo: [], undo: [] });
+describe("how the focus is found", () => {
+  const settings: FocusSettings = {
+    mode: "tiltPlane",
+    solveStop: false,
+    smoothingS: 0,
+    lagS: 0,
+    deadZoneMm: 0,
+    nearPriority: 0,
+    surfaceExponent: 3,
+    expressive: 1,
+    tiltDeg: 0,
+    swingDeg: 0,
+    drivenByPoints: true,
+    maxAngleDeg: 15,
+    keyed: new Set(["maxAngleDeg"]),
+  };
 
-  it("undo and redo walk over the edits and stop at both ends", () => {
-    let history = pushed(pushed(emptyHistory<string>(), edit("a")), edit("b"));
-    expect(undoable(history)?.label).toBe("b");
-    history = moved(moved(moved(history, -1), -1), -1);
-    expect(undoable(history)).toBeNull();
-    expect(redoable(history)?.label).toBe("a");
-    history = moved(moved(moved(history, 1), 1), 1);
-    expect(redoable(history)).toBeNull();
+  it("what is keyed gets a key at the time, the rest changes for the whole shot", () => {
+    expect(setFocus({ maxAngleDeg: 5 }, 12, settings)).toEqual([
+      { do: "setFocus", change: { maxAngleDeg: 5 }, time: 12 },
+    ]);
+    expect(setFocus({ lagS: 0.2 }, 12, settings)).toEqual([{ do: "setFocus", change: { lagS: 0.2 }, time: null }]);
   });
 
-  it("a new edit forgets what was undone", () => {
-    const history = pushed(moved(pushed(emptyHistory<string>(), edit("a")), -1), edit("c"));
-    expect(history.edits.map(({ label }) => label)).toEqual(["c"]);
+  it("a point that becomes soft is seen to be so, and one that was keeps its blur", () => {
+    expect(setKind(point("a"), "soft")).toMatchObject([{ change: { kind: "soft", blurMm: 0.1 } }]);
+    const kept = { do: "changePoint", name: "a", change: { kind: "soft" } };
+    expect(setKind(point("a", {}, { blurMm: 0.3 }), "soft")).toEqual([kept]);
+    expect(setKind(point("a", {}, { surfaceOffset: 2 }), "soft")).toEqual([kept]);
+    expect(setKind(point("a", { blur: { 1: 0 } }), "soft")).toEqual([kept]);
+  });
+
+  it("attributes of a point go by the names that its settings have", () => {
+    expect(setAttribute(point("a"), "blur", 0.2, 1)).toMatchObject([{ change: { blurMm: 0.2 } }]);
+    expect(setAttribute(point("a"), "enabled", 0, 1)).toMatchObject([{ change: { enabled: false } }]);
   });
 });

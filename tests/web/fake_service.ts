@@ -1,8 +1,10 @@
 /** A service that answers as the test says and remembers what it was asked. */
 
 import type { Command } from "@/model/command";
+import type { EditHistory } from "@/model/history";
 import type { Quality } from "@/model/quality";
 import type { Readout, Shot } from "@/model/shot";
+import { errorOf } from "@/net/errors";
 import type { Service, View } from "@/net/service";
 
 export const SHOT: Shot = {
@@ -25,12 +27,24 @@ const READOUT: Readout = {
   source: "camera",
   reason: "",
   focusMode: "manual",
+  note: "",
+  tiltDeg: 0,
+  swingDeg: 0,
   lensName: "",
   lensModel: "thin",
 };
 
+/** A state of the edits: all that was done to come to it, and the gesture that did the last of it. */
+interface State {
+  readonly done: readonly Command[];
+  readonly gesture: string;
+}
+
 export class FakeService implements Partial<Service> {
+  /** All that was asked, undone or not. */
   readonly performed: Command[] = [];
+  #states: State[] = [{ done: [], gesture: "" }];
+  #now = 0;
   readonly frames: { time: number; quality: Quality }[] = [];
   /** Commands of this kind fail. */
   failing: Command["do"] | null = null;
@@ -42,10 +56,65 @@ export class FakeService implements Partial<Service> {
     return this as unknown as Service;
   }
 
-  async perform(_: View, command: Command): Promise<void> {
+  /** What holds now, of all that was ever asked. */
+  get done(): readonly Command[] {
+    return this.#states[this.#now]?.done ?? [];
+  }
+
+  async perform(_: View, command: Command, __: number, gesture: string): Promise<void> {
     await this.gate();
     if (command.do === this.failing) throw new Error(`no ${command.do}`);
     this.performed.push(command);
+    this.#comeTo([...this.done, command], gesture);
+  }
+
+  /** Somebody else does something. */
+  othersDo(command: Command): void {
+    this.#comeTo([...this.done, command], "theirs");
+  }
+
+  #comeTo(done: readonly Command[], gesture: string): void {
+    const isSame = this.#states[this.#now]?.gesture === gesture;
+    const kept = this.#states.slice(0, isSame ? this.#now : this.#now + 1);
+    this.#states = JSON.stringify(kept.at(-1)?.done) === JSON.stringify(done) ? kept : [...kept, { done, gesture }];
+    this.#now = this.#states.length - 1;
+  }
+
+  history(): Promise<EditHistory> {
+    const revision = (at: number): string | null => {
+      const state = this.#states[at];
+      return state ? JSON.stringify(state.done) : null;
+    };
+    return Promise.resolve({
+      revision: revision(this.#now) ?? "",
+      before: revision(this.#now - 1),
+      after: revision(this.#now + 1),
+      undo: "what the service calls it",
+      redo: "what the service calls it",
+    });
+  }
+
+  async undo(_: string, revision: string): Promise<EditHistory> {
+    return this.#walk(-1, revision);
+  }
+
+  async redo(_: string, revision: string): Promise<EditHistory> {
+    return this.#walk(1, revision);
+  }
+
+  async #walk(by: number, revision: string): Promise<EditHistory> {
+    if ((await this.history()).revision !== revision) throw errorOf(412, { code: "changed_meanwhile", detail: "No." });
+    this.#now += by;
+    return this.history();
+  }
+
+  async restore(_: string, to: string, now: string, gesture: string): Promise<void> {
+    if ((await this.history()).revision !== now) throw errorOf(412, { code: "changed_meanwhile", detail: "No." });
+    this.#comeTo(JSON.parse(to) as Command[], gesture);
+  }
+
+  forget(): void {
+    // It keeps no tags.
   }
 
   /** Takes as long as neither makes the page ask for less nor for more. */
@@ -57,11 +126,6 @@ export class FakeService implements Partial<Service> {
 
   focusPoints(): Promise<[]> {
     return Promise.resolve([]);
-  }
-
-  /** How many commands there were: another one after every edit. */
-  revision(): Promise<string> {
-    return Promise.resolve(this.performed.length.toString());
   }
 
   readout(): Promise<Readout> {

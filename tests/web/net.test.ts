@@ -1,6 +1,8 @@
+import type { Command } from "@/model/command";
 import { complaintOf, errorOf, isAbort, UnreachableError } from "@/net/errors";
 import { HttpService } from "@/net/http";
 import { Recent } from "@/net/recent";
+import { point } from "./points";
 
 const view = { shot: "demo", camera: "/World/cam" };
 
@@ -72,9 +74,24 @@ describe("what is asked of the service", () => {
   it("infinity is sent as the 0 that stands for it", async () => {
     const asked = answering(200, {});
     const command = { do: "setLens", change: { focusDistanceM: Infinity }, time: null } as const;
-    await new HttpService("http://host").perform(view, command, 7);
+    await new HttpService("http://host").perform(view, command, 7, "g");
     expect(asked[0]?.method).toBe("PATCH");
     expect(await asked[0]?.json()).toEqual({ focusDistanceM: 0 });
+  });
+
+  it("a rack, and how the focus is found, go where they belong", async () => {
+    const asked = answering(201, {});
+    const service = new HttpService("http://host");
+    const rack = { from: "a", to: "b", start: 5, end: 17, ease: "smooth" } as const;
+    await service.perform(view, { do: "rack", rack }, 5, "g");
+    await service.perform(view, { do: "setFocus", change: { mode: "surface" }, time: null }, 5, "g");
+    expect(asked.map(({ method, url }) => [method, new URL(url).pathname])).toEqual([
+      ["POST", "/v1/shots/demo/racks"],
+      ["PATCH", "/v1/shots/demo/camera/focus"],
+    ]);
+    expect(await asked[0]?.json()).toEqual(rack);
+    expect(await asked[1]?.json()).toEqual({ mode: "surface" });
+    expect(new URL(asked[0]?.url ?? "").searchParams.get("gesture")).toBe("g");
   });
 
   it("a prim path travels whole", async () => {
@@ -83,6 +100,72 @@ describe("what is asked of the service", () => {
     const address = new URL(asked[0]?.url ?? "");
     expect(address.searchParams.get("camera")).toBe("/World/a b/cam&1");
     expect(address.searchParams.get("time")).toBe("7.5");
+  });
+});
+
+const change: Command = { do: "changePoint", name: "a", change: { weight: 0.5 } };
+
+/** Answers as a service whose list of points has tags `list-n` and `a-n`, n of the time that is asked for. */
+function tagging(refuse = false): (string | null)[] {
+  const sent: (string | null)[] = [];
+  vi.stubGlobal("fetch", (request: Request) => {
+    const time = new URL(request.url).searchParams.get("time") ?? "";
+    if (request.method === "GET") {
+      const a = { name: "a", etag: `"a-${time}"`, keys: {}, target: ["/a"] };
+      return Promise.resolve(Response.json({ etag: `"list-${time}"`, focusPoints: [a] }));
+    }
+    sent.push(request.headers.get("if-match"));
+    if (refuse) return Promise.resolve(Response.json({ code: "changed_meanwhile", detail: "No" }, { status: 412 }));
+    return Promise.resolve(Response.json({}, { headers: { ETag: '"answer"' } }));
+  });
+  return sent;
+}
+
+describe("entity tags", () => {
+  it("an edit is made upon what was read first, the next one upon the answer to that", async () => {
+    const sent = tagging();
+    const service = new HttpService("http://host");
+    await service.focusPoints(view, 1);
+    await service.focusPoints(view, 2); // another time: the person may have seen the first
+    await service.perform(view, change, 1, "g");
+    await service.perform(view, change, 1, "g");
+    expect(sent).toEqual(['"a-1"', '"answer"']);
+  });
+
+  it("a point is added to the list that was read; after that the list is unknown until it is read", async () => {
+    const sent = tagging();
+    const service = new HttpService("http://host");
+    const add: Command = { do: "addPoint", name: "b", anchor: point("b").anchor };
+    await service.focusPoints(view, 1);
+    await service.perform(view, add, 1, "g");
+    await service.perform(view, { ...change, name: "b" }, 1, "g");
+    await service.perform(view, add, 1, "g");
+    await service.focusPoints(view, 3);
+    await service.perform(view, add, 1, "g");
+    expect(sent).toEqual(['"list-1"', '"answer"', null, '"list-3"']);
+  });
+
+  it("a reading that an edit overtook does not count, nor does one after an undo know what was before it", async () => {
+    const sent = tagging();
+    const service = new HttpService("http://host");
+    const read = service.focusPoints(view, 1);
+    await service.perform(view, change, 1, "g");
+    await read;
+    await service.perform(view, change, 1, "g");
+    await service.restore("demo", "then", "now", "g");
+    await service.perform(view, change, 1, "g");
+    expect(sent).toEqual([null, '"answer"', '"now"', null]);
+  });
+
+  it("what was refused is told in a sentence, and read anew before it is edited again", async () => {
+    const sent = tagging(true);
+    const service = new HttpService("http://host");
+    await service.focusPoints(view, 1);
+    const error: unknown = await service.perform(view, change, 1, "g").catch((reason: unknown) => reason);
+    expect(complaintOf(error).message).toBe("Somebody else changed this meanwhile.");
+    await service.focusPoints(view, 2);
+    await service.perform(view, change, 1, "g").catch(() => undefined);
+    expect(sent).toEqual(['"a-1"', '"a-2"']);
   });
 });
 

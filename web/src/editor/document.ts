@@ -1,10 +1,10 @@
 /** One shot as it is at the service: its focus points, lens and curve, and the edits that change them. */
 
 import { computed, signal, type ReadonlySignal } from "@preact/signals";
-import type { Change, Command, ShotEdit } from "../model/command";
+import type { Change } from "../model/command";
 import { sampleAt, type Curve } from "../model/curve";
-import { emptyHistory, moved, pushed, redoable, undoable } from "../model/history";
-import type { FocusPoint, Readout, Shot } from "../model/shot";
+import { NO_HISTORY, redoLabel, undoLabel, type Labels } from "../model/history";
+import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
 import { sameTime } from "../model/time";
 import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
@@ -28,14 +28,17 @@ export class ShotDocument {
   readonly revision = signal(0);
   readonly points = signal<readonly FocusPoint[]>([]);
   readonly curve = signal<Curve>([]);
-  readonly history = signal(emptyHistory<Command>());
+  /** What can be undone, here and by whoever else edits the shot. */
+  readonly history = signal(NO_HISTORY);
   readonly dragging = signal(false);
   /** Edits that are on their way. */
   readonly pending = signal(0);
   readonly #readout = signal<{ readonly revision: number; readonly time: number; readonly value: Readout } | null>(
     null,
   );
+  readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
   readonly #curveRevision = signal(-1);
+  readonly #labels = signal<Labels>(new Map());
   readonly #time: ReadonlySignal<number>;
 
   readonly #service: Service;
@@ -43,6 +46,7 @@ export class ShotDocument {
   readonly #pointsAt = new Recent<Promise<FocusPoint[]>>(512);
   readonly #followPoints: NewestWins<number, FocusPoint[]>;
   readonly #followReadout: NewestWins<{ time: number; revision: number }, Readout>;
+  readonly #followSettings: NewestWins<{ time: number; revision: number }, FocusSettings>;
   readonly #followCurve: NewestWins<number, Curve>;
   #queue: Promise<unknown> = Promise.resolve();
 
@@ -61,6 +65,12 @@ export class ShotDocument {
     this.#followReadout = new NewestWins({
       load: ({ time: at }, signal) => service.readout(this.view, at, signal),
       onResult: (value, request) => (this.#readout.value = { ...request, value }),
+      onError: fail,
+      mostInFlight: 1,
+    });
+    this.#followSettings = new NewestWins({
+      load: ({ time: at }, signal) => service.focusSettings(this.view, at, signal),
+      onResult: (value, { revision }) => (this.#settings.value = { revision, value }),
       onError: fail,
       mostInFlight: 1,
     });
@@ -89,14 +99,24 @@ export class ShotDocument {
     return told && sample ? { ...told.value, ...sample } : (told?.value ?? null);
   });
 
-  /** Whether `readout` is what the service has now. */
-  readonly fresh = computed(() => this.pending.value === 0 && this.#readout.value?.revision === this.revision.value);
+  /** How the focus is found, as the service last said. */
+  readonly focusSettings = computed(() => this.#settings.value?.value ?? null);
+
+  /** Whether `readout` and `focusSettings` are what the service has now. */
+  readonly fresh = computed(
+    () =>
+      this.pending.value === 0 &&
+      this.#readout.value?.revision === this.revision.value &&
+      this.#settings.value?.revision === this.revision.value,
+  );
 
   /** Fetches what belongs to a time of a revision; while something moves only what is needed for that. */
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;
     this.#followPoints.want({ request: time });
-    if (!moving || this.dragging.value) this.#followReadout.want({ request: { time, revision } });
+    if (moving && !this.dragging.value) return;
+    this.#followReadout.want({ request: { time, revision } });
+    this.#followSettings.want({ request: { time, revision } });
   }
 
   /** Fetches the curve of a revision. */
@@ -119,45 +139,63 @@ export class ShotDocument {
     return asked;
   }
 
-  /** Makes an edit that can be undone. Resolves to whether it was made. */
-  async edit(label: string, change: Change): Promise<boolean> {
-    if (change.redo.length === 0) return true;
-    const made = await this.#send(change.redo, change.undo);
-    if (made) this.history.value = pushed(this.history.value, { label, ...change });
-    return made;
+  readonly undoLabel = computed(() => undoLabel(this.history.value, this.#labels.value));
+  readonly redoLabel = computed(() => redoLabel(this.history.value, this.#labels.value));
+
+  /** Makes an edit, which is one step of undo. Resolves to whether it was made. */
+  edit(label: string, change: Change): Promise<boolean> {
+    if (change.length === 0) return Promise.resolve(true);
+    const time = this.#time.peek();
+    return this.#inTurn(async () => {
+      await this.#make(change, time, freshGesture());
+      await this.#name(label);
+    });
   }
 
-  /** Makes an edit of more than can be told one by one: undone, all edits are what they were before it. */
-  async editWhole(label: string, command: Command): Promise<boolean> {
-    let revision = "";
-    const remember = async (): Promise<void> => {
-      revision = await this.#service.revision(this.shot.id);
-    };
-    const made = await this.#send([command], [], remember);
-    const undo: Command = { do: "restoreEdits", revision };
-    if (made) this.history.value = pushed(this.history.value, { label, redo: [command], undo: [undo] });
-    return made;
+  /** Takes back the last edit; nothing where somebody edited since it was shown what that is. */
+  undo(): Promise<boolean> {
+    if (this.pending.peek() === 0 && this.history.peek().before === null) return Promise.resolve(false);
+    return this.#inTurn(async () => {
+      const { before, revision } = this.history.value;
+      if (before !== null) this.history.value = await this.#service.undo(this.shot.id, revision);
+    });
   }
 
-  async undo(): Promise<void> {
-    const edit = undoable(this.history.value);
-    if (edit) await this.#replay(-1, edit.undo, edit);
+  redo(): Promise<boolean> {
+    if (this.pending.peek() === 0 && this.history.peek().after === null) return Promise.resolve(false);
+    return this.#inTurn(async () => {
+      const { after, revision } = this.history.value;
+      if (after !== null) this.history.value = await this.#service.redo(this.shot.id, revision);
+    });
   }
 
-  async redo(): Promise<void> {
-    const edit = redoable(this.history.value);
-    if (edit) await this.#replay(1, edit.redo, edit);
+  /** Looks whether somebody else edited the shot, and if so shows it as it is now. */
+  async catchUp(): Promise<void> {
+    const known = this.history.peek();
+    try {
+      const history = await this.#service.history(this.shot.id);
+      const isEditing = this.pending.peek() > 0 || this.dragging.peek() || this.history.peek() !== known;
+      if (isEditing || history.revision === known.revision) return;
+      this.history.value = history;
+      if (known !== NO_HISTORY) this.refresh();
+    } catch (error) {
+      this.#fail(error);
+    }
   }
 
   /**
-   * Starts a drag. Values go to the service as fast as it takes them, the newest first, and are one edit in the end.
+   * Starts a drag. Values go to the service as fast as it takes them, the newest first, and are one edit in the end. What the
+   * service refuses ends it.
    *
-   * @param from the value at the start.
-   * @param make the change from what was there at the start to a value.
+   * @param make the change to a value.
    */
-  drag<Value>(label: string, from: NoInfer<Value>, make: (value: Value) => Change): Drag<Value> {
+  drag<Value>(label: string, make: (value: Value) => Change): Drag<Value> {
+    const gesture = freshGesture();
+    const time = this.#time.peek();
+    let before: string | null = null;
     let waiting: (() => Promise<unknown>) | null = null;
     let sending = false;
+    let refused = false;
     const pump = async (next: () => Promise<unknown>): Promise<void> => {
       waiting = next;
       if (sending) return;
@@ -169,70 +207,104 @@ export class ShotDocument {
       }
       sending = false;
     };
-    const end = (last: () => Promise<unknown>): void => {
+    const end = (last: () => Promise<void>): void => {
       void pump(async () => {
         this.dragging.value = false;
-        await last();
+        if (!refused) await this.#inTurn(last);
       });
     };
     return {
       move: (value) => {
+        if (refused) return;
         this.dragging.value = true;
-        void pump(() => this.#send(make(value).redo));
+        void pump(async () => {
+          const done = await this.#inTurn(async () => {
+            before ??= (await this.#service.history(this.shot.id)).revision;
+            await this.#make(make(value), time, gesture);
+          });
+          refused ||= !done;
+        });
       },
       commit: (value) => {
-        end(() => this.edit(label, make(value)));
+        end(async () => {
+          await this.#make(make(value), time, gesture);
+          await this.#name(label);
+        });
       },
       cancel: () => {
-        if (this.dragging.value) end(() => this.#send(make(from).undo));
+        if (!this.dragging.value) return;
+        end(async () => {
+          if (before !== null) await this.#takeBack(before, gesture);
+        });
       },
     };
   }
 
   /** Asks again for everything, as after an edit. */
   refresh(): void {
+    this.#service.forget(this.shot.id);
     this.#pointsAt.clear();
     this.revision.value += 1;
   }
 
   /** Lets go of everything that is under way. */
   close(): void {
-    for (const follower of [this.#followPoints, this.#followReadout, this.#followCurve]) follower.clear();
+    for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings, this.#followCurve])
+      follower.clear();
   }
 
-  async #replay(by: -1 | 1, commands: readonly Command[], edit: ShotEdit): Promise<void> {
-    if (this.history.value.edits.includes(edit) && (await this.#send(commands))) {
-      this.history.value = moved(this.history.value, by);
-    }
-  }
-
-  /**
-   * Sends commands after all that were sent before; if one fails, sends those that take them back.
-   *
-   * @param first what to do right before.
-   */
-  #send(
-    commands: readonly Command[],
-    takeBack: readonly Command[] = [],
-    first: () => Promise<void> = () => Promise.resolve(),
-  ): Promise<boolean> {
-    const time = this.#time.peek();
+  /** Does something after all that was begun before, and then asks again for everything. Resolves to whether it was done. */
+  #inTurn(task: () => Promise<void>): Promise<boolean> {
     this.pending.value += 1;
-    const sent = this.#queue.then(async () => {
+    const done = this.#queue.then(async () => {
       try {
-        await first();
-        for (const command of commands) await this.#service.perform(this.view, command, time);
+        await task();
         return true;
       } catch (error) {
-        for (const command of takeBack) await this.#service.perform(this.view, command, time).catch(() => undefined);
         if (!isAbort(error)) this.#fail(error);
+        this.history.value = await this.#service.history(this.shot.id).catch(() => this.history.peek());
         return false;
       } finally {
         this.refresh();
         this.pending.value -= 1;
       }
     });
-    this.#queue = sent;
-    return sent;
+    this.#queue = done;
+    return done;
   }
+
+  /** Sends commands; if one of several is refused, those before it are taken back. */
+  async #make(change: Change, time: number, gesture: string): Promise<void> {
+    const before = change.length > 1 ? (await this.#service.history(this.shot.id)).revision : null;
+    let made = 0;
+    try {
+      for (const command of change) {
+        await this.#service.perform(this.view, command, time, gesture);
+        made += 1;
+      }
+    } catch (error) {
+      if (before !== null && made > 0) await this.#takeBack(before, gesture).catch(() => undefined);
+      throw error;
+    }
+  }
+
+  /** Goes back to a revision, unless somebody else edited since. Within the gesture that leaves no trace in the history. */
+  async #takeBack(revision: string, gesture: string): Promise<void> {
+    const now = await this.#service.history(this.shot.id);
+    if (now.before === revision) await this.#service.restore(this.shot.id, revision, now.revision, gesture);
+    this.history.value = await this.#service.history(this.shot.id);
+  }
+
+  /** Gives the edit that was made last the name that a person knows it by. */
+  async #name(label: string): Promise<void> {
+    const history = await this.#service.history(this.shot.id);
+    if (history.revision !== this.history.value.revision)
+      this.#labels.value = new Map(this.#labels.value).set(history.revision, label);
+    this.history.value = history;
+  }
+}
+
+/** Names one edit among those of all who edit the shot. */
+function freshGesture(): string {
+  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (word) => word.toString(36)).join("-");
 }

@@ -2,14 +2,13 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import {
-  NO_CHANGE,
-  removePoint,
   setAttribute,
+  setFocus,
   setFocusMode,
   setKey,
+  setKind,
   setLens,
   toggleKey,
-  together,
   type Change,
   type SimpleAttribute,
 } from "../model/command";
@@ -22,10 +21,15 @@ import {
   keysOf,
   thingName,
   type Anchor,
-  type FocusPoint,
+  type Ease,
   type FocusMode,
+  type FocusNumber,
+  type FocusPoint,
+  type FocusSettings,
+  type FocusSwitch,
   type Lens,
   type Note,
+  type PointSettings,
   type Readout,
   type Shot,
 } from "../model/shot";
@@ -38,6 +42,13 @@ import { Playhead } from "./playhead";
 
 /** What a click on the picture does. */
 export type ClickIntent = "pull" | "add" | "move";
+
+const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
+  manual: "by hand",
+  points: "by points",
+  tiltPlane: "by a tilted plane",
+  surface: "by a surface",
+};
 
 /** Width of a downloaded frame. */
 const DELIVERY_WIDTH_PX = 1920;
@@ -129,42 +140,61 @@ export class Session {
     const points = await this.document.pointsAt(time);
     const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
     if (moved) {
-      await this.document.edit(`Move ${moved.name}`, {
-        redo: [{ do: "changePoint", name: moved.name, change: { anchor } }],
-        undo: [{ do: "changePoint", name: moved.name, change: { anchor: moved.anchor } }],
-      });
+      await this.document.edit(`Move ${moved.name}`, [{ do: "changePoint", name: moved.name, change: { anchor } }]);
       return;
     }
     const name = freshName(
       thingName(anchor.target[0] ?? ""),
       points.map((point) => point.name),
     );
-    const added: Change = {
-      redo: [{ do: "addPoint", name, anchor, settings: {} }],
-      undo: [{ do: "removePoint", name }],
-    };
-    const pull = intent === "add" ? NO_CHANGE : pullChange(name, time, points);
-    const change = together(this.#byPoints(), added, pull);
+    const pull = intent === "add" ? [] : pullChange(name, time, points);
+    const change: Change = [...this.#byPoints(), { do: "addPoint", name, anchor }, ...pull];
     if (await this.document.edit(`Focus on ${name}`, change)) this.selected.value = name;
   }
 
   /** Gives a point that is there already the focus at this time. */
   pullTo(point: FocusPoint): void {
     const time = this.playhead.time.value;
-    const on = point.settings.enabled ? NO_CHANGE : setAttribute(point, "enabled", 1, time);
+    const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, time);
     const pull = pullChange(point.name, time, this.document.points.value);
     this.selected.value = point.name;
-    void this.document.edit(`Focus on ${point.name}`, together(this.#byPoints(), on, pull));
+    void this.document.edit(`Focus on ${point.name}`, [...this.#byPoints(), ...on, ...pull]);
   }
 
   setFocusMode(mode: FocusMode): void {
     const before = this.document.readout.value?.focusMode ?? mode;
-    void this.document.edit(mode === "manual" ? "Focus by hand" : "Focus by points", setFocusMode(mode, before));
+    void this.document.edit(`Focus ${MODE_NAMES[mode]}`, setFocusMode(mode, before));
   }
 
-  /** Lets the points decide the focus. */
+  setFocusSwitch(label: string, name: FocusSwitch, on: boolean, before: FocusSettings): void {
+    void this.document.edit(label, setFocus({ [name]: on }, this.playhead.time.value, before));
+  }
+
+  dragFocus(label: string, name: FocusNumber, before: FocusSettings): Drag<number> {
+    const time = this.playhead.time.value;
+    return this.document.drag(label, (value: number) => setFocus({ [name]: value }, time, before));
+  }
+
+  /** Whether the points are many that are to be sharp at once, so that a click adds one more. */
+  readonly gathers = computed(() => {
+    const mode = this.document.readout.value?.focusMode;
+    return mode === "tiltPlane" || mode === "surface";
+  });
+
+  /** Lets the points decide the focus, in the way that they do already. */
   #byPoints(): Change {
-    return setFocusMode("points", this.document.readout.value?.focusMode ?? "points");
+    return this.document.readout.value?.focusMode === "manual" ? setFocusMode("points", "manual") : [];
+  }
+
+  setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
+    void this.document.edit(`Make ${point.name} ${kind}`, setKind(point, kind));
+  }
+
+  /** Racks the focus from one point to another, from now on. */
+  rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
+    const start = this.playhead.time.value;
+    const rack = { from: from.name, to, start, end: start + frames, ease };
+    void this.document.edit(`Rack to ${to}`, [...this.#byPoints(), { do: "rack", rack }]);
   }
 
   /** Goes to the next key of a point, or with -1 to the one before. */
@@ -180,11 +210,9 @@ export class Session {
     void this.document.edit(`${enabled ? "Enable" : "Disable"} ${point.name}`, change);
   }
 
-  dragWeight(point: FocusPoint): Drag<number> {
+  dragPoint(label: string, point: FocusPoint, attribute: SimpleAttribute): Drag<number> {
     const time = this.playhead.time.value;
-    return this.document.drag(`Weight of ${point.name}`, point.settings.weight, (weight) =>
-      setAttribute(point, "weight", weight, time),
-    );
+    return this.document.drag(label, (value: number) => setAttribute(point, attribute, value, time));
   }
 
   toggleKey(point: FocusPoint, attribute: SimpleAttribute): void {
@@ -193,24 +221,21 @@ export class Session {
 
   remove(point: FocusPoint): void {
     if (this.selected.value === point.name) this.selected.value = null;
-    void this.document.edit(`Remove ${point.name}`, removePoint(point));
+    void this.document.edit(`Remove ${point.name}`, [{ do: "removePoint", name: point.name }]);
   }
 
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
     const [time, curve] = [this.playhead.time.value, this.document.curve.value];
-    return this.document.drag(label, before[name], (value) => setLens(name, value, time, before, curve));
+    return this.document.drag(label, (value: number) => setLens(name, value, time, before, curve));
   }
 
   /** Puts a lens of the library on the camera, or with null the thin lens. */
   mountLens(lens: LensSummary | null): void {
-    void this.document.editWhole(`Mount ${lens?.title ?? "the thin lens"}`, {
-      do: "mountLens",
-      lens: lens?.name ?? null,
-    });
+    void this.document.edit(`Mount ${lens?.title ?? "the thin lens"}`, [{ do: "mountLens", lens: lens?.name ?? null }]);
   }
 
   mountLensFile(file: File): void {
-    void this.document.editWhole(`Mount ${file.name}`, { do: "mountLensFile", file });
+    void this.document.edit(`Mount ${file.name}`, [{ do: "mountLensFile", file }]);
   }
 
   downloadCurve(format: CurveFormat): Promise<Download> {
@@ -236,6 +261,7 @@ export class Session {
 
   /** Fetches what the present state needs, whenever it changes. */
   #follow(): () => void {
+    void this.document.catchUp();
     const stops = [
       effect(() => {
         this.document.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
@@ -275,16 +301,10 @@ export class Session {
 /** The keys that give a point the focus at a time, as an edit. */
 function pullChange(name: string, time: number, points: readonly FocusPoint[]): Change {
   const isThere = new Map(points.map((point) => [point.name, point]));
-  return together(
-    ...pullTo(name, time, points).map((key): Change => {
-      const point = isThere.get(key.point);
-      if (point) return setKey(point, "weight", key.value, key.time);
-      const { time: at, value } = key;
-      // The point is new: undone, it goes with all its keys.
-      return {
-        redo: [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }],
-        undo: [],
-      };
-    }),
-  );
+  return pullTo(name, time, points).flatMap((key): Change => {
+    const point = isThere.get(key.point);
+    if (point) return setKey(point, "weight", key.value, key.time);
+    const { time: at, value } = key;
+    return [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
+  });
 }

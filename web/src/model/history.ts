@@ -1,46 +1,38 @@
 /**
- * What can be undone: a row of edits and how many of them are done.
+ * What can be undone: the service keeps the states of a shot's edits, for all who edit it and from one visit to the next.
  *
- * An edit is data (what to ask of the service to do it, and to take it back), so that this file knows no service. Time,
- * selection and playing are momentary and never come here; surround and units are remembered and never come here either.
+ * Time, selection and playing are momentary and never come here; surround and units are remembered and never come here
+ * either.
  */
 
-export interface Edit<Command> {
-  /** For the person: "Focus on lantern". */
-  readonly label: string;
-  readonly redo: readonly Command[];
-  readonly undo: readonly Command[];
+export interface EditHistory {
+  /** Of the present state. */
+  readonly revision: string;
+  /** Revision that an undo goes back to; null for nothing to undo. */
+  readonly before: string | null;
+  /** Revision that a redo goes on to; null for nothing to do again. */
+  readonly after: string | null;
+  /** What an undo takes back, in the service's words. */
+  readonly undo: string;
+  /** What a redo does again, in the service's words. */
+  readonly redo: string;
 }
 
-export interface History<Command> {
-  readonly edits: readonly Edit<Command>[];
-  /** How many of `edits` are done; those after it were undone. */
-  readonly done: number;
+export const NO_HISTORY: EditHistory = { revision: "", before: null, after: null, undo: "", redo: "" };
+
+/** What the person called the edits of this visit; those of others have the service's words. */
+export type Labels = ReadonlyMap<string, string>;
+
+/** What an undo would take back, for a button: "Focus on lantern"; null for nothing. */
+export function undoLabel(history: EditHistory, labels: Labels): string | null {
+  return history.before === null ? null : (labels.get(history.revision) ?? capitalised(history.undo));
 }
 
-const LONGEST = 200;
-
-export function emptyHistory<Command>(): History<Command> {
-  return { edits: [], done: 0 };
+/** What a redo would do again; null for nothing. */
+export function redoLabel(history: EditHistory, labels: Labels): string | null {
+  return history.after === null ? null : (labels.get(history.after) ?? capitalised(history.redo));
 }
 
-/** After a new edit; what was undone is forgotten. */
-export function pushed<Command>(history: History<Command>, edit: Edit<Command>): History<Command> {
-  const edits = [...history.edits.slice(0, history.done), edit].slice(-LONGEST);
-  return { edits, done: edits.length };
-}
-
-/** The edit that undo takes back, if any. */
-export function undoable<Command>(history: History<Command>): Edit<Command> | null {
-  return history.edits[history.done - 1] ?? null;
-}
-
-/** The edit that redo does again, if any. */
-export function redoable<Command>(history: History<Command>): Edit<Command> | null {
-  return history.edits[history.done] ?? null;
-}
-
-/** After one undo (-1) or redo (+1). */
-export function moved<Command>(history: History<Command>, by: -1 | 1): History<Command> {
-  return { ...history, done: Math.min(Math.max(history.done + by, 0), history.edits.length) };
+function capitalised(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -70,3 +70,14 @@ export function linearScale(min: number, max: number, step: number): Scale {
     step: (value, count) => hold(multipleOf(step)(value + count * step)),
   };
 }
+
+export const FOLLOW_S = linearScale(0, 2, 0.05);
+export const DEAD_ZONES_MM = linearScale(0, 0.1, 0.005);
+export const NEAR_PRIORITIES = linearScale(0, 4, 0.5);
+export const FOCUS_ANGLES_DEG = linearScale(0, 45, 1);
+export const TILTS_DEG = linearScale(-20, 20, 0.5);
+export const SHARES = linearScale(0, 1, 0.05);
+export const EXPONENTS = linearScale(2, 4, 0.1);
+export const BLURS_MM = linearScale(0, 1, 0.01);
+export const EXTENTS = linearScale(0, 4, 0.1);
+export const FALLOFFS = linearScale(0, 1, 0.05);

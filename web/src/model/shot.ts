@@ -40,8 +40,44 @@ export interface Lens {
   readonly focusDistanceM: number;
 }
 
-/** Who focuses: the focus puller's hand, or the focus points. */
-export type FocusMode = "manual" | "points";
+/**
+ * Who focuses: the focus puller's hand, or the focus points; these by one distance, by a plane that the tilted lens lays
+ * through them, or by a surface through all of them, which no lens has.
+ */
+export const FOCUS_MODES = ["manual", "points", "tiltPlane", "surface"] as const;
+export type FocusMode = (typeof FOCUS_MODES)[number];
+
+/** How the focus is found, apart from the points. All but the mode takes keys. */
+export interface FocusSettings {
+  readonly mode: FocusMode;
+  /** Whether the points also set the f-number. */
+  readonly solveStop: boolean;
+  /** Time over which the solved focus is smoothed. */
+  readonly smoothingS: number;
+  /** How late the focus follows. */
+  readonly lagS: number;
+  /** Circle of confusion that a followed point may reach before the focus moves. */
+  readonly deadZoneMm: number;
+  /** Nearer points count more: weights times depth to the power of minus this. */
+  readonly nearPriority: number;
+  /** In the mode `surface`: how local the surface is. */
+  readonly surfaceExponent: number;
+  /** In the mode `surface`: from the plane of focus (0) to the surface (1). */
+  readonly expressive: number;
+  /** Turn of the lens where the points do not turn it: positive looks up. */
+  readonly tiltDeg: number;
+  /** Positive looks left. */
+  readonly swingDeg: number;
+  /** In the mode `tiltPlane`: whether the points tilt the lens. */
+  readonly drivenByPoints: boolean;
+  /** How far they may. */
+  readonly maxAngleDeg: number;
+  /** Names of the settings that have keys. */
+  readonly keyed: ReadonlySet<string>;
+}
+
+export type FocusSwitch = "solveStop" | "drivenByPoints";
+export type FocusNumber = Exclude<keyof FocusSettings, FocusSwitch | "mode" | "keyed">;
 
 /** The lens at one time, and what it makes sharp; distances may be infinite. */
 export interface LensSample extends Lens {
@@ -57,6 +93,12 @@ export interface LensSample extends Lens {
 export interface Readout extends LensSample {
   /** For the whole shot. */
   readonly focusMode: FocusMode;
+  /** What could not be done as asked, in a sentence; or empty. */
+  readonly note: string;
+  /** Turn of the lens, positive looks up. */
+  readonly tiltDeg: number;
+  /** Turn of the lens before the tilt, positive looks left. */
+  readonly swingDeg: number;
   /** What is engraved on the lens; may be empty. */
   readonly lensName: string;
   /** How light passes it. */
@@ -118,6 +160,20 @@ export interface FocusPoint {
   readonly depthM: number | null;
   /** In the picture, 0 to 1 from its top left corner; null where it is not in front of the camera. */
   readonly screen: readonly [number, number] | null;
+}
+
+/** How a rack from one point to another goes: evenly, or softly at its start, its end or both. */
+export const EASES = ["smooth", "in", "out", "linear"] as const;
+export type Ease = (typeof EASES)[number];
+
+export interface Rack {
+  /** Names of points. */
+  readonly from: string;
+  readonly to: string;
+  readonly start: number;
+  /** The lens may need longer. */
+  readonly end: number;
+  readonly ease: Ease;
 }
 
 /** What was found under a click. */

@@ -1,12 +1,14 @@
 /** From what travels as JSON to the model and back: `null` distances are infinite, keys ride with their points. */
 
 import type { Curve } from "../model/curve";
+import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
 import {
   KEYED_ATTRIBUTES,
   type Anchor,
   type CameraSummary,
   type FocusPoint,
+  type FocusSettings,
   type LensSample,
   type Pick,
   type Readout,
@@ -42,9 +44,16 @@ function toCamera(json: Json["CameraState"]): CameraSummary[] {
 }
 
 export function toReadout(json: Json["Readout"]): Readout {
-  // Tilted planes and focal surfaces are driven by points too.
-  const focusMode = json.focusMode === "manual" ? "manual" : "points";
-  return { ...toLensSample(json), focusMode, lensName: json.lensName, lensModel: json.lensModel };
+  const { focusMode, note, tiltDeg, swingDeg, lensName, lensModel } = json;
+  return { ...toLensSample(json), focusMode, note, tiltDeg, swingDeg, lensName, lensModel };
+}
+
+export function toFocusSettings(json: Json["FocusSettings"]): FocusSettings {
+  const { mode, solveStop, smoothingS, lagS, deadZoneMm, nearPriority } = json;
+  const { surfaceExponent, expressive, tiltDeg, swingDeg, drivenByPoints, maxAngleDeg } = json;
+  const follow = { smoothingS, lagS, deadZoneMm, nearPriority };
+  const tilt = { tiltDeg, swingDeg, drivenByPoints, maxAngleDeg };
+  return { mode, solveStop, ...follow, surfaceExponent, expressive, ...tilt, keyed: new Set(Object.keys(json.keys)) };
 }
 
 export function toLens(json: Json["LensSummary"], base: string): LensSummary {
@@ -84,6 +93,17 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
     share: json.share,
     depthM: json.depthM,
     screen: json.screen,
+  };
+}
+
+export function toHistory(json: Json["EditHistory"]): EditHistory {
+  const { revision, now, steps, undo, redo } = json;
+  return {
+    revision,
+    before: undo === null ? null : (steps[now - 1]?.revision ?? null),
+    after: redo === null ? null : (steps[now + 1]?.revision ?? null),
+    undo: undo ?? "",
+    redo: redo ?? "",
   };
 }
 

@@ -71,6 +71,7 @@ export interface Complaint {
 }
 
 export function complaintOf(error: unknown): Complaint {
+  if (error instanceof ServiceError && error.status === 412) return CHANGED_MEANWHILE;
   if (error instanceof UnreachableError) {
     return { message: error.message, advice: "Check that “pullfocus serve” is running.", passing: true };
   }
@@ -84,6 +85,13 @@ export function complaintOf(error: unknown): Complaint {
     passing: false,
   };
 }
+
+/** Two people edit the same thing: what is seen was out of date, so nothing is done with it. */
+const CHANGED_MEANWHILE: Complaint = {
+  message: "Somebody else changed this meanwhile.",
+  advice: "It is shown as it is now; repeat your edit if you still want it.",
+  passing: false,
+};
 
 function adviceFor(error: ServiceError): string {
   switch (error.status) {

@@ -3,25 +3,34 @@
 import createClient, { type Client } from "openapi-fetch";
 import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
+import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
 import type { Quality } from "../model/quality";
-import type { FocusPoint, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
-import { toCurve, toLens, toPick, toPoint, toReadout, toShot, toSummary, type Json } from "./convert";
+import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
+import {
+  toCurve,
+  toFocusSettings,
+  toHistory,
+  toLens,
+  toPick,
+  toPoint,
+  toReadout,
+  toShot,
+  toSummary,
+  type Json,
+} from "./convert";
 import { errorOf, isAbort, UnreachableError } from "./errors";
+import { CAMERA, cameraOf, pointThing, POINTS, send, thingOf, type Answer } from "./perform";
 import type { paths } from "./schema";
 import type { CurveFormat, Download, PictureFormat, Service, View } from "./service";
+import { TagBook } from "./tags";
 import { sendFile } from "./upload";
-
-/** What openapi-fetch resolves to: one of the two is there. */
-interface Answer<Data> {
-  readonly data?: Data;
-  readonly error?: unknown;
-  readonly response: Response;
-}
 
 export class HttpService implements Service {
   readonly #base: string;
   readonly #client: Client<paths>;
+  /** By shot and camera. */
+  readonly #tags = new Map<string, TagBook>();
 
   /** @param base address of the service, without a slash at its end; empty for where the page came from. */
   constructor(base = "") {
@@ -54,9 +63,25 @@ export class HttpService implements Service {
     return lenses.map((lens) => toLens(lens, this.#base));
   }
 
-  async revision(shot: string): Promise<string> {
-    const asked = this.#client.GET("/v1/shots/{shot}", { params: { path: { shot } } });
-    return (await result(asked)).revision;
+  async history(shot: string): Promise<EditHistory> {
+    const asked = this.#client.GET("/v1/shots/{shot}/edits/history", { params: { path: { shot } } });
+    return toHistory(await result(asked));
+  }
+
+  async undo(shot: string, revision: string): Promise<EditHistory> {
+    const asked = this.#client.POST("/v1/shots/{shot}/edits/undo", ifStill(shot, revision));
+    return this.#asWhole(shot, async () => toHistory(await result(asked)));
+  }
+
+  async redo(shot: string, revision: string): Promise<EditHistory> {
+    const asked = this.#client.POST("/v1/shots/{shot}/edits/redo", ifStill(shot, revision));
+    return this.#asWhole(shot, async () => toHistory(await result(asked)));
+  }
+
+  async restore(shot: string, to: string, now: string, gesture: string): Promise<void> {
+    const { params } = ifStill(shot, now);
+    const options = { params: { ...params, query: { gesture } }, body: { revision: to } };
+    return this.#asWhole(shot, () => done(this.#client.PUT("/v1/shots/{shot}/edits", options)));
   }
 
   async notes(shot: string): Promise<readonly Note[]> {
@@ -69,8 +94,20 @@ export class HttpService implements Service {
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
+    const read = this.#tagsOf(view).reading();
     const asked = this.#client.GET("/v1/shots/{shot}/focus-points", { ...at(view, { time }), ...abortable(signal) });
-    return (await result(asked)).focusPoints.map(toPoint);
+    const { focusPoints, etag } = await result(asked);
+    read(POINTS, etag);
+    for (const point of focusPoints) read(pointThing(point.name), point.etag);
+    return focusPoints.map(toPoint);
+  }
+
+  async focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings> {
+    const read = this.#tagsOf(view).reading();
+    const asked = this.#client.GET("/v1/shots/{shot}/camera/focus", { ...at(view, { time }), ...abortable(signal) });
+    const settings = await result(asked);
+    read(CAMERA, settings.etag);
+    return toFocusSettings(settings);
   }
 
   async readout(view: View, time: number, signal?: AbortSignal): Promise<Readout> {
@@ -91,48 +128,43 @@ export class HttpService implements Service {
     return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", { params: { path }, body })));
   }
 
-  async perform(view: View, command: Command, time: number): Promise<void> {
-    const query = { ...cameraOf(view), time };
-    switch (command.do) {
-      case "setLens": {
-        const { focusDistanceM, ...rest } = command.change;
-        // The service says infinity as USD does: 0.
-        const focus =
-          focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
-        const body = { ...rest, ...focus, ...(command.time === null ? {} : { time: command.time }) };
-        return done(this.#client.PATCH("/v1/shots/{shot}/camera", { ...at(view, {}), body }));
-      }
-      case "addPoint": {
-        const body = { name: command.name, ...command.anchor, ...command.settings };
-        return done(this.#client.POST("/v1/shots/{shot}/focus-points", { ...at(view, { time }), body }));
-      }
-      case "changePoint": {
-        const { anchor, ...settings } = command.change;
-        const params = { path: { shot: view.shot, name: command.name }, query };
-        const body = { ...anchor, ...settings };
-        return done(this.#client.PATCH("/v1/shots/{shot}/focus-points/{name}", { params, body }));
-      }
-      case "removePoint": {
-        const params = { path: { shot: view.shot, name: command.name }, query };
-        return done(this.#client.DELETE("/v1/shots/{shot}/focus-points/{name}", { params }));
-      }
-      case "setKey":
-      case "removeKey":
-        return this.#performKey(view, command);
-      case "mountLens":
-        return done(this.#client.PATCH("/v1/shots/{shot}/camera", { ...at(view, {}), body: { lens: command.lens } }));
-      case "mountLensFile": {
-        const body = new FormData();
-        body.append("file", command.file);
-        // The document has the file as text; what travels is the form.
-        const options = { ...at(view, {}), body: body as unknown as { file: string } };
-        return done(this.#client.PUT("/v1/shots/{shot}/camera/lens", options));
-      }
-      case "restoreEdits": {
-        const params = { path: { shot: view.shot } };
-        return done(this.#client.PUT("/v1/shots/{shot}/edits", { params, body: { revision: command.revision } }));
-      }
+  async perform(view: View, command: Command, time: number, gesture: string): Promise<void> {
+    const tags = this.#tagsOf(view);
+    const madeUpon = thingOf(command);
+    tags.turn();
+    try {
+      const tag = (
+        await answered(send(this.#client, view, command, { time, gesture, tag: tags.of(madeUpon) }))
+      ).headers.get("ETag");
+      if (command.do === "rack") tags.clear();
+      else tags.forget(madeUpon, POINTS);
+      if (tag !== null) tags.set("name" in command ? pointThing(command.name) : madeUpon, tag);
+    } catch (error) {
+      tags.forget(madeUpon);
+      throw error;
+    } finally {
+      tags.turn();
     }
+  }
+
+  forget(shot: string): void {
+    for (const [view, tags] of this.#tags) if (view.startsWith(`${shot} `)) tags.turn();
+  }
+
+  /** Does something to all edits of a shot, after which no tag of it holds. */
+  async #asWhole<Value>(shot: string, act: () => Promise<Value>): Promise<Value> {
+    try {
+      return await act();
+    } finally {
+      for (const [view, tags] of this.#tags) if (view.startsWith(`${shot} `)) tags.clear();
+    }
+  }
+
+  #tagsOf(view: View): TagBook {
+    const name = `${view.shot} ${view.camera ?? ""}`;
+    const tags = this.#tags.get(name) ?? new TagBook();
+    this.#tags.set(name, tags);
+    return tags;
   }
 
   async downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download> {
@@ -152,29 +184,24 @@ export class HttpService implements Service {
     return { blob, name: `${shot}.edits.usda` };
   }
 
-  async #performKey(view: View, command: Extract<Command, { do: "setKey" | "removeKey" }>): Promise<void> {
-    const path = { shot: view.shot, name: command.name, attribute: command.attribute };
-    const query = cameraOf(view);
-    const address = "/v1/shots/{shot}/focus-points/{name}/keys/{attribute}";
-    if (command.do === "setKey") return done(this.#client.PUT(address, { params: { path, query }, body: command.key }));
-    return done(this.#client.DELETE(address, { params: { path, query: { ...query, time: command.time } } }));
-  }
-
   async #picture(view: View, asked: PictureQuery, signal?: AbortSignal): Promise<Blob> {
     const options = { ...at(view, asked), ...abortable(signal), parseAs: "blob" as const };
     return result<Blob>(this.#client.GET("/v1/shots/{shot}/frame", options));
   }
 }
 
+/** Asks that the edits of a shot are still at a revision. */
+function ifStill(
+  shot: string,
+  revision: string,
+): { params: { path: { shot: string }; header: { "if-match": string } } } {
+  return { params: { path: { shot }, header: { "if-match": `"${revision}"` } } };
+}
+
 type PictureQuery = paths["/v1/shots/{shot}/frame"]["get"]["parameters"]["query"];
 
 function pictureOf(time: number, { width, height, rays, layers, supersample }: Quality): PictureQuery {
   return { time, width, height, rays, layers, supersample };
-}
-
-/** The camera as a parameter: left out, the service takes the shot's own. */
-function cameraOf(view: View): { camera?: string } {
-  return view.camera === null ? {} : { camera: view.camera };
 }
 
 function at<Query extends object>(
@@ -192,6 +219,12 @@ async function result<Data>(asked: Promise<Answer<Data>>): Promise<Data> {
   const answer = await reached(asked);
   if (!answer.response.ok) throw errorOf(answer.response.status, answer.error);
   return answer.data as Data;
+}
+
+async function answered(asked: Promise<Answer<unknown>>): Promise<Response> {
+  const answer = await reached(asked);
+  if (!answer.response.ok) throw errorOf(answer.response.status, answer.error);
+  return answer.response;
 }
 
 async function done(asked: Promise<Answer<unknown>>): Promise<void> {

@@ -2,9 +2,10 @@
 
 import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
+import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
 import type { Quality } from "../model/quality";
-import type { FocusPoint, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
+import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 
 /** Which camera of which shot; null is the shot's own choice. */
 export interface View {
@@ -27,19 +28,32 @@ export interface Service {
   open(shot: string): Promise<Shot>;
   /** The lens library. */
   lenses(): Promise<readonly LensSummary[]>;
-  /** A word for the state of the shot's edits, to go back to. */
-  revision(shot: string): Promise<string>;
+  /** What of the shot's edits can be undone. */
+  history(shot: string): Promise<EditHistory>;
+  /** Takes back the last edit if it is the one that came to `revision`, else fails. */
+  undo(shot: string, revision: string): Promise<EditHistory>;
+  redo(shot: string, revision: string): Promise<EditHistory>;
+  /** Goes back to an earlier state of the edits, `to`, if `now` is still the present one. */
+  restore(shot: string, to: string, now: string, gesture: string): Promise<void>;
   /** What of the shot is not shown as it says. */
   notes(shot: string): Promise<readonly Note[]>;
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;
+  focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings>;
   readout(view: View, time: number, signal?: AbortSignal): Promise<Readout>;
   curve(view: View, signal?: AbortSignal): Promise<Curve>;
   /** What is seen at a place of the picture (0 to 1 from its top left), or null for nothing. */
   pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;
-  /** @param time at which the person looks: what is keyed is changed there. */
-  perform(view: View, command: Command, time: number): Promise<void>;
+  /**
+   * Does one thing to a shot. Fails where somebody else changed the same thing since it was read last.
+   *
+   * @param time at which the person looks: what is keyed is changed there.
+   * @param gesture names the edit that it is part of: what is done in one, one after the other, is one step of undo.
+   */
+  perform(view: View, command: Command, time: number, gesture: string): Promise<void>;
+  /** Takes what is read of a shot from now on for what the person sees and edits. */
+  forget(shot: string): void;
   downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download>;
   downloadCurve(view: View, format: CurveFormat): Promise<Download>;
   downloadEdits(shot: string): Promise<Download>;

@@ -19,6 +19,8 @@ export interface FieldProps {
   /** Says nothing on the page but is read aloud. */
   readonly labelHidden?: boolean;
   readonly disabled?: boolean;
+  /** More of what it is, on hover. */
+  readonly hint?: string;
 }
 
 const TRAVEL = 1000;
@@ -43,7 +45,7 @@ export function Field(props: FieldProps): JSX.Element {
     } else if (event.key === "Escape") cancel();
   };
   return (
-    <div class="field">
+    <div class="field" title={props.hint}>
       <span class={props.labelHidden ? "field-label hidden" : "field-label"} aria-hidden="true">
         {label}
       </span>

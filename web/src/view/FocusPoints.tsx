@@ -2,12 +2,13 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../editor/session";
-import { keyAt, type SimpleAttribute } from "../model/command";
 import { formatDistance, type LengthUnit } from "../model/distance";
 import { linearScale } from "../model/scale";
-import { inFrame, keysOf, primName, type FocusPoint } from "../model/shot";
+import { inFrame, primName, type FocusPoint } from "../model/shot";
 import { Field } from "./Field";
 import { Icon } from "./icons";
+import { parseQuantity } from "./numbers";
+import { KeyButton, PointSettings } from "./PointSettings";
 
 const WEIGHTS = linearScale(0, 1, 0.05);
 
@@ -76,21 +77,31 @@ function PointRow({ session, point, unit }: { session: Session; point: FocusPoin
           <Icon name="trash" />
         </button>
       </div>
-      <div class="point-weight">
-        <KeyButton session={session} point={point} attribute="weight" />
-        <Field
-          label={`Weight of ${name}`}
-          labelHidden
-          value={settings.weight}
-          scale={WEIGHTS}
-          fresh={session.document.fresh.value}
-          example="0.5"
-          format={(value) => value.toFixed(2)}
-          parse={parseWeight}
-          startDrag={() => session.dragWeight(point)}
-        />
-      </div>
+      <Weight session={session} point={point} />
+      {selected && <PointSettings session={session} point={point} />}
     </li>
+  );
+}
+
+function Weight({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
+  return (
+    <div class="point-weight">
+      <KeyButton session={session} point={point} attribute="weight" />
+      <Field
+        label={`Weight of ${point.name}`}
+        labelHidden
+        value={point.settings.weight}
+        scale={WEIGHTS}
+        fresh={session.document.fresh.value}
+        example="0.5"
+        format={(value) => value.toFixed(2)}
+        parse={(text) => {
+          const weight = parseQuantity(text, "");
+          return weight === null || weight < 0 ? null : weight;
+        }}
+        startDrag={() => session.dragPoint(`Weight of ${point.name}`, point, "weight")}
+      />
+    </div>
   );
 }
 
@@ -98,40 +109,4 @@ function where(point: FocusPoint, unit: LengthUnit): string {
   if (point.depthM === null) return `not on ${primName(point.anchor.target[0] ?? "")} now`;
   if (point.depthM <= 0) return "behind the camera";
   return `${formatDistance(point.depthM, unit)}${inFrame(point) ? "" : ", out of frame"}`;
-}
-
-/** A diamond, as in animation tools: hollow where nothing is keyed, filled where this frame has a key. */
-function KeyButton({
-  session,
-  point,
-  attribute,
-}: {
-  session: Session;
-  point: FocusPoint;
-  attribute: SimpleAttribute;
-}): JSX.Element {
-  const key = keyAt(point, attribute, session.playhead.time.value);
-  const keyed = keysOf(point, attribute).length > 0;
-  const does = key ? "Remove the key" : "Set a key";
-  return (
-    <button
-      type="button"
-      class={`key${keyed ? " keyed" : ""}`}
-      aria-pressed={key !== null}
-      aria-label={`Key of ${point.name}, ${attribute}`}
-      title={`${does} of ${attribute} at this frame${attribute === "weight" ? " (K)" : ""}`}
-      onClick={() => {
-        session.toggleKey(point, attribute);
-      }}
-    >
-      <svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true">
-        <path d="M0 -4.5L4.5 0L0 4.5L-4.5 0Z" />
-      </svg>
-    </button>
-  );
-}
-
-function parseWeight(text: string): number | null {
-  const value = Number(text.trim().replace(",", ".") || NaN);
-  return Number.isFinite(value) && value >= 0 ? value : null;
 }

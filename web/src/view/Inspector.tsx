@@ -1,7 +1,8 @@
-/** The panel on the right: the lens, what it holds sharp, and the focus points. */
+/** The panel on the right: the lens, what it holds sharp, how its focus is found, and the focus points. */
 
 import type { JSX } from "preact";
 import type { Editor } from "../editor/editor";
+import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";
 import { LensPanel } from "./LensPanel";
 
@@ -18,6 +19,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
       ) : session ? (
         <>
           <LensPanel session={session} unit={unit} lenses={editor.lenses.value} />
+          <FocusPanel session={session} />
           <FocusPoints session={session} unit={unit} />
         </>
       ) : (

@@ -23,7 +23,7 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
 }
 
 function keysOfPage(point: FocusPoint): { attribute: KeyedAttribute; key: Key }[] {
-  return (["weight", "enabled"] as const).flatMap((attribute) =>
+  return (["weight", "enabled", "blur", "falloff", "extent"] as const).flatMap((attribute) =>
     keysOf(point, attribute).map((key) => ({ attribute, key })),
   );
 }

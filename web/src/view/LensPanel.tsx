@@ -9,6 +9,7 @@ import type { Readout } from "../model/shot";
 import { DepthStrip } from "./DepthStrip";
 import { Field } from "./Field";
 import { LensChooser } from "./LensChooser";
+import { trim } from "./numbers";
 
 interface LensPanelProps {
   readonly session: Session;
@@ -38,6 +39,7 @@ export function LensPanel({ session, unit, lenses }: LensPanelProps): JSX.Elemen
 
 function LensFields({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
   const fresh = session.document.fresh.value;
+  const pointsSetStop = readout.focusMode !== "manual" && session.document.focusSettings.value?.solveStop === true;
   return (
     <div class="fields">
       <Field
@@ -45,6 +47,8 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         value={readout.fStop}
         scale={F_NUMBERS}
         fresh={fresh}
+        disabled={pointsSetStop}
+        {...(pointsSetStop ? { hint: "The focus points set it" } : {})}
         example="2.8"
         format={(value) => (value === 0 ? "pinhole" : `f/${trim(value, 2)}`)}
         parse={(text) => parseNumber(text, /^[ft]?\s*\/?\s*([\d.]+)$/i)}
@@ -70,38 +74,6 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         parse={(text) => parseDistance(text, unit)}
         startDrag={() => session.dragLens("focus distance", "focusDistanceM", readout)}
       />
-      <FocusBy session={session} readout={readout} />
-    </div>
-  );
-}
-
-/** Who focuses, and why the focus is where it is. */
-function FocusBy({ session, readout }: { session: Session; readout: Readout }): JSX.Element {
-  const choices = [
-    ["points", "Points"],
-    ["manual", "By hand"],
-  ] as const;
-  return (
-    <div class="focus-by">
-      <p class="reason" title={readout.reason}>
-        {readout.reason}
-      </p>
-      <div class="group" role="radiogroup" aria-label="Who focuses">
-        {choices.map(([mode, name]) => (
-          <button
-            key={mode}
-            type="button"
-            class="button small"
-            role="radio"
-            aria-checked={readout.focusMode === mode}
-            onClick={() => {
-              session.setFocusMode(mode);
-            }}
-          >
-            {name}
-          </button>
-        ))}
-      </div>
     </div>
   );
 }
@@ -141,11 +113,6 @@ function Reading({ name, value }: { name: string; value: string }): JSX.Element 
       <dd data-reading={name.toLowerCase()}>{value}</dd>
     </div>
   );
-}
-
-/** At most so many decimals, and no trailing zeros. */
-function trim(value: number, places: number): string {
-  return Number(value.toFixed(places)).toString();
 }
 
 function parseNumber(text: string, pattern: RegExp): number | null {

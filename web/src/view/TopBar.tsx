@@ -5,7 +5,6 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import { SURROUNDS, type Surround } from "../editor/remembered";
 import type { Session } from "../editor/session";
-import { redoable, undoable } from "../model/history";
 import { primName } from "../model/shot";
 import { save } from "./hooks";
 import { Icon } from "./icons";
@@ -65,16 +64,15 @@ function CameraChoice({ editor, session }: { editor: Editor; session: Session })
 }
 
 function UndoButtons({ session }: { session: Session }): JSX.Element {
-  const history = session.document.history.value;
-  const [undo, redo] = [undoable(history), redoable(history)];
-  const undoLabel = undo ? `Undo: ${undo.label}` : "Nothing to undo";
-  const redoLabel = redo ? `Redo: ${redo.label}` : "Nothing to redo";
+  const [undo, redo] = [session.document.undoLabel.value, session.document.redoLabel.value];
+  const undoLabel = undo === null ? "Nothing to undo" : `Undo: ${undo}`;
+  const redoLabel = redo === null ? "Nothing to redo" : `Redo: ${redo}`;
   return (
     <div class="group">
       <button
         type="button"
         class="button icon-only"
-        disabled={!undo}
+        disabled={undo === null}
         aria-label={undoLabel}
         title={`${undoLabel} (Ctrl Z)`}
         onClick={() => void session.document.undo()}
@@ -84,7 +82,7 @@ function UndoButtons({ session }: { session: Session }): JSX.Element {
       <button
         type="button"
         class="button icon-only"
-        disabled={!redo}
+        disabled={redo === null}
         aria-label={redoLabel}
         title={`${redoLabel} (Ctrl Shift Z)`}
         onClick={() => void session.document.redo()}

@@ -82,7 +82,7 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       data-settled={session.settled.value}
       data-time={shown?.time}
       data-revision={shown?.revision}
-      onClick={(event) => void session.click(placeOf(event), intentOf(event))}
+      onClick={(event) => void session.click(placeOf(event), intentOf(event, session.gathers.value))}
     />
   );
 }
@@ -93,8 +93,10 @@ function placeOf(event: MouseEvent): [number, number] {
   return [(event.clientX - frame.left) / frame.width, (event.clientY - frame.top) / frame.height];
 }
 
-function intentOf(event: MouseEvent): ClickIntent {
-  return event.altKey ? "move" : event.shiftKey ? "add" : "pull";
+/** Shift turns around what a click does to the other points: takes the focus from them, or lets them keep their say. */
+function intentOf(event: MouseEvent, gathers: boolean): ClickIntent {
+  if (event.altKey) return "move";
+  return event.shiftKey === gathers ? "pull" : "add";
 }
 
 /** Edges on device pixels, so that a picture of that many pixels is shown one to one. */
@@ -137,13 +139,15 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
   );
 }
 
+const [PULLS, ADDS] = ["pulls focus there", "adds a point"];
+
 function PictureFoot({ session }: { session: Session }): JSX.Element {
   const shown = session.pictures.displayed.value;
   const selected = session.selected.value;
   return (
     <footer class="picture-foot">
       <span>
-        <b>Click</b> pulls focus there · <b>Shift</b> adds a point
+        <b>Click</b> {session.gathers.value ? ADDS : PULLS} · <b>Shift</b> {session.gathers.value ? PULLS : ADDS}
         {selected !== null && (
           <>
             {" "}

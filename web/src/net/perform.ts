@@ -1,0 +1,112 @@
+/** Commands as requests, and what each of them is made upon. */
+
+import type { Client } from "openapi-fetch";
+import type { Command } from "../model/command";
+import type { paths } from "./schema";
+import type { View } from "./service";
+
+/** What openapi-fetch resolves to: one of the two is there. */
+export interface Answer<Data> {
+  readonly data?: Data;
+  readonly error?: unknown;
+  readonly response: Response;
+}
+
+/** What a command goes out with. */
+export interface Terms {
+  /** At which the person looks: what is keyed is changed there. */
+  readonly time: number;
+  /** Names the edit that it is part of. */
+  readonly gesture: string;
+  /** Entity tag of what it is made upon; null where none is known. */
+  readonly tag: string | null;
+}
+
+/** What has an entity tag: the camera, the list of focus points, and each of these. */
+export const [CAMERA, POINTS] = ["camera", "points"];
+
+export function pointThing(name: string): string {
+  return `point ${name}`;
+}
+
+/** What must not have changed since it was read. */
+export function thingOf(command: Command): string {
+  if (command.do === "addPoint" || command.do === "rack") return POINTS;
+  return "name" in command ? pointThing(command.name) : CAMERA;
+}
+
+/** The camera as a parameter: left out, the service takes the shot's own. */
+export function cameraOf(view: View): { camera?: string } {
+  return view.camera === null ? {} : { camera: view.camera };
+}
+
+const CAMERA_ADDRESS = "/v1/shots/{shot}/camera";
+const POINTS_ADDRESS = "/v1/shots/{shot}/focus-points";
+
+export function send(client: Client<paths>, view: View, command: Command, terms: Terms): Promise<Answer<unknown>> {
+  if ("name" in command) return sendOfPoint(client, view, command, terms);
+  const query = { ...cameraOf(view), gesture: terms.gesture };
+  const params = { path: { shot: view.shot }, query, header: headerOf(terms) };
+  switch (command.do) {
+    case "setLens": {
+      const { focusDistanceM, ...rest } = command.change;
+      // The service says infinity as USD does: 0.
+      const focus =
+        focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
+      return client.PATCH(CAMERA_ADDRESS, { params, body: { ...rest, ...focus, ...timeOf(command) } });
+    }
+    case "setFocus":
+      return client.PATCH("/v1/shots/{shot}/camera/focus", { params, body: { ...command.change, ...timeOf(command) } });
+    case "rack":
+      return client.POST("/v1/shots/{shot}/racks", { params, body: command.rack });
+    case "mountLens":
+      return client.PATCH(CAMERA_ADDRESS, { params, body: { lens: command.lens } });
+    case "mountLensFile": {
+      const body = new FormData();
+      body.append("file", command.file);
+      // The document has the file as text; what travels is the form.
+      return client.PUT("/v1/shots/{shot}/camera/lens", { params, body: body as unknown as { file: string } });
+    }
+  }
+}
+
+function sendOfPoint(
+  client: Client<paths>,
+  view: View,
+  command: Extract<Command, { readonly name: string }>,
+  terms: Terms,
+): Promise<Answer<unknown>> {
+  const [header, query] = [headerOf(terms), { ...cameraOf(view), gesture: terms.gesture }];
+  const atTime = { ...query, time: terms.time };
+  const path = { shot: view.shot, name: command.name };
+  switch (command.do) {
+    case "addPoint": {
+      const body = { name: command.name, ...command.anchor };
+      return client.POST(POINTS_ADDRESS, { params: { path, query: atTime, header }, body });
+    }
+    case "changePoint": {
+      const { anchor, ...settings } = command.change;
+      const body = { ...anchor, ...settings };
+      return client.PATCH(`${POINTS_ADDRESS}/{name}`, { params: { path, query: atTime, header }, body });
+    }
+    case "removePoint":
+      return client.DELETE(`${POINTS_ADDRESS}/{name}`, { params: { path, query, header } });
+    case "setKey": {
+      const params = { path: { ...path, attribute: command.attribute }, query, header };
+      return client.PUT(`${POINTS_ADDRESS}/{name}/keys/{attribute}`, { params, body: command.key });
+    }
+    case "removeKey": {
+      const at = { ...query, time: command.time };
+      const params = { path: { ...path, attribute: command.attribute }, query: at, header };
+      return client.DELETE(`${POINTS_ADDRESS}/{name}/keys/{attribute}`, { params });
+    }
+  }
+}
+
+function timeOf({ time }: { readonly time: number | null }): { time?: number } {
+  return time === null ? {} : { time };
+}
+
+function headerOf({ tag }: Terms): { "if-match"?: string } {
+  return tag === null ? {} : { "if-match": tag };
+}

@@ -1,0 +1,208 @@
+/** What the selected focus point asks for: sharp or soft, its reach on a focal surface, and a rack to another point. */
+
+import type { JSX } from "preact";
+import { useState } from "preact/hooks";
+import type { Session } from "../editor/session";
+import { keyAt, valueOf, type SimpleAttribute } from "../model/command";
+import { BLURS_MM, EXTENTS, FALLOFFS } from "../model/scale";
+import { EASES, keysOf, type Ease, type FocusPoint } from "../model/shot";
+import { Field, type FieldProps } from "./Field";
+import { parseQuantity, trim } from "./numbers";
+
+export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
+  const mode = session.document.readout.value?.focusMode;
+  const { kind } = point.settings;
+  return (
+    <div class="point-more">
+      <div class="group" role="radiogroup" aria-label={`${point.name} is`}>
+        {(["sharp", "soft"] as const).map((choice) => (
+          <button
+            key={choice}
+            type="button"
+            class="button small"
+            role="radio"
+            aria-checked={kind === choice}
+            onClick={() => {
+              if (choice !== kind) session.setKind(point, choice);
+            }}
+          >
+            {choice === "sharp" ? "Sharp" : "Soft"}
+          </button>
+        ))}
+      </div>
+      {kind === "soft" && (
+        <Amount
+          session={session}
+          point={point}
+          attribute="blur"
+          label="Blur"
+          hint="Wanted, on the film"
+          scale={BLURS_MM}
+          unit=" mm"
+        />
+      )}
+      {mode === "surface" && (
+        <>
+          <Amount
+            session={session}
+            point={point}
+            attribute="extent"
+            label="Depth"
+            hint="Of field around it, times the lens’s own"
+            scale={EXTENTS}
+            unit="×"
+          />
+          <Amount
+            session={session}
+            point={point}
+            attribute="falloff"
+            label="Reach"
+            hint="Where its say ends, in frame widths; 0: nowhere"
+            scale={FALLOFFS}
+            unit=""
+            zero="all"
+          />
+        </>
+      )}
+      {mode !== "manual" && <RackTo session={session} point={point} />}
+    </div>
+  );
+}
+
+interface AmountProps {
+  readonly session: Session;
+  readonly point: FocusPoint;
+  readonly attribute: SimpleAttribute;
+  readonly label: string;
+  readonly hint: string;
+  readonly scale: FieldProps["scale"];
+  readonly unit: string;
+  /** What 0 is called. */
+  readonly zero?: string;
+}
+
+function Amount({ session, point, attribute, label, hint, scale, unit, zero }: AmountProps): JSX.Element {
+  const format = (value: number): string => (value === 0 && zero ? zero : `${trim(value, 3)}${unit}`);
+  return (
+    <div class="point-amount">
+      <KeyButton session={session} point={point} attribute={attribute} />
+      <Field
+        label={label}
+        hint={hint}
+        value={valueOf(point, attribute)}
+        scale={scale}
+        fresh={session.document.fresh.value}
+        example={format(scale.max / 2)}
+        format={format}
+        parse={(text) => {
+          const value = text.trim() === zero ? 0 : parseQuantity(text, unit.trim());
+          return value === null || value < 0 ? null : value;
+        }}
+        startDrag={() => session.dragPoint(`${label} of ${point.name}`, point, attribute)}
+      />
+    </div>
+  );
+}
+
+const EASE_NAMES: Readonly<Record<Ease, string>> = {
+  smooth: "soft both ends",
+  in: "soft start",
+  out: "soft end",
+  linear: "even",
+};
+
+/** From this point to another one, from the playhead on. */
+function RackTo({ session, point }: { session: Session; point: FocusPoint }): JSX.Element | null {
+  const others = session.document.points.value.map(({ name }) => name).filter((name) => name !== point.name);
+  const perSecond = session.shot.range.framesPerSecond;
+  const [to, setTo] = useState<string | null>(null);
+  const [frames, setFrames] = useState(() => Math.max(1, Math.round(perSecond)).toString());
+  const [ease, setEase] = useState<Ease>("smooth");
+  const target = others.find((name) => name === to) ?? others[0];
+  const length = parseQuantity(frames, "");
+  if (target === undefined) return null;
+  return (
+    <form
+      class="rack"
+      aria-label={`Rack from ${point.name}`}
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (length !== null && length > 0) session.rack(point, target, length, ease);
+      }}
+    >
+      <span>Rack to</span>
+      <select
+        aria-label="Point to rack to"
+        value={target}
+        onChange={(event) => {
+          setTo(event.currentTarget.value);
+        }}
+      >
+        {others.map((name) => (
+          <option key={name}>{name}</option>
+        ))}
+      </select>
+      <span>over</span>
+      <input
+        type="text"
+        class="number"
+        inputMode="decimal"
+        aria-label="Length of the rack in frames"
+        aria-invalid={length === null || length <= 0}
+        title={length === null ? "Type for example 24" : `${trim(length / perSecond, 2)} s`}
+        value={frames}
+        onInput={(event) => {
+          setFrames(event.currentTarget.value);
+        }}
+      />
+      <span>frames,</span>
+      <select
+        aria-label="How the rack goes"
+        value={ease}
+        onChange={({ currentTarget }) => {
+          setEase(EASES.find((choice) => choice === currentTarget.value) ?? "smooth");
+        }}
+      >
+        {EASES.map((choice) => (
+          <option key={choice} value={choice}>
+            {EASE_NAMES[choice]}
+          </option>
+        ))}
+      </select>
+      <button type="submit" class="button small" title="Starts at the playhead; the lens may need longer than this">
+        Rack
+      </button>
+    </form>
+  );
+}
+
+/** A diamond, as in animation tools: hollow where nothing is keyed, filled where this frame has a key. */
+export function KeyButton({
+  session,
+  point,
+  attribute,
+}: {
+  session: Session;
+  point: FocusPoint;
+  attribute: SimpleAttribute;
+}): JSX.Element {
+  const key = keyAt(point, attribute, session.playhead.time.value);
+  const keyed = keysOf(point, attribute).length > 0;
+  const does = key ? "Remove the key" : "Set a key";
+  return (
+    <button
+      type="button"
+      class={`key${keyed ? " keyed" : ""}`}
+      aria-pressed={key !== null}
+      aria-label={`Key of ${point.name}, ${attribute}`}
+      title={`${does} of ${attribute} at this frame${attribute === "weight" ? " (K)" : ""}`}
+      onClick={() => {
+        session.toggleKey(point, attribute);
+      }}
+    >
+      <svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true">
+        <path d="M0 -4.5L4.5 0L0 4.5L-4.5 0Z" />
+      </svg>
+    </button>
+  );
+}

@@ -152,7 +152,7 @@ class CameraFocus:
         return self._followed[key]
 
 
-_FOLLOWED = ("planes", "wanted_w", "f_stops", "fades", "sides")
+_FOLLOWED = ("planes", "wanted_w", "slowed_w", "f_stops", "fades", "sides")
 
 
 def _between(times: DoubleArray, column: DoubleArray, at: DoubleArray) -> DoubleArray:

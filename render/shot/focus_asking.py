@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -59,8 +59,9 @@ def asked_by_points(reading: FocusReading, targets: FocusTargets, law: LensLaw) 
     )
     planes, notes = np.column_stack([solutions.focus_w, tilt]), [""] * len(camera_w)
     if focus.mode == "tiltPlane":
-        tilted = _tilt_through_points(reading, targets, solutions.shares, law, planes, notes)
+        tilted, fixed = _tilt_through_points(reading, targets, solutions.shares, law, planes, notes)
         solutions = kept_within(solutions, planes[:, 0], tilted, targets.names, law)
+        solutions = replace(solutions, reasons=tuple(map(_joined, solutions.reasons, fixed)))
         planes[:, 0] = np.where(tilted, solutions.focus_w, planes[:, 0])
     made = Asked(planes, own_f_stops(reading), solutions, notes)
     return _with_stops(reading, targets, law, made) if any(f.solve_stop for f in reading.focus) else made
@@ -129,8 +130,12 @@ def _tilt_through_points(
     law: LensLaw,
     planes: DoubleArray,
     notes: list[str],
-) -> NDArray[np.bool_]:
-    """Put the planes through the points in place, where they drive the tilt and any of them counts; and say where."""
+) -> tuple[NDArray[np.bool_], list[str]]:
+    """Put the planes through the points in place, where they drive the tilt and any of them counts.
+
+    Returns:
+        ``(n,)`` where that is, and n sentences on what the points fix where that is less than a plane.
+    """
     asked = np.array([tilt.from_focus_points for tilt in reading.tilts]) & shares.any(axis=1)
     fits, w = fit_targets(targets, shares, law.coc_slope_mm_m(planes[:, 0]))
     focal_mm = np.array([camera.focal_length_mm for camera in reading.cameras])
@@ -138,13 +143,10 @@ def _tilt_through_points(
     slopes = np.where((shares > 0)[..., None], targets.slopes, 0.0)
     kept, changed = limit_planes(fits.planes, focal_mm, most, slopes, w, shares)
     planes[asked] = kept[asked]
-    for i in np.flatnonzero(asked):
-        fit = fits.at(int(i))
-        told = [fit.reason] if fit.rank < 3 else []
-        if changed[i]:
-            told.append(_why_limited(kept[i], float(focal_mm[i]), reading.tilts[i].max_angle))
-        notes[i] = _joined(notes[i], *told)
-    return np.asarray(asked)
+    for i in np.flatnonzero(asked & changed):
+        notes[i] = _joined(notes[i], _why_limited(kept[i], float(focal_mm[i]), reading.tilts[i].max_angle))
+    fewer = asked & (fits.ranks < 3)
+    return np.asarray(asked), [fits.at(i).reason if few else "" for i, few in enumerate(fewer.tolist())]
 
 
 def _why_limited(plane: DoubleArray, focal_length_mm: float, max_angle_deg: float) -> str:

@@ -6,6 +6,7 @@ which points count, and how much · where they want the focus · whether they se
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,7 @@ class FocusTrack:
         times: ``(n,)`` USD time codes, rising.
         planes: ``(n, 3)`` w on the axis in 1/m, and its change with the slope to the right and up.
         wanted_w: ``(n,)`` w on the axis that was asked for, before the hand that follows.
+        slowed_w: ``(n,)`` by how much the hand is behind as the ring turns no faster, 1/m.
         f_stops: ``(n,)``.
         fades: ``(n, k)`` how much of each point is there, 0 to 1.
         sides: ``(n, k)`` on which side of each soft point the focal surface passes (`render.focus.expressive.soft_sides`).
@@ -53,6 +55,7 @@ class FocusTrack:
     times: DoubleArray
     planes: DoubleArray
     wanted_w: DoubleArray
+    slowed_w: DoubleArray
     f_stops: DoubleArray
     fades: DoubleArray
     sides: DoubleArray
@@ -106,6 +109,7 @@ def _by_hand(reading: FocusReading) -> FocusTrack:
         reading.times,
         planes,
         camera_w,
+        np.zeros(count),
         own_f_stops(reading),
         np.zeros((count, points)),
         np.ones((count, points)),
@@ -127,10 +131,10 @@ def _by_points(reading: FocusReading) -> FocusTrack:
         own = np.column_stack([own_w(reading), authored_tilt(reading)])
         planes = share[:, None] * crossed.planes + (1 - share)[:, None] * own
         f_stops = share * crossed.f_stops + (1 - share) * own_f_stops(reading)
-    driven = _driven(reading, law.at_stops(f_stops if law.frames > 1 else f_stops[:1]), planes)
+    driven, slowed_w = _driven(reading, law.at_stops(f_stops if law.frames > 1 else f_stops[:1]), planes)
     sides = _sides(reading, law, driven)
     notes = tuple(asked.notes)
-    return FocusTrack(reading.times, driven, planes[:, 0], f_stops, fades, sides, asked.solutions, notes)
+    return FocusTrack(reading.times, driven, planes[:, 0], slowed_w, f_stops, fades, sides, asked.solutions, notes)
 
 
 def _sides(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleArray:
@@ -144,29 +148,30 @@ def _sides(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleAr
     return np.broadcast_to(soft_sides(w, base, off), w.shape)
 
 
-def _driven(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleArray:
-    """The planes that the hand on the lens makes of those that are wanted."""
+def _driven(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """The planes that the hand on the lens makes of those that are wanted, and by how much it is too slow for them."""
     if not any(follows_over_time(focus) for focus in reading.focus):
-        return planes
+        return planes, np.zeros(len(planes))
     seconds, keys = reading.seconds, reading.key_seconds
     smoothing, lag, zone_mm, speed = (
         np.array([getattr(focus, name) for focus in reading.focus])
         for name in ("smoothing", "lag", "dead_zone", "max_speed")
     )
     growth = law.coc_slope_mm_m(planes[:, 0])
-    driven = planes.copy()
-    driven[:, 0] = drive(
+    pulled = partial(
+        drive,
         seconds,
         planes[:, 0],
         exact_at_s=keys,
         smoothing_s=smoothing,
         lag_s=lag,
         dead_zone_w=np.where(growth > 0, zone_mm / np.where(growth > 0, growth, 1.0), 0.0),
-        ring=focus_ring(reading.cameras[0], float(reading.throws_deg[0])),
-        max_speed_rad_s=np.radians(speed),
         close_focus_m=close_focus_depth_m(reading.cameras[0]),
     )
+    ring = focus_ring(reading.cameras[0], float(reading.throws_deg[0]))
+    driven = planes.copy()
+    driven[:, 0] = pulled(ring=ring, max_speed_rad_s=np.radians(speed))
     for column in (1, 2):
         level = smoothed(seconds, planes[:, column], smoothing, exact_at_s=keys)
         driven[:, column] = tracked(seconds, level, lag_s=lag)
-    return driven
+    return driven, np.abs(driven[:, 0] - pulled())

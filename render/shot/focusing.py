@@ -152,8 +152,16 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
         positions_m=reading.positions_m[index],
         problems=reading.problems[index],
         solution=solution,
-        note="; ".join(note for note in (track.notes[index], _crowding(surface, solution)) if note),
+        note="; ".join(
+            note for note in (track.notes[index], _slowness(track, index), _crowding(surface, solution)) if note
+        ),
     )
+
+
+def _slowness(track: FocusTrack, index: int) -> str:
+    """That the hand on the focus ring cannot be as fast as it would have to be, in a sentence; or empty."""
+    is_slow = track.slowed_w[index] > _ON_THE_WAY * max(float(track.wanted_w[index]), track.plane(index).w0)
+    return "the hand on the focus ring is slower than the focus that is asked for" if is_slow else ""
 
 
 def _crowding(surface: FocalSurface | None, solution: FocusSolution) -> str:

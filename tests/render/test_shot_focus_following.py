@@ -13,6 +13,7 @@ from table_shot import CAMERA, on_table, write_table
 from render.shot import Shot, camera_focus
 from render.shot.focus_reading import FocusReading
 from render.shot.focus_solving import FocusTrack, solved
+from usd_schemas import LensCamera, LensData
 
 NEAR, FAR = (0.0, 0.0, 0.5), (0.0, 0.0, -2.2)
 
@@ -93,3 +94,28 @@ def test_a_range_that_is_turned_about_has_its_first_frame(tmp_path: Path) -> Non
     shot = racked_shot(tmp_path, 6, 12, first=24, last=1)
     shot.set_focus(CAMERA, lag=0.3)
     assert all(math.isfinite(distance) for distance in distances_m(shot, [1.0, 10.0, 24.0]))
+
+
+def test_what_the_lens_could_not_do_is_flagged_and_nothing_else(tmp_path: Path) -> None:
+    """A ring of 300 degrees from 0.5 m on, turned by 60 degrees in a second, takes longer than 6 frames."""
+    shot = racked_shot(tmp_path, 6, 12)
+    frames = list(range(1, 200))
+    shot.set_focus(CAMERA, lag=0.1)
+    assert not shot.focus_curve(CAMERA, frames).limited.any()  # to come late is what was asked for
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        LensCamera(shot.stage.GetPrimAtPath(CAMERA)).lens.author(LensData(close_focus=500.0, focus_throw=300.0))
+    shot.set_focus(CAMERA, lag=0.0, max_speed=60.0)
+    limited = shot.focus_curve(CAMERA, frames).limited
+    assert limited[12]
+    assert not limited[:5].any()
+    assert not limited[-1]
+    assert "slower" in shot.readout(CAMERA, 13).note
+
+
+def test_points_that_fix_less_than_a_plane_are_told_and_no_limit(tmp_path: Path) -> None:
+    shot = racked_shot(tmp_path, 6, 12)
+    shot.set_focus(CAMERA, mode="tiltPlane")
+    readout = shot.readout(CAMERA, 9)
+    assert "on one line of the picture" in readout.reason
+    assert not readout.note
+    assert not shot.focus_curve(CAMERA, [9.0]).limited[0]

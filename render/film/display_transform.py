@@ -21,23 +21,54 @@ _MEASURED = ocio.ROLE_INTERCHANGE_DISPLAY  # CIE XYZ of what a display emits; Y 
 _MEASURED_FROM_ACES = "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"  # white stays white
 
 
-def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, cdl: Cdl) -> ocio.GroupTransform:
+class Way:
+    """Transforms in their order, parted where the CDL works: its numbers may change from frame to frame, and all else stays.
+
+    Attributes:
+        parts: one, or two where there is a CDL between them.
+    """
+
+    def __init__(self) -> None:
+        self.parts = [ocio.GroupTransform()]
+
+    def append(self, transform: ocio.Transform) -> None:
+        """Append a transform to the last part."""
+        self.parts[-1].appendTransform(transform)
+
+    def append_all(self, processor: ocio.Processor) -> None:
+        """Append the steps of a processor, which may be of another configuration."""
+        for step in processor.createGroupTransform():
+            self.append(step)
+
+    def part(self) -> None:
+        """What is appended from now on comes after the CDL."""
+        self.parts.append(ocio.GroupTransform())
+
+    def with_cdl(self, cdl: Cdl) -> ocio.GroupTransform:
+        """The whole way."""
+        whole = ocio.GroupTransform()
+        for i, part in enumerate(self.parts):
+            if i:
+                whole.appendTransform(cdl.transform())
+            whole.appendTransform(part)
+        return whole
+
+
+def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool) -> Way:
     """From the space that was rendered in to what the display is sent, by the view.
 
     That space is the working space of `render.colour.working_config`; where the grade is by another configuration, the two must
     have the role ``aces_interchange``.
     """
-    way, rendered = ocio.GroupTransform(), working_config()
+    way, rendered = Way(), working_config()
     if config is not rendered:
-        _append_all(way, ocio.Config.GetProcessorFromConfigs(rendered, _WORKING, config, _WORKING))
-    way.appendTransform(_graded(config, look, cdl))
-    way.appendTransform(ocio.DisplayViewTransform(src=_WORKING, display=display, view=view))
+        way.append_all(ocio.Config.GetProcessorFromConfigs(rendered, _WORKING, config, _WORKING))
+    _append_grading(way, config, look, has_cdl)
+    way.append(ocio.DisplayViewTransform(src=_WORKING, display=display, view=view))
     return way
 
 
-def print_to_display(
-    config: ocio.Config, display: str, view: str, look: str | None, cdl: Cdl, light: str
-) -> ocio.GroupTransform:
+def print_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool, light: str) -> Way:
     """From a print's light to what the display is sent, without the view's tone mapping.
 
     Args:
@@ -46,46 +77,36 @@ def print_to_display(
         display: of the configuration.
         view: its colour space is the one that the display is sent; a view of data is sent the light unchanged.
         look: as `render.film.Grade.look`.
-        cdl: likewise.
+        has_cdl: whether there is a place for a CDL.
         light: name of a linear space, of the configuration that was rendered by or of OpenColorIO's default one.
     """
-    target = config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(display, view))
-    way = ocio.GroupTransform()
-    if target is not None and target.isData():
+    way, target = Way(), config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(display, view))
+    if target is None or target.isData():
         return way
-    grading = _graded(config, look, cdl)
-    _append_all(way, _config_that_has(light).getProcessor(light, _ACES))
-    if len(grading):
-        way.appendTransform(ocio.ColorSpaceTransform(src=_ACES, dst=_WORKING))
-        way.appendTransform(grading)
-        way.appendTransform(ocio.ColorSpaceTransform(src=_WORKING, dst=_ACES))
-    if target is not None and target.getReferenceSpaceType() == ocio.REFERENCE_SPACE_DISPLAY:
-        way.appendTransform(ocio.BuiltinTransform(style=_MEASURED_FROM_ACES))
-        way.appendTransform(ocio.ColorSpaceTransform(src=_MEASURED, dst=target.getName()))
-    elif target is not None:
-        way.appendTransform(ocio.ColorSpaceTransform(src=_ACES, dst=target.getName()))
+    way.append_all(_config_that_has(light).getProcessor(light, _ACES))
+    if has_cdl or look:
+        way.append(ocio.ColorSpaceTransform(src=_ACES, dst=_WORKING))
+        _append_grading(way, config, look, has_cdl)
+        way.append(ocio.ColorSpaceTransform(src=_WORKING, dst=_ACES))
+    if target.getReferenceSpaceType() == ocio.REFERENCE_SPACE_DISPLAY:
+        way.append(ocio.BuiltinTransform(style=_MEASURED_FROM_ACES))
+        way.append(ocio.ColorSpaceTransform(src=_MEASURED, dst=target.getName()))
+    else:
+        way.append(ocio.ColorSpaceTransform(src=_ACES, dst=target.getName()))
     return way
 
 
-def _graded(config: ocio.Config, look: str | None, cdl: Cdl) -> ocio.GroupTransform:
-    """The CDL and then the looks, from the working space to itself; empty where there are none."""
-    way = ocio.GroupTransform()
-    if not cdl.is_neutral:
+def _append_grading(way: Way, config: ocio.Config, look: str | None, has_cdl: bool) -> None:
+    """The CDL's place and then the looks, from the working space to itself."""
+    if has_cdl:
         timing = ocio.ROLE_COLOR_TIMING if config.hasRole(ocio.ROLE_COLOR_TIMING) else _WORKING
-        way.appendTransform(ocio.ColorSpaceTransform(src=_WORKING, dst=timing))
-        way.appendTransform(cdl.transform())
-        way.appendTransform(ocio.ColorSpaceTransform(src=timing, dst=_WORKING))
+        way.append(ocio.ColorSpaceTransform(src=_WORKING, dst=timing))
+        way.part()
+        way.append(ocio.ColorSpaceTransform(src=timing, dst=_WORKING))
     if look:
-        way.appendTransform(ocio.LookTransform(src=_WORKING, dst=_WORKING, looks=look))
-    return way
+        way.append(ocio.LookTransform(src=_WORKING, dst=_WORKING, looks=look))
 
 
 def _config_that_has(space: str) -> ocio.Config:
     rendered = working_config()
     return rendered if rendered.getColorSpace(space) is not None else working_config(DEFAULT_CONFIG)
-
-
-def _append_all(way: ocio.GroupTransform, processor: ocio.Processor) -> None:
-    """Append a processor of one configuration to a way through another."""
-    for step in processor.createGroupTransform():
-        way.appendTransform(step)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ import PyOpenColorIO
 from render.colour import OCIO_ERRORS, working_config
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
-from render.film.display_transform import print_to_display, scene_to_display
+from render.film.display_transform import Way, print_to_display, scene_to_display
 from render.near_names import hint
 
 if TYPE_CHECKING:  # a grade by names and numbers needs no USD
@@ -113,9 +114,28 @@ class Grade:
             SettingsError: OpenColorIO cannot build the transform.
         """
         config = working_config(self.config)
-        way = (config, self.display_name, self.view_name, self.look, self.cdl)
+        with self._told(light):
+            return config.getProcessor(self._way(light).with_cdl(self.cdl))
+
+    def processors_around_cdl(self, light: str | None = None) -> list[PyOpenColorIO.Processor]:
+        """As `processor`, but in two parts where there is a CDL, which works between them; they do not depend on its numbers."""
+        config = working_config(self.config)
+        with self._told(light):
+            return [config.getProcessor(part) for part in self._way(light).parts]
+
+    def cpu_processor(self, light: str | None = None) -> PyOpenColorIO.CPUProcessor:
+        """`processor` for arrays."""
+        return self.processor(light).getDefaultCPUProcessor()
+
+    def _way(self, light: str | None) -> Way:
+        way = (working_config(self.config), self.display_name, self.view_name, self.look, not self.cdl.is_neutral)
+        return scene_to_display(*way) if light is None else print_to_display(*way, light)
+
+    @contextmanager
+    def _told(self, light: str | None) -> Iterator[None]:
+        """Tell OpenColorIO's errors as ours."""
         try:
-            return config.getProcessor(scene_to_display(*way) if light is None else print_to_display(*way, light))
+            yield
         except OCIO_ERRORS as error:
             shown = "" if light is None else f" of a print in '{light}'"
             raise SettingsError(
@@ -123,10 +143,6 @@ class Grade:
                 f"{' '.join(str(error).split())}",
                 code="bad_grade",
             ) from error
-
-    def cpu_processor(self, light: str | None = None) -> PyOpenColorIO.CPUProcessor:
-        """`processor` for arrays."""
-        return self.processor(light).getDefaultCPUProcessor()
 
 
 def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:

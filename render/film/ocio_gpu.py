@@ -1,10 +1,12 @@
 """OpenColorIO's transforms on the device, for live pictures. Files are developed by its CPU processor; the two agree.
 
-OpenColorIO writes the transform as a GLSL function with tables in textures; ``grade.comp`` calls it for each pixel.
+OpenColorIO writes the transform as GLSL functions with tables in textures; ``grade.comp`` calls them for each pixel. The CDL's
+numbers are uniforms, so that they may change in each frame and nothing is compiled anew.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,13 +16,15 @@ import numpy as np
 import PyOpenColorIO as ocio
 
 from render.errors import GraphicsError, SettingsError
+from render.film.cdl import Cdl
 from render.film.develop import check_exposure
 from render.film.grade import Grade
 from render.gl.held import Held, Making
-from render.gl.shaders import load_source
+from render.gl.shaders import load_source, set_uniforms
 from render.scene import FloatArray
 
 _PLACE = "#pragma transform"
+_FUNCTIONS = ("timed", "displayed")  # as the shader calls the parts
 _TILE = 8
 _LIGHT_UNIT = 0
 _KEPT = 8  # transforms: a session goes between few
@@ -89,6 +93,7 @@ class DisplayPass:
         """Develop a texture into another of the same size, whose format may be of floats or bytes; as `develop`."""
         check_exposure(exposure_scale)
         transform = self._transform(grade, space)
+        _set_cdl(transform.program, grade.cdl)
         source.use(_LIGHT_UNIT)
         for unit, table in enumerate(transform.tables, start=1):
             table.use(unit)
@@ -104,38 +109,55 @@ class DisplayPass:
             self._transforms.popitem()[1].release()
 
     def _transform(self, grade: Grade, space: str | None) -> _Transform:
-        processor = grade.processor(space)
-        key = str(processor.getCacheID())
+        parts = grade.processors_around_cdl(space)
+        key = " ".join(str(part.getCacheID()) for part in parts)
         if key not in self._transforms:
-            self._transforms[key] = _compiled(self._ctx, processor)
+            self._transforms[key] = _compiled(self._ctx, parts)
             if len(self._transforms) > _KEPT:
                 self._transforms.popitem(last=False)[1].release()
         self._transforms.move_to_end(key)
         return self._transforms[key]
 
 
-def _compiled(ctx: moderngl.Context, processor: ocio.Processor) -> _Transform:
+def _compiled(ctx: moderngl.Context, parts: list[ocio.Processor]) -> _Transform:
     """Compile a transform and load its tables.
+
+    Args:
+        ctx: of the device.
+        parts: the way to the display, in two parts where a CDL works between them.
 
     Raises:
         GraphicsError: the driver refuses the shader.
     """
-    code = ocio.GpuShaderDesc.CreateShaderDesc(
-        language=ocio.GPU_LANGUAGE_GLSL_4_0, functionName="displayed", resourcePrefix="ocio_"
-    )
-    code.setAllowTexture1D(False)  # moderngl has none
-    processor.getDefaultGPUProcessor().extractGpuShaderInfo(code)
+    has_cdl = len(parts) == 2
+    codes = [_code(part, name) for part, name in zip(parts, _FUNCTIONS[-len(parts) :], strict=True)]
+    source = load_source("grade.comp", {"CDL": 1} if has_cdl else None)
     with Making() as made:
         try:
-            program = made.keep(ctx.compute_shader(load_source("grade.comp").replace(_PLACE, code.getShaderText())))
+            text = "\n".join(code.getShaderText() for code in codes)
+            program = made.keep(ctx.compute_shader(source.replace(_PLACE, text)))
         except moderngl.Error as error:
             raise GraphicsError(f"OpenColorIO's transform did not compile: {error}") from error
         tables = []
-        for unit, (sampler, table) in enumerate(_tables(ctx, code), start=1):
+        for sampler, table in itertools.chain.from_iterable(_tables(ctx, code) for code in codes):
             tables.append(made.keep(table))
             if sampler in program:
-                program[sampler] = unit
+                program[sampler] = len(tables)
     return _Transform(program, tuple(tables))
+
+
+def _code(processor: ocio.Processor, function: str) -> ocio.GpuShaderDesc:
+    """OpenColorIO's code of a part; all its names begin with the function's."""
+    code = ocio.GpuShaderDesc.CreateShaderDesc(
+        language=ocio.GPU_LANGUAGE_GLSL_4_0, functionName=function, resourcePrefix=f"{function}_"
+    )
+    code.setAllowTexture1D(False)  # moderngl has none
+    processor.getDefaultGPUProcessor().extractGpuShaderInfo(code)
+    return code
+
+
+def _set_cdl(program: moderngl.ComputeShader, cdl: Cdl) -> None:
+    set_uniforms(program, slope=cdl.slope, offset=cdl.offset, power=cdl.power, saturation=cdl.saturation)
 
 
 def _tables(

@@ -1,6 +1,7 @@
 #version 450 core
 // Exposes light and turns it into what a display is sent.
-// in:  light, linear; what exposure multiplies it by; OpenColorIO's own code and tables, which make `vec4 displayed(vec4 light)`
+// in:  light, linear; what exposure multiplies it by; OpenColorIO's own code and tables, which make `vec4 displayed(vec4 light)`,
+//      with CDL defined from where the CDL works, and `vec4 timed(vec4 light)` to there; the CDL
 // out: the picture, encoded for the display, 0 to 1; its format is the bound image's
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -9,9 +10,27 @@ layout(binding = 0) writeonly uniform image2D picture;
 uniform sampler2D light;
 uniform float exposure;
 
+#ifdef CDL
+uniform vec3 slope;
+uniform vec3 offset;
+uniform vec3 power;
+uniform float saturation;
+#endif
+
 const float BRIGHTEST = 65504.0;  // the largest half float, as on the CPU
 
 #pragma transform
+
+#ifdef CDL
+// ASC CDL 1.2 without its clamps, as OpenColorIO has it: what is below 0 is not raised to the power.
+vec3 decided(vec3 rgb)
+{
+    vec3 scaled = slope * rgb + offset;
+    vec3 raised = mix(scaled, pow(max(scaled, vec3(0.0)), power), greaterThan(scaled, vec3(0.0)));
+    float luma = dot(raised, vec3(0.2126, 0.7152, 0.0722));
+    return luma + saturation * (raised - luma);
+}
+#endif
 
 void main()
 {
@@ -19,6 +38,9 @@ void main()
     if (any(greaterThanEqual(pixel, imageSize(picture)))) return;
     vec3 exposed = exposure * texelFetch(light, pixel, 0).rgb;
     exposed = clamp(mix(exposed, vec3(0.0), isnan(exposed)), -BRIGHTEST, BRIGHTEST);
+#ifdef CDL
+    exposed = decided(timed(vec4(exposed, 1.0)).rgb);
+#endif
     vec3 shown = displayed(vec4(exposed, 1.0)).rgb;
     imageStore(picture, pixel, vec4(clamp(mix(shown, vec3(0.0), isnan(shown)), 0.0, 1.0), 1.0));
 }

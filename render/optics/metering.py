@@ -91,8 +91,9 @@ def meter(
     height, width = radiance.shape[:2]
     weights = meter_weights(mode, width, height, spot_px=spot_px, spot_radius_px=spot_radius_px)
     rows, columns = (slice(at.min(), at.max() + 1) for at in np.nonzero(weights))
-    seen = np.nan_to_num(radiance[rows, columns, :3].astype(np.float64), posinf=_BRIGHTEST, neginf=0.0)
-    luminance = np.clip(seen @ np.asarray(luminance_of_rgb), 0, _BRIGHTEST)
+    with np.errstate(invalid="ignore", over="ignore"):
+        luminance = radiance[rows, columns, :3] @ np.asarray(luminance_of_rgb, np.float32)
+    luminance = np.clip(np.nan_to_num(luminance, copy=False, posinf=_BRIGHTEST), 0, _BRIGHTEST)
     return Reading(float((luminance * weights[rows, columns]).sum()), settings)
 
 

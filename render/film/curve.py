@@ -107,7 +107,16 @@ class Curve:
         Returns:
             Density, float32, of the same shape.
         """
-        return np.interp(log_exposure, *self.table).astype(np.float32)
+        x, density = self._single_table
+        place = np.asarray(log_exposure, np.float32) - np.float32(x[0])
+        place *= np.float32((len(x) - 1) / (x[-1] - x[0]))
+        np.clip(place, 0, len(x) - 1, out=place)
+        step = np.minimum(place.astype(np.int32), len(x) - 2)
+        place -= step
+        here = density[step]
+        place *= density[step + 1] - here
+        place += here
+        return place
 
     def exposure_at(self, density: float) -> float:
         """Log10 exposure at which the curve has a density: the middle of the stretch, where it is level there.
@@ -132,6 +141,11 @@ class Curve:
         """Log10 exposure at even steps, ``(n,)``, and density there: what pictures are looked up in."""
         x = np.linspace(self._exposures[0], self._exposures[-1], _TABLE_STEPS)
         return x, self.density(x)
+
+    @cached_property
+    def _single_table(self) -> tuple[DoubleArray, FloatArray]:
+        x, density = self.table
+        return x, density.astype(np.float32)
 
     @cached_property
     def _exposures(self) -> DoubleArray:

@@ -1,0 +1,98 @@
+"""A digital sensor: charge in proportion to light, up to a full well, with the noise of photons and of reading."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.film.curve import DoubleArray
+from render.film.noise import normal_rows
+from render.film.stock import MIDDLE_GREY
+from render.scene import FloatArray
+
+
+@dataclass(frozen=True)
+class SensorSettings:
+    """What a sensor is like.
+
+    Attributes:
+        full_well_e: electrons at which a photosite is full, at the base speed.
+        read_noise_e: standard deviation of reading one photosite, in electrons; the noise of photons comes beside it.
+        clip_stops: stops from middle grey to where it clips, the same at each speed; 0 never clips, and the full well then is
+            at scene-linear 1.
+        sensitivity: of the red, green and blue photosites, relative: weaker ones get fewer electrons, so they are noisier.
+            All clip together, at the light that fills the strongest, so that highlights stay white.
+        base_iso: speed at which the full well is used whole.
+        iso: speed that it is set to: each doubling halves the electrons behind the same picture.
+        photosites: across and up; (0, 0) for one to each pixel. Pixels average what they cover.
+
+    Raises:
+        SettingsError: a number is out of range.
+    """
+
+    full_well_e: float = 40000.0
+    read_noise_e: float = 0.0
+    clip_stops: float = 0.0
+    sensitivity: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    base_iso: float = 100.0
+    iso: float = 100.0
+    photosites: tuple[int, int] = (0, 0)
+
+    def __post_init__(self) -> None:
+        positive = (self.full_well_e, self.base_iso, self.iso, *self.sensitivity)
+        if not all(0 < number < math.inf for number in positive):
+            raise _bad(f"a full well, speeds and sensitivities above 0, got {', '.join(f'{n:g}' for n in positive)}")
+        if not (0 <= self.read_noise_e < math.inf and 0 <= self.clip_stops < math.inf and min(self.photosites) >= 0):
+            raise _bad(
+                f"read noise, clip and photosites from 0 up, got {self.read_noise_e:g}, {self.clip_stops:g}, "
+                f"{self.photosites[0]} x {self.photosites[1]}"
+            )
+
+    @property
+    def clip(self) -> float:
+        """Scene-linear light at which it clips; infinite where it does not."""
+        return MIDDLE_GREY * 2.0**self.clip_stops if self.clip_stops else math.inf
+
+    @property
+    def electrons_per_light(self) -> DoubleArray:
+        """Electrons of one photosite of each channel at scene-linear 1, ``(3,)``."""
+        full_at = self.clip if self.clip_stops else 1.0
+        electrons: DoubleArray = (
+            np.array(self.sensitivity)
+            / max(self.sensitivity)
+            * self.full_well_e
+            / full_at
+            * min(1.0, self.base_iso / self.iso)
+        )
+        return electrons
+
+
+def expose_sensor(light: FloatArray, sensor: SensorSettings, *, frame: int, seed: int) -> FloatArray:
+    """What a sensor makes of light. Photons are counted by a normal law (Poisson's, from some ten electrons up).
+
+    Args:
+        light: ``(height, width, 3)`` scene-linear, well exposed: middle grey is 0.18.
+        sensor: which one.
+        frame: frame number; each frame has noise of its own.
+        seed: which noise.
+
+    Returns:
+        The same shape, float32, scene-linear: the mean is the light, up to the clip. Noise may go below 0.
+    """
+    scale = sensor.electrons_per_light
+    height, width = light.shape[:2]
+    averaged = max(1.0, math.prod(sensor.photosites) / (height * width))
+    electrons = light * scale.astype(np.float32)
+    variance = (np.maximum(electrons, 0) + np.float32(sensor.read_noise_e**2)) / np.float32(averaged)
+    electrons += np.sqrt(variance) * normal_rows(range(height), width, 3, frame=frame, seed=seed)
+    electrons /= scale.astype(np.float32)
+    if sensor.clip_stops:
+        np.minimum(electrons, np.float32(sensor.clip), out=electrons)
+    return electrons
+
+
+def _bad(expected: str) -> SettingsError:
+    return SettingsError(f"a sensor needs {expected}", code="bad_sensor")

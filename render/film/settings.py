@@ -1,0 +1,171 @@
+"""What the light falls on, as numbers: from FilmAPI, or from a stock's name alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from render.errors import SettingsError
+from render.film.sensor import SensorSettings
+from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
+from usd_schemas import FilmData
+from usd_schemas.data import FilmProcess
+
+DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
+MAX_PUSH = 5.0
+
+
+@dataclass(frozen=True)
+class GrainSettings:
+    """Film grain.
+
+    Attributes:
+        amount: factor; 0 none, 1 as the stock has it.
+        size_um: correlation length on the film in micrometres; 0 takes `render.film.grain.GRAIN_SIZE_UM`.
+        seed: which grain.
+    """
+
+    amount: float = 0.0
+    size_um: float = 0.0
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class HalationSettings:
+    """Light that the base throws back: its part, the ring's radius on the film, and its ratio in each channel."""
+
+    amount: float = 0.0
+    radius_mm: float = 0.1
+    color: tuple[float, float, float] = (1.0, 0.3, 0.1)
+
+
+@dataclass(frozen=True)
+class FilmSettings:
+    """What the light falls on and what becomes of it.
+
+    Attributes:
+        process: none, negative (colour, seen through a print), reversal (a positive, seen directly), monochrome (a
+            black-and-white negative, seen through a print) or digital.
+        stock: in the camera; None for none and digital.
+        print_stock: on which a negative is printed; None for the others.
+        push: stops by which development is longer, and the stock faster.
+        white_balance_k: colour temperature that looks neutral; 0 for the working space's white.
+        tint: across the line of colour temperatures, in 1/3000 of CIE 1960 uv, positive toward magenta.
+        grain: of film.
+        halation: of film.
+        sensor: of digital.
+
+    Raises:
+        SettingsError: the stocks do not go with the process, or a number is out of range.
+    """
+
+    process: FilmProcess = "none"
+    stock: Stock | None = None
+    print_stock: Stock | None = None
+    push: float = 0.0
+    white_balance_k: float = 0.0
+    tint: float = 0.0
+    grain: GrainSettings = GrainSettings()
+    halation: HalationSettings = HalationSettings()
+    sensor: SensorSettings = field(default_factory=SensorSettings)
+
+    def __post_init__(self) -> None:
+        if not -MAX_PUSH <= self.push <= MAX_PUSH:
+            raise SettingsError(f"push is from {-MAX_PUSH:g} to {MAX_PUSH:g} stops, got {self.push:g}")
+        if not (self.grain.amount >= 0 and self.grain.size_um >= 0):
+            raise SettingsError(
+                f"grain needs an amount and a size from 0 up, got {self.grain.amount:g} and {self.grain.size_um:g}"
+            )
+        if self.process not in ("none", "digital"):
+            self._check_stocks()
+
+    def _check_stocks(self) -> None:
+        stock = self.stock
+        if stock is None:
+            raise SettingsError(
+                f"film process {self.process} needs a stock: film:stock names one, or film:curve draws it"
+            )
+        wanted = 1 if self.process == "monochrome" else 3
+        if len(stock.curves) != wanted:
+            kinds = {1: "black-and-white", 3: "colour"}
+            raise SettingsError(
+                f"film process {self.process} needs a {kinds[wanted]} stock, and {stock.name} is a "
+                f"{kinds[len(stock.curves)]} one",
+                code="wrong_stock",
+            )
+        if stock.rises == (self.process == "reversal"):
+            goes = "rises" if stock.rises else "falls"
+            raise SettingsError(
+                f"the curves of {stock.name} run backwards for film process {self.process}: density {goes} with exposure",
+                code="wrong_stock",
+            )
+        if self.process != "reversal" and (self.print_stock is None or len(self.print_stock.curves) != wanted):
+            got = self.print_stock.name if self.print_stock else "none"
+            raise SettingsError(
+                f"film process {self.process} needs a print stock of {wanted} records, got {got}", code="wrong_stock"
+            )
+        if self.grain.amount > 0 and not stock.granularity:
+            raise SettingsError(
+                f"no granularity of {stock.name} is known: film:grain:rms must say how grainy it is",
+                code="no_granularity",
+            )
+
+
+def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) -> FilmSettings:
+    """What FilmAPI says, with the library's stocks filled in.
+
+    Args:
+        data: at one time.
+        iso: speed that the camera is set to, for a digital sensor's noise; 0 for its base speed. Film has its own speed, and the
+            picture's exposure has the camera's in it already.
+        name: a stock of the library that takes the place of the shot's, process and print included, as after ``--film NAME``.
+
+    Raises:
+        SettingsError: a stock is unknown, does not go with the process, or something is out of range.
+    """
+    if name is not None:
+        entry = library_stock(name)
+        curve, own_print = replace(data.curve, source="stock"), entry.film.print_stock
+        data = replace(data, process=entry.film.process, stock=name, print_stock=own_print, curve=curve, speed=0.0)
+    process = data.process
+    settings = FilmSettings(
+        push=data.push,
+        white_balance_k=data.white_balance,
+        tint=data.tint,
+        halation=HalationSettings(data.halation.amount, data.halation.radius, data.halation.color),
+    )
+    if process == "none":
+        return settings
+    if process == "digital":
+        return replace(settings, process=process, sensor=_sensor(data, iso))
+    return replace(
+        settings,
+        process=process,
+        stock=_stock(data),
+        print_stock=None if process == "reversal" else _print(data),
+        grain=GrainSettings(data.grain.amount, data.grain.size, data.grain.seed),
+    )
+
+
+def _stock(data: FilmData) -> Stock | None:
+    if data.curve.source == "stock":
+        return camera_stock(data.stock, data.speed, data.grain.rms) if data.stock else None
+    return drawn_stock(data.curve, data.process == "reversal", data.process == "monochrome", data.grain.rms)
+
+
+def _print(data: FilmData) -> Stock:
+    if data.print_curve.green:
+        return print_stock(data.print_curve)
+    return print_stock(data.print_stock or DEFAULT_PRINTS[data.process])
+
+
+def _sensor(data: FilmData, iso: float) -> SensorSettings:
+    sensor, base = data.sensor, data.speed or 100.0
+    return SensorSettings(
+        full_well_e=sensor.full_well,
+        read_noise_e=sensor.read_noise,
+        clip_stops=sensor.clip,
+        sensitivity=sensor.sensitivity,
+        base_iso=base,
+        iso=iso or base,
+        photosites=data.resolution,
+    )

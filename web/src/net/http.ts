@@ -175,7 +175,7 @@ export class HttpService implements Service {
   async downloadCurve(view: View, format: CurveFormat): Promise<Download> {
     const options = { ...at(view, { format }), parseAs: "blob" as const };
     const blob = await result<Blob>(this.#client.GET("/v1/shots/{shot}/focus-curve", options));
-    return { blob, name: `${view.shot}.focus.${format}` };
+    return { blob, name: `${view.shot}.focus.${format === "opentrackio" ? "opentrackio.json" : format}` };
   }
 
   async downloadEdits(shot: string): Promise<Download> {

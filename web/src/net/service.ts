@@ -18,7 +18,7 @@ export interface Download {
   readonly name: string;
 }
 
-export type CurveFormat = "json" | "csv" | "usda";
+export type CurveFormat = "json" | "csv" | "usda" | "otio" | "opentrackio";
 export type PictureFormat = "png" | "jpeg" | "exr";
 
 export interface Service {

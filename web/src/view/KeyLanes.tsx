@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../editor/session";
-import { keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../model/shot";
+import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../model/shot";
 import { formatFrame, sameTime } from "../model/time";
 import type { TimeAxis } from "./Timeline";
 
@@ -23,9 +23,7 @@ export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }
 }
 
 function keysOfPage(point: FocusPoint): { attribute: KeyedAttribute; key: Key }[] {
-  return (["weight", "enabled", "blur", "falloff", "extent"] as const).flatMap((attribute) =>
-    keysOf(point, attribute).map((key) => ({ attribute, key })),
-  );
+  return KEYED_ATTRIBUTES.flatMap((attribute) => keysOf(point, attribute).map((key) => ({ attribute, key })));
 }
 
 function Lane({ session, axis, point }: { session: Session; axis: TimeAxis; point: FocusPoint }): JSX.Element {

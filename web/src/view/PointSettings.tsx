@@ -105,7 +105,7 @@ function Amount({ session, point, attribute, label, hint, scale, unit, zero }: A
 }
 
 const EASE_NAMES: Readonly<Record<Ease, string>> = {
-  smooth: "soft both ends",
+  smooth: "smooth",
   in: "soft start",
   out: "soft end",
   linear: "even",

@@ -209,6 +209,8 @@ function items(session: Session): Item[] {
     { group: "Focus curve", what: "USD layer, spline (.usda)", make: () => session.downloadCurve("usda") },
     { group: "Focus curve", what: "JSON", make: () => session.downloadCurve("json") },
     { group: "Focus curve", what: "Spreadsheet (.csv)", make: () => session.downloadCurve("csv") },
+    { group: "Focus curve", what: "Editorial, OpenTimelineIO (.otio)", make: () => session.downloadCurve("otio") },
+    { group: "Focus curve", what: "Set, OpenTrackIO (.json)", make: () => session.downloadCurve("opentrackio") },
     { group: "Edits", what: "Edit layer (.usda)", make: () => session.downloadEdits() },
     { group: "This frame", what: "Graded (.png)", make: () => session.downloadFrame("png") },
     { group: "This frame", what: "Scene-linear (.exr)", make: () => session.downloadFrame("exr") },

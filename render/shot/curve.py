@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
 from render.errors import SettingsError
-from render.focus import FocusCurve, PointState, PointTrack
+from render.focus import FocusCurve, PointTrack
 from render.focus.tilt import tilt_and_swing
 from render.optics.thin_lens import focal_surface
 from render.shot.curve_layer import curve_layer
@@ -64,7 +63,7 @@ def solve_curve(
         coc_limit_mm=np.array([s.coc_limit_mm for s in solved]),
         sources=tuple(s.solution.source for s in solved),
         reasons=tuple(s.solution.reason for s in solved),
-        points=tuple(_track(solved, index) for index in range(len(solved[0].points))),
+        points=_tracks(solved),
         tilt_rad=angles[:, 0],
         swing_rad=angles[:, 1],
         limited=np.array([bool(s.solution.limit or s.note) for s in solved]),
@@ -102,20 +101,27 @@ def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: 
     return curve_layer(stage, curve.camera, curve, baked=baked, comment=comment, tolerance=tolerance)
 
 
-def _track(solved: Sequence[Focused], index: int) -> PointTrack:
-    """One focus point through all frames; which points there are does not change over time."""
-    depths_m = [s.targets[index].depth_m for s in solved]
-    states: tuple[PointState, ...] = tuple(s.solution.states[index] for s in solved)
-    return PointTrack(
-        name=solved[0].points[index].name,
-        depth_m=np.array(depths_m),
-        weight=np.array([s.targets[index].weight for s in solved]),
-        share=np.array([s.solution.shares[index] for s in solved]),
-        coc_mm=np.array(
-            [
-                s.coc_mm(depth, s.targets[index].slope) if depth > 0 else math.nan
-                for s, depth in zip(solved, depths_m, strict=True)
-            ]
-        ),
-        states=states,
+def _tracks(solved: Sequence[Focused]) -> tuple[PointTrack, ...]:
+    """The focus points through all frames; which points there are does not change over time."""
+    names = [point.name for point in solved[0].points]
+    shape = len(solved), len(names)
+
+    def column(values: Callable[[Focused], Iterable[float]]) -> DoubleArray:
+        return np.array([list(values(s)) for s in solved], np.float64).reshape(shape)
+
+    depths_m = column(lambda s: (target.depth_m for target in s.targets))
+    weights = column(lambda s: (target.weight for target in s.targets))
+    shares = column(lambda s: s.solution.shares)
+    slopes = np.array([[target.slope for target in s.targets] for s in solved], np.float64).reshape(*shape, 2)
+    cocs_mm = np.array([s.cocs_mm(*places) for s, *places in zip(solved, depths_m, slopes, strict=True)]).reshape(shape)
+    return tuple(
+        PointTrack(
+            name=name,
+            depth_m=depths_m[:, i],
+            weight=weights[:, i],
+            share=shares[:, i],
+            coc_mm=cocs_mm[:, i],
+            states=tuple(s.solution.states[i] for s in solved),
+        )
+        for i, name in enumerate(names)
     )

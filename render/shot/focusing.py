@@ -77,7 +77,7 @@ class Focused:
         Args:
             slope: of the place in object space, x right and y up.
         """
-        w_f, growth = self._sharpness(slope)
+        w_f, growth = map(float, self._sharpness(np.array(slope)))
         if growth == 0:
             return DepthOfField(0.0, math.inf, 0.0)
         reach = self.coc_limit_mm / growth
@@ -95,7 +95,7 @@ class Focused:
         Args:
             slope: of the place in object space, x right and y up.
         """
-        w_f, _ = self._sharpness(slope)
+        w_f = float(self._sharpness(np.array(slope))[0])
         return 1 / w_f if w_f > 0 else math.inf
 
     def coc_mm(self, depth_m: float, slope: tuple[float, float] = (0.0, 0.0)) -> float:
@@ -105,17 +105,25 @@ class Focused:
             depth_m: its depth.
             slope: where it stands, in slopes of object space, x right and y up.
         """
-        if not depth_m > 0:
-            return math.nan
-        w_f, growth = self._sharpness(slope)
-        return growth * abs(1 / depth_m - w_f)
+        return float(self.cocs_mm(np.array([depth_m]), np.array([slope]))[0])
 
-    def _sharpness(self, slope: tuple[float, float]) -> tuple[float, float]:
-        """Where the picture is focused at a place, 1/m, and how fast the circle of confusion grows from there, mm·m."""
+    def cocs_mm(self, depths_m: DoubleArray, slopes: DoubleArray) -> DoubleArray:
+        """``(k,)`` the same of k points.
+
+        Args:
+            depths_m: ``(k,)``.
+            slopes: ``(k, 2)``; what they are where a depth is not in front of the camera does not matter.
+        """
+        ahead = depths_m > 0
+        w_f, growth = self._sharpness(np.where(ahead[:, None], slopes, 0.0))
+        return np.where(ahead, growth * np.abs(1 / np.where(ahead, depths_m, 1.0) - w_f), math.nan)
+
+    def _sharpness(self, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """``(...)`` where places ``(..., 2)`` are focused, 1/m, and how fast the circle of confusion grows from there, mm·m."""
         surface = focal_surface(self.camera)
-        w, pupil = focused_at(surface, np.array(slope))
+        w, pupil = focused_at(surface, slopes)
         growth = self.law.coc_slope_mm_m(np.array([surface.plane.w0]))
-        return float(w), float(growth[0] * pupil)
+        return w, np.asarray(growth[0] * pupil)
 
 
 def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:

@@ -119,3 +119,15 @@ def test_points_that_fix_less_than_a_plane_are_told_and_no_limit(tmp_path: Path)
     assert "on one line of the picture" in readout.reason
     assert not readout.note
     assert not shot.focus_curve(CAMERA, [9.0]).limited[0]
+
+
+def test_the_circles_of_a_curve_are_those_of_the_points(tmp_path: Path) -> None:
+    shot = racked_shot(tmp_path, 6, 12)
+    shot.add_focus_point(CAMERA, "behind", on_table("behind", (0.0, 0.0, 5.0)))
+    shot.set_focus(CAMERA, mode="surface", expressive=0.5)
+    curve = shot.focus_curve(CAMERA, [1.0, 9.0])
+    for i, time in enumerate((1.0, 9.0)):
+        told = [point.coc_mm for point in shot.focus_points(CAMERA, time)]
+        assert [track.coc_mm[i] for track in curve.points] == pytest.approx(told, nan_ok=True)
+        assert math.isnan(told[2])
+        assert max(told[:2]) > 0.01

@@ -19,6 +19,9 @@ DoubleArray = NDArray[np.float64]
 MAX_CONTROLS = 64
 """Control points that a surface may have: what the tracer holds at once."""
 
+MAX_HALVES = 2
+"""Half lenses that it may have, as USD's cameras do."""
+
 
 @dataclass(frozen=True)
 class FocalPlane:
@@ -118,6 +121,15 @@ class FocalSurface:
     blend: float = 1.0
     halves: tuple[HalfLens, ...] = ()
     bends: Controls | None = None
+
+    def __post_init__(self) -> None:
+        """Check how many half lenses there are.
+
+        Raises:
+            SettingsError: more than `MAX_HALVES`.
+        """
+        if len(self.halves) > MAX_HALVES:
+            raise SettingsError(f"a focal surface has at most {MAX_HALVES} half lenses, got {len(self.halves)}")
 
     @property
     def is_plane(self) -> bool:

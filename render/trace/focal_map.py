@@ -5,7 +5,8 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from render.focal_surface import Controls
+from render.focal_surface import MAX_HALVES, Controls
+from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.scene import FloatArray
 from render.trace.picture_focus import PictureFocus
@@ -28,12 +29,10 @@ class FocalMaps:
         program = self._programs.compute("focal_surface.comp", {})
         surface, view = focus.surface, focus.view
         texture = self._sized((view.width, view.height))
-        held = [
-            self._controls(program, "point", surface.controls, _POINTS),
-            self._controls(program, "bend", surface.bends, _BENDS),
-            self._chief_rays(program, focus),
-        ]
-        try:
+        with Held() as held:
+            held.keep(self._controls(program, "point", surface.controls, _POINTS))
+            held.keep(self._controls(program, "bend", surface.bends, _BENDS))
+            held.keep(self._chief_rays(program, focus))
             plane = surface.plane
             set_uniforms(
                 program,
@@ -46,9 +45,6 @@ class FocalMaps:
             texture.bind_to_image(_IMAGE, read=False, write=True)
             program.run(-(-view.width // _TILE), -(-view.height // _TILE))
             self._ctx.memory_barrier()
-        finally:
-            for buffer in held:
-                buffer.release()
         return texture
 
     def release(self) -> None:
@@ -83,7 +79,7 @@ class FocalMaps:
 
     def _halves(self, program: moderngl.ComputeShader, focus: PictureFocus) -> None:
         halves = focus.surface.halves
-        edges, ws = np.zeros((2, 4), np.float32), np.zeros(2, np.float32)
+        edges, ws = np.zeros((MAX_HALVES, 4), np.float32), np.zeros(MAX_HALVES, np.float32)
         for i, half in enumerate(halves):
             edges[i], ws[i] = (*half.direction, half.offset, half.width), half.w
         set_uniforms(program, half_count=len(halves))

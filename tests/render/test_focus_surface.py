@@ -148,3 +148,10 @@ def test_drawn_curvature_adds_to_whatever_is_focused():
 def test_more_points_than_the_tracer_holds_are_refused():
     with pytest.raises(SettingsError, match=f"at most {MAX_CONTROLS} control points, got {MAX_CONTROLS + 1}"):
         controls(np.zeros((MAX_CONTROLS + 1, 2)), np.ones(MAX_CONTROLS + 1))
+
+
+def test_more_half_lenses_than_the_tracer_holds_are_refused():
+    half = HalfLens((1.0, 0.0), 0.1, 0.05, 0.5)
+    assert len(FocalSurface(PLANE, halves=(half, half)).halves) == 2
+    with pytest.raises(SettingsError, match="at most 2 half lenses, got 3"):
+        FocalSurface(PLANE, halves=(half, half, half))

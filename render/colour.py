@@ -73,8 +73,9 @@ def _read_config(name: str, stamp: tuple[int, int]) -> ocio.Config:
 def _reason(name: str, error: Exception) -> str:
     """Why a configuration cannot be read, in one sentence."""
     if name.startswith(BUILTIN_PREFIX):
-        known = (BUILTIN_PREFIX + row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs())
-        return f"there is none built in of that name: {hint(name, known)}"
+        known = ["default", "cg-config-latest", "studio-config-latest"]
+        known += [row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs()]
+        return f"there is none built in of that name: {hint(name, (BUILTIN_PREFIX + own for own in known))}"
     if isinstance(error, UnicodeDecodeError):
         return "it is no text"
     # OpenColorIO names the file once more, in front of what is wrong with it.

@@ -110,8 +110,8 @@ def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Coll
         "focus_distance_m": ("focusDistance", distance),
         "f_stop": ("fStop", curve.f_stop),
         "focal_length_mm": ("focalLength", tenths_from_mm(curve.focal_length_mm, stage)),
-        "tilt_rad": ("tiltShift:tilt", np.degrees(curve.tilt_rad)),
-        "swing_rad": ("tiltShift:swing", np.degrees(curve.swing_rad)),
+        "tilt_rad": ("tiltShift:tilt", _degrees(curve.tilt_rad)),
+        "swing_rad": ("tiltShift:swing", _degrees(curve.swing_rad)),
         "coc_limit_mm": ("focus:circleOfConfusion", curve.coc_limit_mm),
     }
     values = dict(named[column] for column in named if column in columns)
@@ -120,3 +120,8 @@ def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Coll
         if name in values and not values[name].any() and not prim.GetAttribute(name).HasAuthoredValue():
             del values[name]
     return values
+
+
+def _degrees(angles_rad: DoubleArray) -> DoubleArray:
+    """Angles without the last digits, by which radians there and back would pass an attribute's limits."""
+    return np.asarray(np.degrees(angles_rad).round(12))

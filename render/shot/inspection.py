@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pxr import UsdGeom
 
-from render.errors import CameraError, StageError
+from render.errors import PullfocusError, StageError
 from render.scene import Scene
 from render.shot.readout import Readout
 from render.shot.shot import Shot
@@ -89,7 +89,7 @@ def _read_lenses(shot: Shot, time: float) -> tuple[tuple[Readout, ...], tuple[Fi
     for path in shot.cameras():
         try:
             readouts.append(shot.readout(path, time))
-        except CameraError as error:
+        except PullfocusError as error:
             unusable.append(Finding(error.code, path, error.detail))
     return tuple(readouts), tuple(unusable)
 

@@ -136,10 +136,10 @@ class _Sources:
         """
         path = focus_point.target[-1] if focus_point.target else ""
         prim = self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
-        if not prim or not UsdGeom.Xformable(prim):
-            what = path or "nothing"
+        if not prim or not prim.IsActive() or not UsdGeom.Xformable(prim):
+            why = "deactivated" if prim and not prim.IsActive() else "no prim with a place in the world"
             raise NotFoundError(
-                f"focus point {focus_point.name} is on {what}, which is no prim with a place in the world",
+                f"focus point {focus_point.name} is on {path or 'nothing'}, which is {why}",
                 code="anchor_not_found",
                 path=path or None,
             )

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 from pxr import Usd
-from table_shot import CAMERA, ON_TABLE, on_table, write_table
+from table_shot import CAMERA, ON_TABLE, TABLE, on_table, write_table
 
 from render.errors import CameraError
 from render.shot import Shot
+from render.shot.inspection import inspect_shot
+from render.shot.lens_choice import choose_lens
 
 
 @pytest.fixture
@@ -106,3 +108,25 @@ def test_a_surface_takes_the_strongest_of_too_many_points(shot: Shot, count: int
         [f"{CAMERA}: a focal surface has room for 64 focus points, so only the strongest shape it"] * is_told
     )
     assert shot.focus_curve(CAMERA, [1.0]).limited[0] == is_told
+
+
+def test_a_deactivated_target_is_lost(shot: Shot) -> None:
+    with Usd.EditContext(shot.stage, shot.stage.GetRootLayer()):
+        shot.stage.GetPrimAtPath(TABLE).SetActive(False)
+    states = [point.state for point in shot.focus_points(CAMERA, 1)]
+    assert states == ["lost"] * 3
+    assert f"focus point near is on {TABLE}, which is deactivated" in shot.findings()[0].message
+
+
+def test_a_focus_that_its_lens_does_not_reach_does_not_hide_the_rest_of_the_shot(shot: Shot) -> None:
+    shot.mount_lens(CAMERA, choose_lens("planar_50"))
+    shot.set_camera(CAMERA, focus_distance_m=0.02)
+    seen = inspect_shot(shot)
+    assert "cannot focus at 0.02 m" in " ".join(note.message for note in seen.notes)
+    assert (seen.readouts, seen.prim_count) == ((), 10)
+
+
+def test_a_lens_tilted_as_far_as_it_may_be_is_written_as_a_layer(shot: Shot) -> None:
+    shot.set_focus(CAMERA, tilt=89.0, from_focus_points=False)
+    layer = shot.focus_layer(CAMERA, [1.0, 2.0])
+    assert "tiltShift:tilt" in layer

@@ -12,13 +12,12 @@ from rich.table import Table
 
 from render.commands.lens_numbers import as_json, as_table
 from render.commands.report import print_json, print_result, say
-from render.errors import InputError, NotFoundError, OutputError, SettingsError
-from render.files import check_writable, write_atomic
+from render.commands.sheet_path import sheet_path
+from render.errors import InputError, NotFoundError, SettingsError
+from render.files import write_atomic
 from render.optics.report import LensReport, lens_report
 from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
 from usd_schemas import library_lenses
-
-SHEET_SUFFIXES = (".png", ".svg")
 
 
 def add_parser(commands: Any) -> None:
@@ -87,7 +86,7 @@ def run_show(arguments: argparse.Namespace) -> None:
         OutputError: the sheet cannot be written.
     """
     lens = _asked(arguments.lens)
-    target = None if arguments.out is None else _sheet_path(arguments.out, lens.name)
+    target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
     if arguments.json:
         print_json(as_json(lens, report))
@@ -117,24 +116,6 @@ def _asked(name_or_file: str) -> LensAlone:
         return lens_alone(name_or_file)
     except NotFoundError as error:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
-
-
-def _sheet_path(out: Path, name: str) -> Path:
-    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none.
-
-    Whether it can be written is looked at before anything is computed.
-    """
-    if out.suffix.lower() in SHEET_SUFFIXES and not out.is_dir():
-        check_writable(out)
-        return out
-    if out.suffix and not out.is_dir():
-        raise SettingsError(f"--out takes a folder, or a file that ends in .png or .svg, got {out}")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}", path=str(out)) from error
-    check_writable(out / f"{name}.png")
-    return out / f"{name}.png"
 
 
 def _gate(typed: str | None) -> tuple[float, float]:

@@ -205,7 +205,7 @@ def test_an_unknown_part_of_an_exr_is_refused(pullfocus: Command, good: Path) ->
     assert_one_sentence(ended, WRONG_ARGUMENTS, "smell")
 
 
-@pytest.mark.parametrize("command", ["films", "worker"])
+@pytest.mark.parametrize("command", ["worker"])
 def test_commands_to_come_say_so(command: str, pullfocus: Command) -> None:
     assert_one_sentence(pullfocus(command, "show", "--anything"), WRONG_ARGUMENTS, command, "comes later")
 

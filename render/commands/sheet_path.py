@@ -1,0 +1,36 @@
+"""Where a sheet that draws an entry of a library is written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from render.errors import OutputError, SettingsError
+from render.files import check_writable
+
+SHEET_SUFFIXES = (".png", ".svg")
+
+
+def sheet_path(out: Path, name: str) -> Path:
+    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none.
+
+    Whether it can be written is looked at before anything is computed.
+
+    Args:
+        out: as typed after ``--out``.
+        name: of what is drawn.
+
+    Raises:
+        SettingsError: it is neither a folder nor a file of a kind that sheets are drawn in.
+        OutputError: it cannot be written.
+    """
+    if out.suffix.lower() in SHEET_SUFFIXES and not out.is_dir():
+        check_writable(out)
+        return out
+    if out.suffix and not out.is_dir():
+        raise SettingsError(f"--out takes a folder, or a file that ends in .png or .svg, got {out}")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}", path=str(out)) from error
+    check_writable(out / f"{name}.png")
+    return out / f"{name}.png"

@@ -1,0 +1,122 @@
+"""All that is to be said of a stock: where grey lands, how steep it is, and what a wedge of greys becomes on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.film.curve import DoubleArray
+from render.film.process import STOP, densities, print_densities, projected
+from render.film.settings import DEFAULT_PRINTS, FilmSettings, film_settings
+from render.film.stock import Stock, library_stock
+from render.film.targets import grey_wedge, wedge_stops
+from usd_schemas import FilmData, LibraryFilm
+
+TRIED_WITH = {"negative": "vision3_250d_5207", "monochrome": "double_x_5222"}
+"""Negatives that print stocks are tried with."""
+_GAMMA_SPAN = 1.0  # stops to each side of middle grey
+_LEVEL = 0.1  # share of the steepest slope below which a curve counts as bent to level
+
+
+@dataclass(frozen=True, eq=False)
+class FilmReport:
+    """What is known and measured of a stock.
+
+    Attributes:
+        entry: of the library.
+        film: how it is tried: alone, or with the stock that it is printed on or printed from.
+        stock: it: in the camera or in the printer.
+        gamma: slope of each curve around middle grey, density over log10 exposure.
+        latitude_stops: how far from middle grey each curve answers to light: below and above, ``(curves, 2)``.
+        stops: of the wedge, from middle grey, ``(21,)``.
+        camera_densities: of the wedge on the camera stock, ``(21, curves)``.
+        print_densities: of its print, ``(21, curves)``; None where there is none.
+        light: on the screen, 1 where it is clear, ``(21, 3)``.
+    """
+
+    entry: LibraryFilm
+    film: FilmSettings
+    stock: Stock
+    gamma: tuple[float, ...]
+    latitude_stops: tuple[tuple[float, float], ...]
+    stops: DoubleArray
+    camera_densities: DoubleArray
+    print_densities: DoubleArray | None
+    light: DoubleArray
+
+    @property
+    def tried_with(self) -> str | None:
+        """Name of the other stock, if there is one."""
+        both = {s.name for s in (self.film.stock, self.film.print_stock) if s is not None}
+        return next(iter(both - {self.entry.name}), None)
+
+    @property
+    def granularity_at_1(self) -> tuple[float, ...]:
+        """Standard deviation of density through 48 µm, 1.0 above the base of each curve; empty where it is not known."""
+        pairs = zip(self.stock.base, self.stock.granularity, strict=False)
+        return tuple(float(np.interp(base + 1.0, *np.array(table).T)) for base, table in pairs)
+
+
+def film_report(name: str, *, push: float = 0.0, partner: str | None = None) -> FilmReport:
+    """Try a stock of the library.
+
+    Args:
+        name: of the library, or a part of it.
+        push: stops by which the camera stock is pushed.
+        partner: the print stock that a negative is printed on, or the negative that a print stock is tried with; None takes
+            the usual one.
+
+    Raises:
+        SettingsError: a stock is unknown, or they do not go together.
+    """
+    entry = library_stock(name)
+    film = film_settings(_tried(entry, push, partner))
+    stock = film.stock if entry.kind == "camera" else film.print_stock
+    if stock is None:
+        raise SettingsError(f"{entry.name} cannot be tried")
+    wedge = grey_wedge()
+    camera = densities(wedge, film)
+    printed = None if film.print_stock is None else print_densities(camera, film)[0].astype(np.float64)
+    return FilmReport(
+        entry=entry,
+        film=film,
+        stock=stock,
+        gamma=_gamma(stock),
+        latitude_stops=tuple(_latitude(stock, record) for record in range(len(stock.curves))),
+        stops=wedge_stops(),
+        camera_densities=camera[0].astype(np.float64),
+        print_densities=printed,
+        light=projected(camera, film)[0].astype(np.float64),
+    )
+
+
+def _tried(entry: LibraryFilm, push: float, partner: str | None) -> FilmData:
+    process = entry.film.process
+    if entry.kind == "print":
+        return FilmData(process=process, stock=partner or TRIED_WITH[process], print_stock=entry.name, push=push)
+    if process == "reversal":
+        if partner:
+            raise SettingsError(
+                f"{entry.name} is a reversal stock, which is not printed; got the print stock {partner}"
+            )
+        return FilmData(process=process, stock=entry.name, push=push)
+    return FilmData(process=process, stock=entry.name, print_stock=partner or DEFAULT_PRINTS[process], push=push)
+
+
+def _gamma(stock: Stock) -> tuple[float, ...]:
+    span = _GAMMA_SPAN * STOP
+    pairs = zip(stock.curves, stock.middle_log_exposure, strict=True)
+    return tuple(
+        float(curve.density(middle + span) - curve.density(middle - span)) / (2 * span) for curve, middle in pairs
+    )
+
+
+def _latitude(stock: Stock, record: int) -> tuple[float, float]:
+    """How far the curve is steeper than a tenth of its steepest, in stops from middle grey."""
+    x, density = stock.curves[record].table
+    slope = np.abs(np.gradient(density, x))
+    steep = x[slope > _LEVEL * slope.max()]
+    middle = stock.middle_log_exposure[record]
+    return float(steep[0] - middle) / STOP, float(steep[-1] - middle) / STOP

@@ -108,13 +108,14 @@ def list_cameras(shot: OpenShot, time: float) -> CameraList:
 
 
 def read_camera_state(shot: OpenShot, path: str | None, time: float) -> CameraState:
-    """A camera with its own film gate, its focus solved.
+    """A camera with its own film gate, its focus solved, and its stop where the points set it.
 
     Raises:
         CameraError: it is no camera, or has impossible numbers.
     """
     lens = shot.readout(path, time)
-    camera = replace(read_camera(shot.stage, lens.camera, time), focus_distance_m=lens.focus_distance_m)
+    own = read_camera(shot.stage, lens.camera, time)
+    camera = replace(own, focus_distance_m=lens.focus_distance_m, f_stop=lens.f_stop)
     return _camera_state(camera, lens.camera, time, lens.focus_mode, camera_tag(shot, path))
 
 

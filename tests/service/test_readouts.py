@@ -95,3 +95,15 @@ def test_points_that_are_not_there(client, shot):
     answer = client.get(f"{shot}/readout/place", params={"time": 1, "point": "nobody"})
     assert answer.status_code == 404
     assert "nobody" in answer.json()["detail"]
+
+
+def test_the_camera_tells_the_stop_that_its_points_set(client, shot):
+    for place in ("near", "far"):
+        point = {"target": [f"/World/{place}"], "face": 0, "barycentric": [0.5, 0, 0.5], "name": place}
+        assert client.post(f"{shot}/focus-points", params={"time": 1}, json=point).status_code == 201
+    client.patch(f"{shot}/camera/focus", json={"mode": "points", "solveStop": True})
+    readout = client.get(f"{shot}/readout", params={"time": 1}).json()
+    camera = client.get(f"{shot}/camera", params={"time": 1}).json()
+    assert readout["fStop"] > 5
+    assert camera["fStop"] == readout["fStop"]
+    assert camera["focusDistanceM"] == readout["focusDistanceM"]

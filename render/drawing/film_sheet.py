@@ -171,8 +171,9 @@ def _draw_scene(axes: Axes, film: FilmSettings) -> None:
     shot = replace(film, grain=grain, halation=_HALATION)
     _show(axes, develop_on_film(small_scene(_SCENE_ROWS), shot, frame=1, gate_mm=_GATE_MM), smooth=True)
     axes.set_title(
-        f"On {_GATE_MM[0]:g} × {_GATE_MM[1]:g} mm, with grain and {100 * _HALATION.amount:g} % of halation; "
-        "each bulb is a stop brighter than the one before"
+        f"On {_GATE_MM[0]:g} × {_GATE_MM[1]:g} mm, {'with' if grain.amount else 'without'} grain and with "
+        f"{100 * _HALATION.amount:g} % of halation; "
+        "each bulb a stop brighter than the last"
     )
 
 

@@ -11,14 +11,12 @@ from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.optics.mounting import nearer_than_marked
 from render.scene import Light
-from render.shot.focus_checks import PointNumbers
 from render.shot.focusing import Focused
 from render.shot.topology_findings import topology_findings
 from render.stage import Finding
 from usd_schemas import (
     AberrationScales,
     ApertureData,
-    FocusPoint,
     HeightField,
     LensCamera,
     Prescription,
@@ -121,9 +119,10 @@ def lost_point_findings(focused: Focused) -> list[Finding]:
         focused: a camera, its focus solved.
     """
     kept = focused.solution.source == "camera"
+    codes = ("lost_focus_point", "bad_focus_point")
     so = "the camera's own focus distance is kept" if kept else "the other points decide the focus"
     return [
-        Finding(_why_lost(point), focused.camera.path, f"{focused.problems[point.name]}, so {so}")
+        Finding(codes[point.name in focused.at_fault], focused.camera.path, f"{focused.problems[point.name]}, so {so}")
         for point, state in zip(focused.points, focused.solution.states, strict=True)
         if state == "lost"
     ]
@@ -137,10 +136,6 @@ def unmet_findings(focused: Focused) -> list[Finding]:
     """
     path = focused.camera.path
     return [Finding("focus_not_as_asked", path, f"{path}: {focused.note}")] if focused.note else []
-
-
-def _why_lost(point: FocusPoint) -> str:
-    return "bad_focus_point" if any(PointNumbers.of([[point]], 1.0).faults) else "lost_focus_point"
 
 
 def close_focus_findings(focused: Focused) -> list[Finding]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
@@ -35,19 +35,23 @@ _FIELDS = {
 NUMBERS = tuple(_FIELDS.values())
 """Fields of `FocusPoint` that say how much a point counts, and for what."""
 
+_PLACES = {"offset": "offset", "barycentric": "barycentric coordinates"}
+
 
 @dataclass(frozen=True, eq=False)
 class PointNumbers:
-    """Numbers of k focus points at n times, without those that have no meaning.
+    """What k focus points say at n times, without what has no meaning.
 
     Attributes:
-        columns: ``(n, k)`` by their names in `render.focus.points.FocusTargets`, lengths in metres. A point that is at fault at a
-            time has those of a new one then.
+        columns: ``(n, k)`` by their names in `render.focus.points.FocusTargets`, lengths in metres. What has no meaning
+            at a time is as of a new point then.
         faults: for each time, what is wrong with points, by name, in a sentence.
+        points: for each time, all of them, with what a new one says where that has no meaning.
     """
 
     columns: dict[str, DoubleArray]
     faults: tuple[dict[str, str], ...]
+    points: tuple[tuple[FocusPoint, ...], ...]
 
     @classmethod
     def of(cls, points: Sequence[Sequence[FocusPoint]], metres_in_a_unit: float) -> PointNumbers:
@@ -57,40 +61,50 @@ class PointNumbers:
             points: for each of n times, all k of them.
             metres_in_a_unit: of the stage.
         """
-        authored = {
-            name: np.array([[getattr(point, field) for point in row] for row in points], np.float64)
-            for name, field in _FIELDS.items()
-        }
-        faults = tuple(_faults(points, authored))
-        columns = authored
+        columns = _columns(points)
+        faults = tuple(_faults(points, columns))
+        sound = tuple(tuple(row) for row in points)
         if any(faults):
-            new = FocusPoint("new")
             rows = zip(points, faults, strict=True)
-            at_fault = np.array([[point.name in told for point in row] for row, told in rows], np.bool_)
-            columns = {name: np.where(at_fault, getattr(new, _FIELDS[name]), said) for name, said in authored.items()}
-        return cls(columns | {"surface_offsets_m": columns["surface_offsets_m"] * metres_in_a_unit}, faults)
+            sound = tuple(tuple(_mended(p) if p.name in told else p for p in row) for row, told in rows)
+            columns = _columns(sound)
+        return cls(columns | {"surface_offsets_m": columns["surface_offsets_m"] * metres_in_a_unit}, faults, sound)
+
+
+def _columns(points: Sequence[Sequence[FocusPoint]]) -> dict[str, DoubleArray]:
+    return {
+        name: np.array([[getattr(point, field) for point in row] for row in points], np.float64)
+        for name, field in _FIELDS.items()
+    }
+
+
+def _mended(point: FocusPoint) -> FocusPoint:
+    """A point with what a new one says where what it says has no meaning."""
+    new = FocusPoint("new")
+    bad = [field for name, field in _FIELDS.items() if number_faults([""], {name: np.array([getattr(point, field)])})]
+    bad += [field for field in _PLACES if not all(map(math.isfinite, getattr(point, field)))]
+    bad += ["kind"] * (point.kind not in get_args(PointKind))
+    return replace(point, **{field: getattr(new, field) for field in bad})
 
 
 def _faults(points: Sequence[Sequence[FocusPoint]], numbers: Mapping[str, DoubleArray]) -> list[dict[str, str]]:
     names = [point.name for point in points[0]]
-    of_kind = {
-        point.name: f"focus point {point.name!r} must be sharp or soft, but it is {point.kind!r}"
-        for point in points[0]
-        if point.kind not in get_args(PointKind)
-    }
     if not number_faults(names, numbers):  # as ever, so that all times are looked at at once
-        return [of_kind for _ in points]
+        return [_other_faults(row) for row in points]
     rows = ({name: column[i] for name, column in numbers.items()} for i in range(len(points)))
-    return [number_faults(names, row) | of_kind for row in rows]
+    return [number_faults(names, row) | _other_faults(of_time) for row, of_time in zip(rows, points, strict=True)]
 
 
-def sound_kinds(points: Sequence[FocusPoint]) -> list[PointKind]:
-    """Kinds of points; of those that are at fault, as theirs is none, that of a new one.
-
-    Args:
-        points: at any time.
-    """
-    return [point.kind if point.kind in get_args(PointKind) else "sharp" for point in points]
+def _other_faults(points: Sequence[FocusPoint]) -> dict[str, str]:
+    faults = {}
+    for p in points:
+        for field, what in _PLACES.items():
+            place = getattr(p, field)
+            if not all(map(math.isfinite, place)):
+                faults[p.name] = f"the {what} of focus point {p.name!r} must be finite numbers, but they are {place}"
+        if p.kind not in get_args(PointKind):
+            faults[p.name] = f"focus point {p.name!r} must be sharp or soft, but it is {p.kind!r}"
+    return faults
 
 
 def check_settings(prim: Usd.Prim, focus: Sequence[FocusData]) -> None:

@@ -15,7 +15,7 @@ from render.focus.points import FocusTargets
 from render.optics.distortion import shown_at
 from render.optics.view import PinholeView
 from render.scene import Camera, Scene
-from render.shot.focus_checks import NUMBERS, PointNumbers, check_settings, sound_kinds
+from render.shot.focus_checks import NUMBERS, PointNumbers, check_settings
 from render.shot.visibility import visible
 from render.stage import AnchorReader, read_camera
 from usd_schemas import FocusData, FocusPoint, FocusPointView, LensCamera, SchemaError, SplitDiopter, TiltShiftData
@@ -39,7 +39,7 @@ class FocusReading:
         throws_deg: ``(n,)`` turn of its focus ring from close focus to infinity; 0 where it is not known.
         f_stop_range: of the lens, wide open and stopped down; 0 leaves an end unbounded.
         key_times: ``(m,)`` times of the keys of its focus points that say a value and do not hold it.
-        points: for each time, its focus points.
+        points: for each time, its focus points, without what has no meaning.
         numbers: what they say in numbers.
         positions_m: ``(n, k, 3)`` where they stand in the world; NaN where a point has no place.
         problems: for each time, why points have no place or are left out, by name.
@@ -86,7 +86,7 @@ class FocusReading:
         return FocusTargets.of(
             self.names,
             np.array([s.depths_m for s in seen]),
-            kinds=sound_kinds(self.points[0]),
+            kinds=[point.kind for point in self.points[0]],
             slopes=np.array([s.slopes for s in seen]),
             enabled=np.array([[point.enabled for point in points] for points in self.points], np.bool_),
             in_frame=np.array([s.inside for s in seen]),
@@ -143,7 +143,7 @@ def read_focus(
         throws_deg=np.array([lens.focus_throw for lens in lenses], np.float64),
         f_stop_range=lenses[0].f_stop_range,
         key_times=_key_times(views),
-        points=points,
+        points=numbers.points,
         numbers=numbers,
         positions_m=positions_m,
         problems=tuple(lost | told for lost, told in zip(placed.problems, numbers.faults, strict=True)),

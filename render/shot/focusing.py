@@ -45,6 +45,7 @@ class Focused:
         problems: why points have no place, by name.
         solution: whose focus it is, and why.
         note: what could not be done as asked, in a sentence; or empty.
+        at_fault: names of points that say what has no meaning.
     """
 
     camera: Camera
@@ -55,6 +56,7 @@ class Focused:
     problems: dict[str, str]
     solution: FocusSolution
     note: str = ""
+    at_fault: frozenset[str] = frozenset()
 
     @property
     def coc_limit_mm(self) -> float:
@@ -163,6 +165,7 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
         note="; ".join(
             note for note in (track.notes[index], _slowness(track, index), _crowding(surface, solution)) if note
         ),
+        at_fault=frozenset(reading.numbers.faults[index]),
     )
 
 

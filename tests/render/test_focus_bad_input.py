@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Gf, Usd
 from table_shot import CAMERA, ON_TABLE, TABLE, on_table, write_table
 
 from render.errors import CameraError
@@ -45,6 +46,11 @@ def codes(shot: Shot) -> list[str]:
         ("blur", math.inf, "the blur in mm of focus point 'near'"),
         ("extent", 0.0, "the extent of focus point 'near' must be a finite number of 0.001 or more, but it is 0"),
         ("surfaceOffset", math.nan, "the surface offset in m of focus point 'near' must be a finite number, but"),
+        (
+            "offset",
+            Gf.Vec3d(math.nan, 0, 0),
+            "the offset of focus point 'near' must be finite numbers, but they are (nan",
+        ),
         ("kind", "hazy", "focus point 'near' must be sharp or soft, but it is 'hazy'"),
     ],
 )
@@ -56,6 +62,9 @@ def test_a_point_that_is_at_fault_is_left_out_and_named(
     with_fault = shot.readout(CAMERA, 1)
     states = {point.point.name: point.state for point in shot.focus_points(CAMERA, 1)}
     assert states == {"near": "lost", "left": "used", "far": "used"}
+    (near,) = (point.point for point in shot.focus_points(CAMERA, 1) if point.point.name == "near")
+    sound = {"offset": (0.0, 0.0, 0.0)} if field == "offset" else {}
+    assert replace(near, topology="") == replace(on_table("near", ON_TABLE["near"]), **sound)  # nothing to stumble over
     (finding,) = (finding for finding in shot.findings() if finding.code == "bad_focus_point")
     assert told in finding.message
     assert "the other points decide the focus" in finding.message

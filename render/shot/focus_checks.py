@@ -108,21 +108,24 @@ def _other_faults(points: Sequence[FocusPoint]) -> dict[str, str]:
 
 
 def check_settings(prim: Usd.Prim, focus: Sequence[FocusData]) -> None:
-    """Check the numbers by which points focus a camera; one that is focused by hand needs none of them.
+    """Check the numbers and words by which points focus a camera; one that is focused by hand needs none of them.
 
     Args:
         prim: the camera.
         focus: what it asks of the focus, at all times that matter.
 
     Raises:
-        CameraError: a number is not finite, or beyond what the schema allows.
+        CameraError: a number is not finite, or a value is beyond what the schema allows.
     """
     if focus[0].mode == "manual":
         return
-    said = dict.fromkeys(pair for data in focus for pair in property_values(data) if isinstance(pair[1], float))
+    said = dict.fromkeys(pair for data in focus for pair in property_values(data) if isinstance(pair[1], float | str))
     for name, value in said:
-        wrong = limit_problem(prim.GetAttribute(name), value)
-        if not math.isfinite(value):
+        attribute = prim.GetAttribute(name)
+        tokens, wrong = attribute.GetMetadata("allowedTokens"), limit_problem(attribute, value)
+        if tokens and value not in tokens:
+            wrong = f"must be one of {', '.join(tokens)}, got {value!r}"
+        elif isinstance(value, float) and not math.isfinite(value):
             wrong = f"must be finite, got {value:g}"
         if wrong:
             raise CameraError(f"{name} of camera {prim.GetPath()} {wrong}", path=str(prim.GetPath()))

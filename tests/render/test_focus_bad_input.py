@@ -89,10 +89,13 @@ def test_a_key_that_is_at_fault_is_so_only_at_its_times(shot: Shot) -> None:
         ("focus:expressive", math.nan, "focus:expressive of camera /World/cam must be finite, got nan"),
         ("focus:expressive", 2.0, "must be at most 1, got 2"),
         ("focus:lag", -1.0, "focus:lag of camera /World/cam must be at least 0, got -1"),
+        ("focus:occluded", "sometimes", "must be one of ignore, keep, fade, got 'sometimes'"),
+        ("focus:offScreen", "sometimes", "focus:offScreen of camera /World/cam must be one of"),
+        ("focus:mode", "sometimes", "focus:mode of camera /World/cam must be one of manual, points"),
         ("focus:circleOfConfusion", math.nan, "focus:circleOfConfusion of camera /World/cam must be finite"),
     ],
 )
-def test_impossible_settings_are_named_where_points_focus(shot: Shot, name: str, value: float, told: str) -> None:
+def test_impossible_settings_are_named_where_points_focus(shot: Shot, name: str, value: Any, told: str) -> None:
     shot.set_focus(CAMERA, mode="surface")
     say(shot, name, value)
     with pytest.raises(CameraError, match=told):

@@ -60,8 +60,7 @@ def develop_on_film(
         sensor = replace(film.sensor, sensitivity=(float(relative[0]), float(relative[1]), float(relative[2])))
         return expose_sensor(balanced, sensor, frame=frame, seed=seed + film.grain.seed)
     density = densities(exposed, film, gate_mm=gate_mm)
-    density = _grainy(density, film, gate_mm, frame, seed)
-    return projected(density, film)
+    return projected(with_grain(density, film, frame=frame, gate_mm=gate_mm, seed=seed), film)
 
 
 def log_exposures(exposed: FloatArray, film: FilmSettings, *, gate_mm: tuple[float, float] | None = None) -> FloatArray:
@@ -105,6 +104,36 @@ def densities(exposed: FloatArray, film: FilmSettings, *, gate_mm: tuple[float, 
     return _on_curves(log_exposures(exposed, film, gate_mm=gate_mm), _stock(film))
 
 
+def with_grain(
+    density: FloatArray, film: FilmSettings, *, frame: int, gate_mm: tuple[float, float], seed: int = 0
+) -> FloatArray:
+    """Density of the camera stock with its grain.
+
+    Args:
+        density: as `densities` gives it.
+        film: with a stock; the same array comes back where its grain's amount is 0.
+        frame: as for `develop_on_film`.
+        gate_mm: likewise.
+        seed: likewise.
+
+    Returns:
+        The same shape, float32.
+    """
+    grain = film.grain
+    if grain.amount == 0:
+        return density
+    across, down = _pixel_mm(density, gate_mm)
+    height, width, records = density.shape
+    field = grain_field(
+        (height, width, records),
+        (1000 * across, 1000 * down),
+        grain.size_um or GRAIN_SIZE_UM,
+        frame=frame,
+        seed=seed + grain.seed,
+    )
+    return add_grain(density, _stock(film).granularity, field, grain.amount)
+
+
 def print_densities(density: FloatArray, film: FilmSettings) -> FloatArray:
     """Density of the print of a negative: what the negative holds back, the print does not get.
 
@@ -138,22 +167,6 @@ def projected(density: FloatArray, film: FilmSettings) -> FloatArray:
     seen = density if film.process == "reversal" else print_densities(density, film)
     light = np.power(np.float32(10), np.array(shown.base, np.float32) - seen)
     return np.ascontiguousarray(np.broadcast_to(light, (*density.shape[:2], 3)))
-
-
-def _grainy(density: FloatArray, film: FilmSettings, gate_mm: tuple[float, float], frame: int, seed: int) -> FloatArray:
-    grain = film.grain
-    if grain.amount == 0:
-        return density
-    across, down = _pixel_mm(density, gate_mm)
-    height, width, records = density.shape
-    field = grain_field(
-        (height, width, records),
-        (1000 * across, 1000 * down),
-        grain.size_um or GRAIN_SIZE_UM,
-        frame=frame,
-        seed=seed + grain.seed,
-    )
-    return add_grain(density, _stock(film).granularity, field, grain.amount)
 
 
 def _on_curves(log_exposure: FloatArray, stock: Stock) -> FloatArray:

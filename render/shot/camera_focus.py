@@ -111,26 +111,31 @@ class CameraFocus:
         """
         reading = self._read(camera_path, times)
         track = solved(reading)
-        if self._follows(camera_path, reading):
-            track = self._as_followed(track, reading, revision)
+        followed = self._followed_columns(camera_path, reading)
+        if followed:
+            track = self._as_followed(track, reading, revision, followed)
         return [focused(reading, track, i) for i in range(len(times))]
 
     def _read(self, camera_path: str, times: Sequence[float]) -> FocusReading:
         return read_focus(self._stage, self._anchors, camera_path, times, self._scene_at)
 
-    def _follows(self, camera_path: str, reading: FocusReading) -> bool:
+    def _followed_columns(self, camera_path: str, reading: FocusReading) -> tuple[str, ...]:
+        """What of the focus at one time depends on other times."""
         if reading.focus[0].mode == "manual":
-            return False
-        if keeps_sides(reading) or any(follows_over_time(focus) for focus in reading.focus):
-            return True
+            return ()
         camera = LensCamera(self._stage.GetPrimAtPath(camera_path))
-        return any(camera.keys(f"focus:{name}") for name in ("smoothing", "lag", "deadZone", "maxSpeed"))
+        keyed = (camera.keys(f"focus:{name}") for name in ("smoothing", "lag", "deadZone", "maxSpeed"))
+        if any(follows_over_time(focus) for focus in reading.focus) or any(keyed):
+            return _BY_A_HAND
+        return ("sides",) if keeps_sides(reading) else ()
 
-    def _as_followed(self, track: FocusTrack, reading: FocusReading, revision: int) -> FocusTrack:
+    def _as_followed(
+        self, track: FocusTrack, reading: FocusReading, revision: int, followed: tuple[str, ...]
+    ) -> FocusTrack:
         """The track with what follows over time taken from the frames before and after, joined by straight lines between them."""
         frames = _Frames.of(self._stage)
         stretches = [frames.stretch(time) for time in track.times.tolist()]
-        columns: dict[str, Any] = {name: np.array(getattr(track, name)) for name in _FOLLOWED}
+        columns: dict[str, Any] = {name: np.array(getattr(track, name)) for name in followed}
         for stretch in dict.fromkeys(stretches):
             rows = np.array([stretch == of_time for of_time in stretches])
             whole = self._over_stretch(reading, frames, stretch, revision)
@@ -152,7 +157,7 @@ class CameraFocus:
         return self._followed[key]
 
 
-_FOLLOWED = ("planes", "wanted_w", "slowed_w", "f_stops", "fades", "sides")
+_BY_A_HAND = ("planes", "wanted_w", "slowed_w", "f_stops", "fades", "points_w", "sides")
 
 
 def _between(times: DoubleArray, column: DoubleArray, at: DoubleArray) -> DoubleArray:

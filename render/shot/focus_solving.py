@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,8 @@ class FocusTrack:
         slowed_w: ``(n,)`` by how much the hand is behind as the ring turns no faster, 1/m.
         f_stops: ``(n,)``.
         fades: ``(n, k)`` how much of each point is there, 0 to 1.
+        points_w: ``(n, k)`` inverse depths at which a focal surface takes the points to be, 1/m: where they are, but for a hand
+            that follows; NaN without a place.
         sides: ``(n, k)`` on which side of each soft point the focal surface passes (`render.focus.expressive.soft_sides`).
         solutions: whose focus it is.
         notes: n sentences on what could not be done as asked, empty where all could.
@@ -58,6 +61,7 @@ class FocusTrack:
     slowed_w: DoubleArray
     f_stops: DoubleArray
     fades: DoubleArray
+    points_w: DoubleArray
     sides: DoubleArray
     solutions: FocusSolutions
     notes: tuple[str, ...]
@@ -112,6 +116,7 @@ def _by_hand(reading: FocusReading) -> FocusTrack:
         np.zeros(count),
         own_f_stops(reading),
         np.zeros((count, points)),
+        _points_w(reading),
         np.ones((count, points)),
         solutions,
         ("",) * count,
@@ -131,10 +136,14 @@ def _by_points(reading: FocusReading) -> FocusTrack:
         own = np.column_stack([own_w(reading), authored_tilt(reading)])
         planes = share[:, None] * crossed.planes + (1 - share)[:, None] * own
         f_stops = share * crossed.f_stops + (1 - share) * own_f_stops(reading)
-    driven, slowed_w = _driven(reading, law.at_stops(f_stops if law.frames > 1 else f_stops[:1]), planes)
+    stopped = law.at_stops(f_stops if law.frames > 1 else f_stops[:1])
+    driven, slowed_w = _driven(reading, stopped, planes)
+    points_w = _followed_points(reading, stopped)
     sides = _sides(reading, law, driven)
     notes = tuple(asked.notes)
-    return FocusTrack(reading.times, driven, planes[:, 0], slowed_w, f_stops, fades, sides, asked.solutions, notes)
+    return FocusTrack(
+        reading.times, driven, planes[:, 0], slowed_w, f_stops, fades, points_w, sides, asked.solutions, notes
+    )
 
 
 def _sides(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleArray:
@@ -153,21 +162,8 @@ def _driven(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> tuple[D
     if not any(follows_over_time(focus) for focus in reading.focus):
         return planes, np.zeros(len(planes))
     seconds, keys = reading.seconds, reading.key_seconds
-    smoothing, lag, zone_mm, speed = (
-        np.array([getattr(focus, name) for focus in reading.focus])
-        for name in ("smoothing", "lag", "dead_zone", "max_speed")
-    )
-    growth = law.coc_slope_mm_m(planes[:, 0])
-    pulled = partial(
-        drive,
-        seconds,
-        planes[:, 0],
-        exact_at_s=keys,
-        smoothing_s=smoothing,
-        lag_s=lag,
-        dead_zone_w=np.where(growth > 0, zone_mm / np.where(growth > 0, growth, 1.0), 0.0),
-        close_focus_m=close_focus_depth_m(reading.cameras[0]),
-    )
+    smoothing, lag, speed = (_setting(reading, name) for name in ("smoothing", "lag", "max_speed"))
+    pulled = partial(_pulled, reading, law, planes[:, 0], close_focus_m=close_focus_depth_m(reading.cameras[0]))
     ring = focus_ring(reading.cameras[0], float(reading.throws_deg[0]))
     driven = planes.copy()
     driven[:, 0] = pulled(ring=ring, max_speed_rad_s=np.radians(speed))
@@ -175,3 +171,40 @@ def _driven(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> tuple[D
         level = smoothed(seconds, planes[:, column], smoothing, exact_at_s=keys)
         driven[:, column] = tracked(seconds, level, lag_s=lag)
     return driven, np.abs(driven[:, 0] - pulled())
+
+
+def _followed_points(reading: FocusReading, law: LensLaw) -> DoubleArray:
+    """``(n, k)`` where a focal surface takes the points to be: each is followed by a hand of its own, that no ring slows."""
+    w = _points_w(reading)
+    if reading.focus[0].mode != "surface" or not any(follows_over_time(focus) for focus in reading.focus):
+        return w
+    for column in w.T:
+        there = np.isfinite(column)
+        if there.any():
+            whole = np.interp(reading.times, reading.times[there], column[there])
+            column[there] = _pulled(reading, law, whole)[there]
+    return w
+
+
+def _points_w(reading: FocusReading) -> DoubleArray:
+    depths_m = reading.targets.depths_m
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(depths_m > 0, 1 / depths_m, np.nan)
+
+
+def _pulled(reading: FocusReading, law: LensLaw, w: DoubleArray, **ring: Any) -> DoubleArray:
+    """What a hand makes of the focus that is wanted, ``(n,)`` 1/m."""
+    growth, zone_mm = law.coc_slope_mm_m(w), _setting(reading, "dead_zone")
+    return drive(
+        reading.seconds,
+        w,
+        exact_at_s=reading.key_seconds,
+        smoothing_s=_setting(reading, "smoothing"),
+        lag_s=_setting(reading, "lag"),
+        dead_zone_w=np.where(growth > 0, zone_mm / np.where(growth > 0, growth, 1.0), 0.0),
+        **ring,
+    )
+
+
+def _setting(reading: FocusReading, name: str) -> DoubleArray:
+    return np.array([getattr(focus, name) for focus in reading.focus], np.float64)

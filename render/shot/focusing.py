@@ -70,8 +70,9 @@ class Focused:
 
     @property
     def depth_of_field(self) -> DepthOfField:
-        """What is sharp before and behind the focus on the view axis."""
-        return self.depth_of_field_at((0.0, 0.0))
+        """What is sharp before and behind the plane of focus on the view axis. What a surface bends from it is told by place."""
+        plane = focal_surface(self.camera).plane
+        return self._depth_of_field(plane.w0, float(self.law.coc_slope_mm_m(np.array([plane.w0]))[0]))
 
     def depth_of_field_at(self, slope: tuple[float, float]) -> DepthOfField:
         """What is sharp before and behind the focal surface at a place of the picture.
@@ -79,7 +80,10 @@ class Focused:
         Args:
             slope: of the place in object space, x right and y up.
         """
-        w_f, growth = map(float, self._sharpness(np.array(slope)))
+        w_f, growth = self._sharpness(np.array(slope))
+        return self._depth_of_field(float(w_f), float(growth))
+
+    def _depth_of_field(self, w_f: float, growth: float) -> DepthOfField:
         if growth == 0:
             return DepthOfField(0.0, math.inf, 0.0)
         reach = self.coc_limit_mm / growth
@@ -191,7 +195,7 @@ def _surface(
     if focus.mode == "surface" and focus.expressive > 0:
         growth = focus_law(camera).at_stops(camera.f_stop).coc_slope_mm_m(np.array([plane.w0]))
         controls = focal_controls(
-            _surface_points(reading, track.fades[index], index),
+            _surface_points(reading, track, index),
             plane=plane,
             coc_slope_mm_m=float(growth[0]),
             frame_width=frame.width,
@@ -204,7 +208,7 @@ def _surface(
         drawn = np.array(focus.field_offsets, np.float64)
         bent = bends(
             frame.slopes(drawn[:, :2]),
-            drawn[:, 2],
+            focus.expressive * drawn[:, 2],
             surface=surface,
             focal_length_mm=camera.focal_length_mm,
             exponent=focus.surface_exponent,
@@ -219,19 +223,21 @@ def _frame(camera: Camera) -> Frame:
     return Frame.of(camera, stretch)
 
 
-def _surface_points(reading: FocusReading, fades: DoubleArray, index: int) -> SurfacePoints:
+def _surface_points(reading: FocusReading, track: FocusTrack, index: int) -> SurfacePoints:
     t = reading.targets
+    with np.errstate(divide="ignore"):
+        depths_m = 1 / track.points_w[index]
     return SurfacePoints(
         names=t.names,
         slopes=t.slopes[index],
-        depths_m=t.depths_m[index],
+        depths_m=depths_m,
         weights=t.weights[index],
         soft=t.is_soft,
         blurs_mm=t.blurs_mm[index],
         surface_offsets_m=t.surface_offsets_m[index],
         falloffs=t.falloffs[index],
         extents=t.extents[index],
-        fades=fades,
+        fades=track.fades[index],
     )
 
 

@@ -15,7 +15,7 @@ from render.errors import CameraError
 from render.focus.tilt import hinge_m, tilt_and_swing
 from render.frame import FrameRenderer, FrameSettings
 from render.shot import Shot
-from usd_schemas import LensCamera, LensData, SplitDiopter, TiltShiftData
+from usd_schemas import FocusPoint, LensCamera, LensData, SplitDiopter, TiltShiftData
 
 WIDTH, HEIGHT = 480, 320
 SETTINGS = FrameSettings(WIDTH, HEIGHT, rays=16, aovs=("color", "depth", "coc", "focus_depth", "prim_id"))
@@ -212,6 +212,37 @@ def test_drawn_curvature_of_field_bends_the_plane(shot: Shot) -> None:
     assert bent.bends is not None
     v_mm = 1 / (1 / 40 - 1 / 1800)  # film that comes half a millimetre nearer is focused farther away
     assert bent.bends.values[1, 0] == pytest.approx(1000 * (1 / v_mm - 1 / (v_mm - 0.5)), rel=1e-4)
+    shot.set_focus(CAMERA, expressive=0.0)
+    physical = shot.camera_at(CAMERA, 1, WIDTH, HEIGHT).focal_surface
+    assert physical is not None
+    assert physical.bends is not None
+    assert physical.bends.values == pytest.approx(0, abs=1e-12)
+
+
+def test_a_hand_follows_each_point_of_a_surface_too(shot: Shot) -> None:
+    """A point that moves away is followed late, and one that rests is held."""
+    ball = UsdGeom.Sphere.Define(shot.stage, "/World/runner")
+    moves = ball.AddTranslateOp()
+    moves.Set(Gf.Vec3d(0.1, 0.04, 0.3), 1)
+    moves.Set(Gf.Vec3d(0.1, 0.04, -2.0), 12)
+    shot.add_focus_point(CAMERA, "still", on_table("still", (-0.3, 0.0, -1.0)))
+    shot.add_focus_point(CAMERA, "runner", FocusPoint("runner", target=("/World/runner",)))
+    shot.set_focus(CAMERA, mode="surface")
+    assert [point.coc_mm for point in shot.focus_points(CAMERA, 8)] == pytest.approx([0, 0], abs=1e-9)
+    shot.set_focus(CAMERA, lag=0.25)
+    still, runner = (point.coc_mm for point in shot.focus_points(CAMERA, 8))
+    assert still == pytest.approx(0, abs=1e-9)
+    assert runner > 0.05
+    assert shot.focus_points(CAMERA, 24)[1].coc_mm < 0.3 * runner
+
+
+def test_a_readout_is_of_one_plane(shot: Shot) -> None:
+    """Where a surface bends from it, near and far limit still enclose the distance that is told; what bends is told by place."""
+    shot.add_focus_point(CAMERA, "near", on_table("near", (0.0, 0.0, 0.5)))
+    shot.add_focus_point(CAMERA, "far", on_table("far", (0.0, 0.0, -2.2)))
+    shot.set_focus(CAMERA, mode="surface")
+    readout = shot.readout(CAMERA, 1)
+    assert readout.near_m < readout.focus_distance_m < readout.far_m
 
 
 def test_points_set_the_stop_that_holds_them(shot: Shot) -> None:

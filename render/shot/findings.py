@@ -24,6 +24,7 @@ from usd_schemas import (
     SplitDiopter,
 )
 from usd_schemas.binding import property_names
+from usd_schemas.validation.key_rules import counting, two_drivers
 
 _OF_LENSES = frozenset(
     name
@@ -164,6 +165,9 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
             "lens_model", path, f"lens:model dataSheet of {path} is not honoured: its lens is shown as the thin lens"
         )
     yield from topology_findings(camera)
+    for rule in (two_drivers, counting):
+        for fault in rule(camera.prim):
+            yield Finding("contradictory_keys", str(fault.path), fault.message)
     for name in camera.authored():
         if not _is_honoured(name):
             yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")

@@ -60,6 +60,8 @@ def inspect_shot(shot: Shot) -> Inspection:
     first = shot.frame_range.start
     scene = shot.scene_at(first)
     readouts, unusable = _read_lenses(shot, first)
+    notes = (*shot.findings(), *unusable)
+    told = {note.message for note in notes}
     return Inspection(
         frame_range=shot.frame_range,
         up_axis="Z" if UsdGeom.GetStageUpAxis(shot.stage) == UsdGeom.Tokens.z else "Y",
@@ -70,8 +72,8 @@ def inspect_shot(shot: Shot) -> Inspection:
         prim_count=_drawn_prims(scene),
         triangle_count=scene.triangle_count,
         light_count=len(scene.lights) + (scene.dome is not None),
-        notes=(*shot.findings(), *unusable),
-        validation=tuple(validate(shot.stage)),
+        notes=notes,
+        validation=tuple(problem for problem in validate(shot.stage) if problem.message not in told),
     )
 
 

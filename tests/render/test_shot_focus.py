@@ -12,6 +12,7 @@ from render.errors import CameraError, SettingsError
 from render.focus import curve_to_json
 from render.optics.view import PinholeView
 from render.shot import Shot
+from render.shot.inspection import inspect_shot
 from usd_schemas import FocusData, FocusPoint, LensCamera, LensData
 from usd_schemas.units import metres_from_units
 
@@ -303,6 +304,18 @@ def test_what_a_camera_asks_for_in_vain_is_told(shot):
     told = {finding.path: finding.message for finding in shot.findings()}
     assert "lens:flare:ghosts" in told[f"{CAMERA}.lens:flare:ghosts"]
     assert not any("focus:" in path for path in told)
+
+
+def test_keys_that_contradict_each_other_are_told(shot):
+    """By whoever renders it, not by inspection alone, and once."""
+    shot.add_focus_point(CAMERA, "far", ON_FAR)
+    shot.set_key(CAMERA, "far", "weight", 1, 1.0)
+    shot.set_key(CAMERA, "far", "weight", 5, 0.0)
+    (found,) = [finding for finding in shot.findings() if finding.code == "contradictory_keys"]
+    assert "no focus point counts at 5" in found.message
+    inspection = inspect_shot(shot)
+    told = [note.message for note in (*inspection.notes, *inspection.validation)]
+    assert told.count(found.message) == 1
 
 
 def test_a_point_without_a_face_is_at_the_origin_of_its_target(shot):

@@ -13,7 +13,6 @@ from service.opened import OpenedShots
 from service.store import ShotRecord
 
 if TYPE_CHECKING:
-    from render.film import Grade
     from render.frame import FrameRenderer
 
 PICK_WIDTH = 2048
@@ -36,13 +35,6 @@ class Darkroom:
         from render.frame import FrameRenderer
 
         return FrameRenderer()
-
-    @cached_property
-    def grade(self) -> Grade:
-        """How pictures are graded: as the environment's OpenColorIO configuration says, like the command line's."""
-        from render.film import Grade
-
-        return Grade()
 
 
 @dataclass(frozen=True)
@@ -97,7 +89,7 @@ class RenderPicture:
         with room.opened.use(self.record, self.edits) as shot:
             height = self.height or picture_height(shot, self.camera, self.time, self.settings["width"])
             settings = FrameSettings(**self.settings, height=height)
-            picture = make_picture(room.renderer, shot, self.camera, self.time, settings, room.grade)
+            picture = make_picture(room.renderer, shot, self.camera, self.time, settings)
             return encode(self.format, picture.frame, picture.graded, picture.metadata)
 
 

@@ -14,7 +14,7 @@ from pxr import Sdf
 from render.commands import arguments as shared
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
-from render.film import Grade
+from render.film.stock import library_stock
 from render.frame_settings import MAX_MOTION, FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
 from render.optics.spectrum import MAX_WAVELENGTHS
@@ -24,8 +24,6 @@ from render.shot.size import picture_height
 
 PURPOSES = ("default", "render", "proxy", "guide")
 COMPLEXITIES = ("low", "medium", "high", "veryhigh")
-
-OPTIONS_TO_COME = {"film": "the film library"}
 
 
 def add_parser(commands: Any) -> None:
@@ -40,12 +38,15 @@ def add_parser(commands: Any) -> None:
     )
     shared.add_camera(parser)
     shared.add_lens(parser)
+    parser.add_argument(
+        "--film",
+        metavar="NAME",
+        help="shoot it on this stock of the library (pullfocus films); what the shot says without it",
+    )
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
     _add_picture_options(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
-    for option in OPTIONS_TO_COME:
-        parser.add_argument(f"--{option}", help=argparse.SUPPRESS)
 
 
 def _add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -116,6 +117,8 @@ def run(arguments: argparse.Namespace) -> None:
     _check_output(arguments)
     asked = None if arguments.frames is None else parse_frames(arguments.frames)
     settings = _settings(arguments)
+    if arguments.film is not None:
+        library_stock(arguments.film)
     lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
     frames = asked or [shot.frame_range.start]
@@ -126,7 +129,7 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
-    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings)
+    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
@@ -141,9 +144,6 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _check_output(arguments: argparse.Namespace) -> None:
-    for option, what in OPTIONS_TO_COME.items():
-        if getattr(arguments, option) is not None:
-            raise SettingsError(f"--{option} comes later, with {what}", code="comes_later")
     if format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
 
@@ -209,18 +209,17 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
 
 
 def _record(
-    shot: Shot, camera: str | None, plan: Sequence[tuple[float, Path]], settings: FrameSettings
+    shot: Shot, camera: str | None, plan: Sequence[tuple[float, Path]], settings: FrameSettings, stock: str | None
 ) -> list[dict[str, Any]]:
     """Render and write each frame of the plan; what was written, for --json."""
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
 
     written = []
-    grade = Grade()
     with FrameRenderer() as renderer, FrameProgress(len(plan)) as progress:
         for time, file in plan:
             began = clock.perf_counter()
             progress.begin(file.name)
-            picture = make_picture(renderer, shot, camera, time, settings, grade, progress.within)
+            picture = make_picture(renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock)
             write_frame(file, picture.frame, picture.graded, picture.metadata)
             seconds = clock.perf_counter() - began
             progress.finish(str(file), seconds)

@@ -17,22 +17,44 @@ from render.stage import Finding
 from usd_schemas import (
     AberrationScales,
     ApertureData,
+    CharacteristicCurve,
+    GradeData,
+    Grain,
+    Halation,
     HeightField,
     LensCamera,
     Prescription,
+    PrintCurve,
     Seidel,
+    Sensor,
+    Shutter,
     SplitDiopter,
 )
 from usd_schemas.binding import property_names
 from usd_schemas.validation.key_rules import counting, two_drivers
 
-_OF_LENSES = frozenset(
+_HONOURED_WHOLE = (
+    Prescription,
+    Seidel,
+    HeightField,
+    AberrationScales,
+    ApertureData,
+    SplitDiopter,
+    CharacteristicCurve,
+    PrintCurve,
+    Grain,
+    Halation,
+    Sensor,
+    Shutter,
+    GradeData,
+)
+_WHOLE = frozenset(
     name
-    for kind in (Prescription, Seidel, HeightField, AberrationScales, ApertureData, SplitDiopter)
+    for kind in _HONOURED_WHOLE
     for name in property_names(kind)
     if name != "lens:prescription:coatingWavelength"  # of ghosts, which are not drawn
 )
-_HONOURED = _OF_LENSES | frozenset(
+_HONOURED = _WHOLE | frozenset(
     {
         "lens:model",
         "lens:breathing",
@@ -64,10 +86,14 @@ _HONOURED = _OF_LENSES | frozenset(
         "tiltShift:fromFocusPoints",
         "tiltShift:maxAngle",
         "lens:focusThrow",
-        "film:shutter:type",
-        "film:shutter:direction",
-        "film:shutter:travelTime",
-        "film:shutter:efficiency",
+        "film:process",
+        "film:stock",
+        "film:printStock",
+        "film:speed",
+        "film:push",
+        "film:whiteBalance",
+        "film:tint",
+        "film:body",
         "lens:expressive:pupilPower",
         "lens:expressive:blend",
     }

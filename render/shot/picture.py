@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
-from render.film import Grade, develop
+from render.film import Grade
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
+from render.shot.finish import finish_of
 from render.shot.shot import Shot
 from render.shutter import moments, shares
 
@@ -42,8 +43,10 @@ def make_picture(
     camera: str | None,
     time: float,
     settings: FrameSettings,
-    grade: Grade,
+    grade: Grade | None = None,
     on_progress: Callable[[float], None] | None = None,
+    *,
+    stock: str | None = None,
 ) -> Picture:
     """Read the scene at a time, focus the camera, render, expose and grade.
 
@@ -53,15 +56,19 @@ def make_picture(
         camera: prim path; None for the shot's default camera.
         time: USD time code.
         settings: how it is rendered.
-        grade: for which display.
+        grade: for which display, in place of what the shot says.
         on_progress: called with the share of the rendering that is done, from 0 to 1.
+        stock: a film of the library, in place of what the shot says.
 
     Raises:
-        SettingsError: the time is not finite.
+        SettingsError: the time is not finite, or the library has no such stock.
         CameraError: it is no camera, or has impossible numbers.
         GraphicsError: the device refuses.
     """
     lens = shot.camera_at(camera, time, settings.width, settings.height)
+    finish = finish_of(
+        shot.stage, lens, time, grade, stock
+    )  # what is wrong with it is told before anything slow is done
     if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
         frame = renderer.render_moving(
             settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
@@ -73,14 +80,15 @@ def make_picture(
         camera=lens,
         time=time,
         frames_per_second=shot.stage.GetFramesPerSecond(),
-        grade=grade,
+        grade=finish.grade,
         settings=asdict(settings),
         stage=shot.path.name,
         prim_paths=frame.prim_paths,
         exposure_time_s=_authored(prim, "exposure:time", time),
         iso=_authored(prim, "exposure:iso", time),
     )
-    return Picture(frame, develop(frame.color, lens.exposure_scale, grade), lens, metadata)
+    graded = finish.picture(frame.color, lens, time=time, seed=settings.seed)
+    return Picture(frame, graded, lens, metadata)
 
 
 def _moments(

@@ -182,7 +182,7 @@ def test_an_empty_stage_has_nothing_to_frame(pullfocus: Command, tmp_path: Path)
         (["--aov", "depth"], "EXR"),
         (["--lens", "planar"], "did you mean planar_50"),
         (["--lens", ""], "the library has double_gauss_50"),
-        (["--film", "portra"], "comes later"),
+        (["--film", "porta"], "porta"),
         (["--no-such-option"], "--no-such-option"),
     ],
     ids=" ".join,

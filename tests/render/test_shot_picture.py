@@ -5,9 +5,11 @@ import pytest
 from focus_shot import CAMERA, FAR, NEAR, write_shot
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from render.errors import CameraError, SettingsError
 from render.film import Grade, develop
 from render.frame import FrameSettings
 from render.shot import Shot, make_picture
+from usd_schemas import FilmData, LensCamera
 
 pytestmark = pytest.mark.gl
 
@@ -140,3 +142,26 @@ def test_exposure_times_and_speeds_that_the_shot_sets_are_told(renderer, shot):
         camera.CreateExposureIsoAttr(800)
     told = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
     assert (told.exposure_time_s, told.iso) == pytest.approx((1 / 48, 800))
+
+
+def test_a_shot_is_finished_on_the_film_that_it_says(renderer, shot):
+    """The stock of the shot, another one by name, and neither: three pictures of the same light."""
+    plain = make_picture(renderer, shot, CAMERA, 1, SETTINGS)
+    camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        camera.film.author(FilmData(process="negative", stock="5219", print_stock="2383"))
+    negative = make_picture(renderer, shot, CAMERA, 1, SETTINGS)
+    slide = make_picture(renderer, shot, CAMERA, 1, SETTINGS, stock="velvia_50")
+    np.testing.assert_array_equal(plain.frame.color, negative.frame.color)
+    pictures = (plain, negative, slide)
+    assert all(picture.graded.min() >= 0 and picture.graded.max() <= 1 for picture in pictures)
+    apart = [np.abs(a.graded - b.graded).max() for a in pictures for b in pictures if a is not b]
+    assert min(apart) > 0.02
+    again = make_picture(renderer, shot, CAMERA, 1, SETTINGS, stock="velvia_50")
+    np.testing.assert_array_equal(slide.graded, again.graded)  # its grain too
+    with pytest.raises(SettingsError, match="velvia"):
+        make_picture(renderer, shot, CAMERA, 1, SETTINGS, stock="velwia_50")
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        shot.stage.GetPrimAtPath(CAMERA).GetAttribute("film:stock").Set("unheard of")
+    with pytest.raises(CameraError, match="unheard of"):
+        make_picture(renderer, shot, CAMERA, 1, SETTINGS)

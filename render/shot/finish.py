@@ -1,0 +1,100 @@
+"""What becomes of a shot's light after the lens: its film or sensor, and its grade, as the shot and the asker say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pxr import Usd
+
+from render.errors import CameraError, SettingsError
+from render.film import FilmSettings, Grade, develop, develop_on_film, film_settings, print_space, project
+from render.film.develop import expose
+from render.scene import Camera, FloatArray
+from render.stage import quiet_diagnostics
+from render.stage.opening import confinement
+from usd_schemas import FilmData, LensCamera, SchemaError
+
+PRINTED = ("negative", "reversal", "monochrome")
+"""Processes at whose end stands light that is shown as it is, and not scene-linear light that a view is made of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finish:
+    """How a picture is finished at one time.
+
+    Attributes:
+        grade: for which display, and how.
+        film: what the light falls on; None where the shot says nothing of it.
+    """
+
+    grade: Grade
+    film: FilmSettings | None = None
+
+    def picture(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+        """Expose, develop, print and grade.
+
+        Args:
+            radiance: ``(height, width, 3 or more)`` scene-linear.
+            camera: its gate is the size of the film, its exposure what the light is multiplied by.
+            time: USD time code; grain is new in each frame.
+            seed: of the render.
+
+        Returns:
+            ``(height, width, 3)`` float32, encoded for the display, from 0 to 1.
+
+        Raises:
+            SettingsError: the exposure is no number from 0 up, or the film cannot be developed.
+        """
+        if self.film is None:
+            return develop(radiance, camera.exposure_scale, self.grade)
+        exposed = expose(radiance[..., :3], camera.exposure_scale)
+        gate_mm = camera.horizontal_aperture_mm / camera.lens.squeeze, camera.vertical_aperture_mm
+        light = develop_on_film(exposed, self.film, frame=int(np.floor(time)), gate_mm=gate_mm, seed=seed)
+        if self.film.process in PRINTED:
+            return project(light, self.grade, print_space(self.grade.config))
+        return develop(light, 1.0, self.grade)
+
+
+def finish_of(
+    stage: Usd.Stage, camera: Camera, time: float, grade: Grade | None = None, stock: str | None = None
+) -> Finish:
+    """How a shot's picture is finished.
+
+    Args:
+        stage: the shot.
+        camera: at that time; one that is no prim says nothing of film.
+        time: USD time code.
+        grade: in place of the shot's own; None takes what the shot says.
+        stock: of the library, in place of the shot's; it has its own grain where its granularity is known and the shot does not
+            say how much.
+
+    Raises:
+        SettingsError: the library has no such stock.
+        CameraError: what the shot says of film or grade makes no sense.
+        InputError: a file of the grade is missing or damaged.
+    """
+    data = _film_data(stage, camera, time)
+    try:
+        own = Grade.from_film_data(data.grade, confinement(stage)) if grade is None else grade
+        if stock is None and data.process == "none" and data.white_balance == 0 and data.tint == 0:
+            return Finish(own)
+        film = film_settings(data, name=stock)
+        if stock is not None and data.grain.amount == 0 and film.stock is not None and film.stock.granularity:
+            film = replace(film, grain=replace(film.grain, amount=1.0))
+        return Finish(own, film)
+    except SettingsError as error:
+        if stock is not None:
+            raise
+        raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
+
+
+def _film_data(stage: Usd.Stage, camera: Camera, time: float) -> FilmData:
+    prim = stage.GetPrimAtPath(camera.path) if camera.path else None
+    if not prim:
+        return FilmData()
+    try:
+        with quiet_diagnostics():
+            return LensCamera(prim).film.read(time)
+    except SchemaError as error:
+        raise CameraError(str(error), path=camera.path) from error

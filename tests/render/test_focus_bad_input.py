@@ -142,3 +142,15 @@ def test_a_lens_tilted_as_far_as_it_may_be_is_written_as_a_layer(shot: Shot) -> 
     shot.set_focus(CAMERA, tilt=89.0, from_focus_points=False)
     layer = shot.focus_layer(CAMERA, [1.0, 2.0])
     assert "tiltShift:tilt" in layer
+
+
+def test_keys_of_what_is_the_same_at_all_times_say_nothing(tmp_path: Path) -> None:
+    """A frame has one focus, whether it is asked for alone or with others."""
+    shot = Shot.open(write_table(tmp_path / "table.usda"))
+    shot.add_focus_point(CAMERA, "far", on_table("far", ON_TABLE["far"]))
+    with Usd.EditContext(shot.stage, shot.edit_layer):
+        mode = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focus:mode")
+        mode.Set("manual", 10.0)
+        mode.Set("points", 1.0)
+    alone = [shot.readout(CAMERA, time).focus_distance_m for time in (1, 12)]
+    assert shot.focus_curve(CAMERA, [1, 12]).focus_distance_m.tolist() == alone

@@ -21,7 +21,7 @@ def camera() -> Iterator[LensCamera]:
     camera.focus.author(FocusData(mode="points"))
     camera.tilt_shift.author(TiltShiftData(tilt=3.0))
     camera.add_focus_point("hero", FocusPoint("hero", ("/subject",), face=4, barycentric=(0.2, 0.3, 0.5)))
-    yield camera  # the stage lives as long
+    yield camera  # noqa: PT022  (the stage lives as long)
 
 
 def test_what_is_animated_is_read_at_each_time(camera: LensCamera) -> None:

@@ -41,7 +41,7 @@ def drawn_thin_lens(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float
     """
     side = np.linspace(-1.0, 1.0, PUPIL_SIDE)
     points = np.stack(np.meshgrid(side, side), axis=-1) * pupil_radius_m
-    rays = np.concatenate([_slope_errors(lens, focal_length_mm, pupil_radius_m, points), points], axis=-1)
+    rays = np.concatenate([slope_errors(lens, focal_length_mm, pupil_radius_m, points), points], axis=-1)
     light = np.stack([np.ones(rays.shape[:2]), np.full(rays.shape[:2], -1.0)], axis=-1)  # the pattern ends at the rim
     on_disc = np.hypot(*np.moveaxis(points, -1, 0)) <= pupil_radius_m
     return GridTable(
@@ -67,7 +67,7 @@ def with_drawn_power(
     """
     if isinstance(table, GridTable):
         rays = table.rays.copy()
-        rays[..., :2] += _slope_errors(lens, focal_length_mm, pupil_radius_m, rays[..., 2:].astype(np.float64))
+        rays[..., :2] += slope_errors(lens, focal_length_mm, pupil_radius_m, rays[..., 2:].astype(np.float64))
         is_open = table.light[..., 1] <= 0
         return replace(
             table, rays=rays, slope_reach=float(np.hypot(rays[..., 0], rays[..., 1])[is_open].max(initial=0.0))
@@ -78,7 +78,7 @@ def with_drawn_power(
     tangential = rows[..., PUPIL_T:PUPIL_S] @ even_basis(nodes, _PUPIL_DEGREE).T
     sagittal = rows[..., PUPIL_S:FRONT_RIM] @ odd_basis(nodes, _PUPIL_DEGREE).T
     points = np.stack([tangential, sagittal], axis=-1)
-    wanted = _slope_errors(lens, focal_length_mm, pupil_radius_m, points)
+    wanted = slope_errors(lens, focal_length_mm, pupil_radius_m, points)
     added_t, added_s = wanted[..., 0] @ np.linalg.pinv(even).T, wanted[..., 1] @ np.linalg.pinv(odd).T
     rows[..., SLOPE_T:SLOPE_S] += added_t
     rows[..., SLOPE_S:PUPIL_T] += added_s
@@ -92,7 +92,7 @@ def with_drawn_power(
     )
 
 
-def _slope_errors(lens: Lens, focal_length_mm: float, pupil_radius_m: float, points: DoubleArray) -> DoubleArray:
+def slope_errors(lens: Lens, focal_length_mm: float, pupil_radius_m: float, points: DoubleArray) -> DoubleArray:
     """``(..., 2)`` of rays through points ``(..., 2)`` of the pupil, metres."""
     radius = np.hypot(points[..., 0], points[..., 1]) / pupil_radius_m
     return -points * drawn_defocus(lens, focal_length_mm, radius)[..., None]

@@ -163,12 +163,16 @@ def mean_light(rows: DoubleArray) -> DoubleArray:
     """``(heights,)`` mean weight of each row's rays over its whole disc, blocked ones as 0."""
     nodes = pupil_nodes(_LIGHT_NODES, rim=0)
     weight = rows[:, WEIGHT : WEIGHT + 4] @ even_basis(nodes, _WEIGHT_DEGREE).T
+    return np.asarray(np.where(open_rays(rows, nodes), np.maximum(weight, 0.0), 0.0).mean(axis=1))
+
+
+def open_rays(rows: DoubleArray, nodes: DoubleArray) -> NDArray[np.bool_]:
+    """``(heights, n)`` whether rays of rows are blocked neither by a rim nor by the stop, at nodes ``(n, 2)`` of their discs."""
     rims = even_basis(nodes, _RIM_DEGREE).T
     clearance = np.maximum(rows[:, FRONT_RIM:REAR_RIM] @ rims, rows[:, REAR_RIM:WEIGHT] @ rims)
     along = rows[:, REGION, None] + rows[:, REGION + 1, None] * nodes[:, 0]
     clearance = np.maximum(clearance, np.hypot(along, rows[:, REGION + 2, None] * nodes[:, 1]) - 1)
-    is_open = (clearance <= 0) | (rows[:, REGION + 3, None] == 0)
-    return np.asarray(np.where(is_open, np.maximum(weight, 0.0), 0.0).mean(axis=1))
+    return np.asarray((clearance <= 0) | (rows[:, REGION + 3, None] == 0))
 
 
 class _Part:

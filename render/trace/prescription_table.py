@@ -59,13 +59,14 @@ def prescription_table(
     traced = _trace_nodes(tracer, lens, slopes, regions, nodes, (*wavelengths_nm, *reference))
     rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2)
     if reference:
-        rays = _chromatic(rays, scales.chromatic)
+        rays = chromatic(rays, scales.chromatic)
     rays = [
-        [_scaled(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)] for part in rays
+        [scaled_rays(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)]
+        for part in rays
     ]
     fit = _sufficient_fit(rays, lens)
     rows = np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
-    return _table(_continued(_lit(rows, scales.vignetting)), last_slope, fit.degrees)
+    return _table(continued(_lit(rows, scales.vignetting)), last_slope, fit.degrees)
 
 
 def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
@@ -82,7 +83,7 @@ def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
     return rows
 
 
-def _continued(rows: DoubleArray) -> DoubleArray:
+def continued(rows: DoubleArray) -> DoubleArray:
     """The rows, where those without light have the shape of the last lit one before them.
 
     So light alone fades where a picture's rays stand between the two, at the edge of the image circle; their directions do not
@@ -129,23 +130,24 @@ def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray)
     stops = np.tile(disc, (len(slopes), 1))
     traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), stops, (D_LINE_NM,))
     is_open = traced.passed & _drawable(traced) & (traced.front <= 0) & (traced.rear <= 0)
-    return [_region(disc[row], len(disc)) for row in is_open[0].reshape(len(slopes), len(disc))]
+    return [region_of(disc[row], len(disc), _PADDING) for row in is_open[0].reshape(len(slopes), len(disc))]
 
 
-def _region(is_open: DoubleArray, all_points: int) -> Region:
-    """The smallest ellipse on the tangential axis around the open points of the half disc, padded by a cell of the grid."""
+def region_of(is_open: DoubleArray, all_points: int, padding: float) -> Region:
+    """The smallest ellipse on the tangential axis around the open points of the half disc, padded by a cell of the
+    grid."""
     if len(is_open) == all_points:
         return Region()
     if len(is_open) == 0:
-        return Region(0.0, _PADDING, _PADDING, clipped=True)
+        return Region(0.0, padding, padding, clipped=True)
     x, y = is_open.T
-    low, high = max(x.min() - _PADDING, -1.0), min(x.max() + _PADDING, 1.0)
+    low, high = max(x.min() - padding, -1.0), min(x.max() + padding, 1.0)
     centre, half = (low + high) / 2, (high - low) / 2
     stretched = half * np.linspace(1.0, 1.6, 25)
     across = np.array(
         [np.sqrt((y**2 / np.maximum(1 - ((x - centre) / along) ** 2, 1e-9)).max()) for along in stretched]
     )
-    across += _PADDING
+    across += padding
     best = int(np.argmin(stretched * across))
     if stretched[best] * across[best] >= 1.0:
         return Region(clipped=True)
@@ -205,7 +207,7 @@ def _drawable(traced: TracedLens) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(traced.slope[..., 0], traced.slope[..., 1]) <= MAX_SLOPE)
 
 
-def _chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
+def chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
     """All but the last wavelength, moved away from that one, or toward it."""
     return [
         [
@@ -221,7 +223,10 @@ def _chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]
     ]
 
 
-def _scaled(rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales) -> NodeRays:
+def scaled_rays(
+    rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales
+) -> NodeRays:
+    """Rays of a field height with each kind of error scaled; ``axis`` are those of the height 0, at the same nodes."""
     if not changed_shape(scales):
         return rays
     if not (rays.passed.all() and axis.passed.all()):

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from render.optics.view import PinholeView
 from render.scene import DoubleArray
-from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes
+from render.trace.lens_fit import even_basis, odd_basis, open_rays, pupil_nodes
 from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, GridTable, PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
+
+_NODES = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,13 +47,19 @@ def sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Shar
 
 def _over_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
     """``(heights,)`` shift of the sharpest w and radius of the pupil, at the middle wavelength."""
+    slope, pupil, is_open = rays_of_heights(table)
+    shift, radius = least_spread(slope, pupil, is_open.astype(np.float64))
+    return np.where(table.rows[len(table.rows) // 2, :, WEIGHT] > 0, shift, 0.0), radius
+
+
+def rays_of_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray, NDArray[np.bool_]]:
+    """``(heights, nodes, 2)`` slope errors and pupil points all over the pupil, at the middle wavelength, tangential first; and
+    ``(heights, nodes)`` which of these rays get through."""
     rows = table.rows[len(table.rows) // 2].astype(np.float64)
-    half = pupil_nodes(rim=0)
+    half = pupil_nodes(_NODES, rim=0)
     nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is told from the middle of the whole disc
     slope = _evaluated(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
-    pupil = _evaluated(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5)
-    shift, radius = _least_spread(slope, pupil, np.ones(slope.shape[:2]))
-    return np.where(rows[:, WEIGHT] > 0, shift, 0.0), radius
+    return slope, _evaluated(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5), open_rays(rows, nodes)
 
 
 def _evaluated(rows: DoubleArray, nodes: DoubleArray, even: int, odd: int, end: int, degree: int) -> DoubleArray:
@@ -66,7 +75,7 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     rays = table.rays[middle].reshape(fields, -1, 4).astype(np.float64)
     light = table.light[middle].reshape(fields, -1, 2)
     passing = np.where(light[..., 1] <= 0, light[..., 0], 0.0).astype(np.float64)
-    shift, radius = _least_spread(rays[..., :2], rays[..., 2:], passing)
+    shift, radius = least_spread(rays[..., :2], rays[..., 2:], passing)
     columns, rows = table.fields
     column = np.clip(np.rint((0.5 + 0.5 * x / table.last_slope[0]) * (columns - 1)), 0, columns - 1).astype(int)
     row = np.clip(np.rint((0.5 + 0.5 * y / table.last_slope[1]) * (rows - 1)), 0, rows - 1).astype(int)
@@ -74,7 +83,18 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     return shift[field], radius[field]
 
 
-def _least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+def least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    """Where the rays of fields have the least spread.
+
+    Args:
+        slope: ``(fields, rays, 2)`` slope errors in the plane of focus.
+        pupil: ``(fields, rays, 2)`` where the rays cross the pupil, m.
+        weight: ``(fields, rays)``.
+
+    Returns:
+        ``(fields,)`` by how much its w exceeds that of the plane of focus, 1/m, 0 where no ray counts; and ``(fields,)`` the
+        radius of the disc with the same spread on the pupil, m.
+    """
     total = np.maximum(weight.sum(axis=1), 1e-300)[:, None, None]
     around = pupil - (pupil * weight[..., None]).sum(axis=1, keepdims=True) / total
     moment = (around**2).sum(-1)

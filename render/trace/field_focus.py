@@ -1,0 +1,282 @@
+"""Where a lens with errors is sharpest over the field, beside where it is focused: curvature of field, and the spot's best focus.
+
+It is `render.trace.sharpness` without a device or a picture, for readouts and for who says where a lens is to be focused. Rays
+of glass are traced in float64, a few for each field height, at a few focus distances between which the shift is joined linearly:
+it changes little from one to the next. Height fields are left out, as they have no symmetry.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from render.lens import AberrationScales, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
+from render.optics.distortion import chief_rays
+from render.optics.focus_law import focus_law
+from render.optics.focusing import FocusedLens, focused
+from render.optics.glass import D_LINE_NM
+from render.optics.mounting import has_surfaces, scaled_to
+from render.optics.principal_rays import principal_rays
+from render.optics.pupil_power import is_drawn, own_scales
+from render.optics.spectrum import THREE_LINES
+from render.optics.stop_rays import rays_from_film
+from render.optics.thin_lens import focus_w
+from render.optics.view import PinholeView
+from render.scene import Camera
+from render.trace.drawn_power import slope_errors
+from render.trace.lens_fit import NodeRays, PupilFit, Region, mean_light, pupil_nodes
+from render.trace.lens_table import LIGHT, PolynomialTable
+from render.trace.prescription_table import MAX_SLOPE, chromatic, continued, region_of, scaled_rays
+from render.trace.seidel_table import HEIGHTS as SEIDEL_HEIGHTS
+from render.trace.seidel_table import seidel_table
+from render.trace.sharpness import least_spread, rays_of_heights
+
+HEIGHTS = 13
+_COARSE = (60, 24)
+_FINE = (80, 20)
+"""Nodes of the half pupil, and on its rim: to see what of it is open, and to fit."""
+_PADDING = 0.15  # of the stop's radius: how far apart the coarse nodes are
+_STEP_FOCAL_LENGTHS = 0.02
+"""Focal lengths over the focus distance, from one that rays are traced for to the next: 0.4 1/m for 50 mm."""
+_WITHIN = 1 - 1e-6  # of the nearest focus: at it, rounding may say that the lens does not reach it
+
+
+@dataclass(frozen=True, eq=False)
+class FieldFocus:
+    """Where a lens is sharpest, for field heights from the axis outward; beyond the last it stays as there.
+
+    Attributes:
+        heights: ``(h,)`` slopes of the ideal lens: places of the picture.
+        seen: ``(h,)`` slopes in object space of what is seen there, growing: the lens may distort.
+        shift_w: ``(h,)`` by how much the inverse depth that is sharpest exceeds the one focused on, 1/m.
+        pupil: ``(h,)`` radius of the pupil seen from there (of a disc with the same spread as its rays) over the paraxial one.
+    """
+
+    heights: DoubleArray
+    seen: DoubleArray
+    shift_w: DoubleArray
+    pupil: DoubleArray
+
+    def at(self, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """``(...)`` shift and relative radius of the pupil, of things at slopes ``(..., 2)`` in object space."""
+        height = np.hypot(slopes[..., 0], slopes[..., 1])
+        return np.interp(height, self.seen, self.shift_w), np.interp(height, self.seen, self.pupil)
+
+
+def field_focus(camera: Camera, focus_w_per_m: float | None = None) -> FieldFocus | None:
+    """Where the camera's lens is sharpest over its film gate; None for a lens that has no errors.
+
+    Args:
+        camera: with its lens.
+        focus_w_per_m: where it is focused; by default where the camera is. Beyond what the lens reaches it is as at the end.
+
+    Raises:
+        InputError: the lens has a prescription that is none.
+    """
+    return _FocusedAnywhere(camera).at(focus_w(camera) if focus_w_per_m is None else focus_w_per_m)
+
+
+def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArray) -> DoubleArray:
+    """``(k,)`` by how much k things would be off focus, in 1/m, were the lens focused as if it had no curvature of field.
+
+    Args:
+        camera: with its lens.
+        slopes: ``(k, 2)`` of the things, in object space; not finite for none, whose shift is 0.
+        focus_w_per_m: ``(k,)`` where the lens is focused for each.
+
+    Raises:
+        InputError: the lens has a prescription that is none.
+    """
+    lens = _FocusedAnywhere(camera)
+    shifts = np.zeros(len(slopes))
+    if lens.has_errors:
+        for i in np.flatnonzero(np.isfinite(slopes).all(axis=-1) & np.isfinite(focus_w_per_m)):
+            told = lens.at(float(focus_w_per_m[i]))
+            shifts[i] = 0.0 if told is None else told.at(slopes[i])[0]
+    return shifts
+
+
+@dataclass(frozen=True)
+class _Errors:
+    """All of a lens that its errors depend on; equal lenses have equal errors."""
+
+    model: LensModel
+    prescription: Prescription | None
+    seidel: SeidelErrors | None
+    scales: AberrationScales
+    pupil_power: tuple[float, ...]
+    expressive_blend: float
+
+    @classmethod
+    def of(cls, lens: Lens) -> _Errors:
+        seidel = lens.seidel if lens.model == "seidel" else None
+        return cls(lens.model, lens.prescription, seidel, lens.scales, lens.pupil_power, lens.expressive_blend)
+
+    @property
+    def lens(self) -> Lens:
+        return Lens(
+            self.model,
+            prescription=self.prescription,
+            seidel=self.seidel,
+            scales=self.scales,
+            pupil_power=self.pupil_power,
+            expressive_blend=self.expressive_blend,
+        )
+
+    @property
+    def wavelengths_nm(self) -> tuple[float, ...]:
+        """What sharpness is told at, and what colour errors are scaled from."""
+        middle = THREE_LINES.wavelengths_nm[1]
+        return {0.0: (D_LINE_NM,), 1.0: (middle,)}.get(self.scales.chromatic, (middle, D_LINE_NM))
+
+
+class _FocusedAnywhere:
+    """A camera's lens, wherever it is focused.
+
+    Glass is looked at with a rounded focal length and then scaled a little, so that a zoom traces few lenses.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self._errors, self._f_stop, self._reach = _Errors.of(camera.lens), camera.f_stop, 0.0
+        self._focal_mm, self._scale = camera.focal_length_mm, 1.0
+        self._is_glass = has_surfaces(camera)
+        seidel = camera.lens.model == "seidel" and camera.lens.seidel is not None
+        self.has_errors = camera.f_stop > 0 and (self._is_glass or seidel or is_drawn(camera.lens))
+        self._kept: dict[int, FieldFocus] = {}
+        if not self.has_errors:
+            return
+        self._reach = _reach(camera)
+        if self._is_glass:
+            self._focal_mm = _rounded(camera.focal_length_mm)
+            self._scale = camera.focal_length_mm / self._focal_mm
+            diagonal_mm = math.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
+            self._diagonal_mm = _rounded(diagonal_mm / self._scale)
+            self._near_w = float(focus_law(camera).near_w[0]) * self._scale * _WITHIN
+
+    def at(self, w: float) -> FieldFocus | None:
+        """Focused at an inverse depth, 1/m; None where it has no errors."""
+        if not self.has_errors:
+            return None
+        if not self._is_glass:
+            return _of_thin(self._errors, self._focal_mm, self._f_stop, self._reach)
+        step_w = _STEP_FOCAL_LENGTHS * 1000 / self._focal_mm
+        at = min(max(w * self._scale, 0.0), self._near_w) / step_w
+        low, high = (self._node(int(at) + i, step_w) for i in (0, 1))
+        last = min(int(at) + 1, self._near_w / step_w)
+        share = (at - int(at)) / (last - int(at)) if last > int(at) else 0.0
+        seen, shift, pupil = (
+            (1 - share) * getattr(low, name) + share * getattr(high, name) for name in ("seen", "shift_w", "pupil")
+        )
+        return FieldFocus(low.heights, seen, shift / self._scale, pupil)
+
+    def _node(self, index: int, step_w: float) -> FieldFocus:
+        if index not in self._kept:
+            w = min(index * step_w, self._near_w)
+            self._kept[index] = _traced(self._errors, self._focal_mm, self._f_stop, self._diagonal_mm, self._reach, w)
+        return self._kept[index]
+
+
+@lru_cache(maxsize=256)
+def _traced(
+    errors: _Errors, focal_length_mm: float, f_stop: float, diagonal_mm: float, reach: float, w: float
+) -> FieldFocus:
+    if errors.prescription is None:
+        raise ValueError("a lens of glass has a prescription")
+    lens = focused(
+        scaled_to(errors.prescription, focal_length_mm, diagonal_mm / 2), 1 / w if w > 0 else math.inf, f_stop
+    )
+    heights = np.linspace(0.0, reach, HEIGHTS)
+    coarse, fine = pupil_nodes(*_COARSE), pupil_nodes(*_FINE)
+    whole = _rays(lens, heights, [Region()] * HEIGHTS, coarse, w, D_LINE_NM)
+    regions = [_open_region(rays, coarse) for rays in whole]
+    traced = [_rays(lens, heights, regions, fine, w, wavelength) for wavelength in errors.wavelengths_nm]
+    rays = chromatic(traced, errors.scales.chromatic)[0] if len(traced) > 1 else traced[0]
+    scales = own_scales(errors.lens)
+    rays = [scaled_rays(r, rays[0], region, fine, scales) for r, region in zip(rays, regions, strict=True)]
+    fit = PupilFit(fine)
+    rows = np.array([[fit.row(r, region) for r, region in zip(rays, regions, strict=True)]])
+    rows[..., LIGHT] = mean_light(rows[0])
+    chief = principal_rays(lens)
+    seen = _stretched(heights, chief.heights_mm / lens.image_scale_mm, chief.slopes + chief.pupil_mm / 1000 * w)
+    table = PolynomialTable(continued(rows).astype(np.float32), reach, 0.0, 0.0)
+    return _told(errors, table, seen, focal_length_mm, lens.entrance_pupil_radius_mm)
+
+
+def _told(
+    errors: _Errors, table: PolynomialTable, seen: DoubleArray, focal_length_mm: float, pupil_radius_mm: float
+) -> FieldFocus:
+    """What a table says, with drawn power added to it; ``seen`` is without the factor on distortion."""
+    slope, pupil, is_open = rays_of_heights(table)
+    if is_drawn(errors.lens):
+        slope = slope + slope_errors(errors.lens, focal_length_mm, pupil_radius_mm / 1000, pupil)
+    shift, radius = least_spread(slope, pupil, is_open.astype(np.float64))
+    heights = np.linspace(0.0, table.last_slope, len(shift))
+    scaled = np.maximum.accumulate(heights + errors.scales.distortion * (seen - heights))
+    return FieldFocus(heights, scaled, shift, radius * 1000 / pupil_radius_mm)
+
+
+def _stretched(heights: DoubleArray, ideal: DoubleArray, seen: DoubleArray) -> DoubleArray:
+    """What is seen at heights, for chief rays that say it at others; beyond the last of them the distortion stays."""
+    inside = np.clip(heights, 1e-9 * ideal[-1], ideal[-1])
+    return np.asarray(heights * np.interp(inside, ideal, np.maximum.accumulate(seen)) / inside)
+
+
+def _open_region(rays: NodeRays, nodes: DoubleArray) -> Region:
+    is_open = rays.passed & (rays.front <= 0) & (rays.rear <= 0)
+    return region_of(nodes[is_open], len(nodes), _PADDING)
+
+
+def _rays(
+    lens: FocusedLens, heights: DoubleArray, regions: list[Region], nodes: DoubleArray, w: float, wavelength_nm: float
+) -> list[NodeRays]:
+    """By field height; all of the same weight."""
+    upright = np.sign(lens.first.entrance_pupil_magnification)
+    film = np.repeat(np.stack([-heights * lens.image_scale_mm, 0 * heights], axis=1), len(nodes), axis=0)
+    on_stop = np.concatenate([region.on_stop(nodes) for region in regions])
+    found = rays_from_film(lens, film, upright * on_stop, wavelength_nm)
+    shape = (len(heights), len(nodes))
+    slope, pupil_m = found.slope.reshape(*shape, 2), found.pupil_mm.reshape(*shape, 2) / 1000
+    drawable = (found.passed & (np.hypot(*found.slope.T) <= MAX_SLOPE)).reshape(shape)
+    front, rear = found.front.reshape(shape), found.rear.reshape(shape)
+    return [
+        NodeRays(
+            slope=slope[i] + pupil_m[i] * w - [height, 0.0],
+            pupil_m=pupil_m[i],
+            front=front[i],
+            rear=rear[i],
+            weight=np.ones(len(nodes)),
+            passed=drawable[i],
+        )
+        for i, height in enumerate(heights)
+    ]
+
+
+@lru_cache(maxsize=256)
+def _of_thin(errors: _Errors, focal_length_mm: float, f_stop: float, reach: float) -> FieldFocus:
+    """Of a thin lens, which is the same wherever it is focused."""
+    table = seidel_table(
+        errors.seidel or SeidelErrors(),
+        own_scales(errors.lens),
+        focal_length_mm=focal_length_mm,
+        pupil_radius_m=focal_length_mm / (2000 * f_stop),
+        last_slope=reach,
+        wavelengths_nm=errors.wavelengths_nm[:1],
+    )
+    camera = Camera(np.eye(4), focal_length_mm, f_stop=f_stop, lens=replace(errors.lens, scales=AberrationScales()))
+    chief, heights = chief_rays(camera), np.linspace(0.0, reach, SEIDEL_HEIGHTS)
+    seen = heights if chief is None else _stretched(heights, chief.ideal, chief.seen)
+    return _told(errors, table, seen, focal_length_mm, focal_length_mm / (2 * f_stop))
+
+
+def _reach(camera: Camera) -> float:
+    """Slope of the gate's farthest corner, a little rounded up."""
+    view = PinholeView.from_camera(camera, 1, 1)
+    slope = math.hypot(max(view.cx, 1 - view.cx) / view.fx, max(view.cy, 1 - view.cy) / view.fy)
+    return 2 ** (math.ceil(8 * math.log2(slope)) / 8)
+
+
+def _rounded(length_mm: float) -> float:
+    return float(f"{length_mm:.2g}")

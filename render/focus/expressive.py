@@ -56,6 +56,7 @@ class SurfacePoints:
         falloffs: ``(k,)`` frame widths at which their influence ends; 0 reaches everywhere.
         extents: ``(k,)`` depth of field around them relative to the lens's own, above 0.
         fades: ``(k,)`` from 0, not there, to 1.
+        field_shifts_w: ``(k,)`` by how much the lens is sharpest nearer at each than where it is focused, 1/m.
     """
 
     names: Sequence[str]
@@ -68,6 +69,7 @@ class SurfacePoints:
     falloffs: DoubleArray
     extents: DoubleArray
     fades: DoubleArray
+    field_shifts_w: DoubleArray
 
     def __post_init__(self) -> None:
         """Check shapes and ranges.
@@ -88,7 +90,17 @@ class SurfacePoints:
                     )
 
 
-_COLUMNS = ("depths_m", "weights", "soft", "blurs_mm", "surface_offsets_m", "falloffs", "extents", "fades")
+_COLUMNS = (
+    "depths_m",
+    "weights",
+    "soft",
+    "blurs_mm",
+    "surface_offsets_m",
+    "falloffs",
+    "extents",
+    "fades",
+    "field_shifts_w",
+)
 _RANGES = {
     "weights": ("weight", 0.0),
     "blurs_mm": ("blur in mm", 0.0),
@@ -182,6 +194,9 @@ def wanted_w(
         blur of a pinhole.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
+        shifts = (
+            points.field_shifts_w * points.extents
+        )  # a smaller pupil leaves the curved field as far off, so more of w
         w = np.where(points.depths_m > 0, 1 / points.depths_m, np.nan)
         is_blurred = points.soft & (points.blurs_mm > 0)
         off = np.where(is_blurred, points.blurs_mm * points.extents / coc_slope_mm_m, 0.0)
@@ -189,8 +204,9 @@ def wanted_w(
         aims = np.where(aims_m > 0, 1 / aims_m, np.nan)
         base = on_plane(plane, points.slopes)
         if sides is None:
-            sides = soft_sides(w[None], base[None], off[None])
-        return np.where(is_blurred, np.where(np.isfinite(off), w + sides * off, np.nan), np.where(w > 0, aims, w))
+            sides = soft_sides(w[None] - shifts, base[None], off[None])
+        wanted = np.where(is_blurred, np.where(np.isfinite(off), w + sides * off, np.nan), np.where(w > 0, aims, w))
+        return wanted - shifts
 
 
 def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleArray:

@@ -86,6 +86,8 @@ class FocusTargets:
         in_frame: ``(n, k)``.
         visible: ``(n, k)`` from 0, hidden, to 1, seen.
         frame_widths: ``(n,)`` of the picture in slopes.
+        field_shifts_w: ``(n, k)`` by how much the lens is sharpest nearer at each than where it is focused, for its curvature of
+            field, 1/m.
     """
 
     names: tuple[str, ...]
@@ -101,6 +103,7 @@ class FocusTargets:
     in_frame: BoolArray
     visible: DoubleArray
     frame_widths: DoubleArray
+    field_shifts_w: DoubleArray
 
     def __post_init__(self) -> None:
         """Check shapes and numbers.
@@ -138,6 +141,7 @@ class FocusTargets:
         in_frame: ArrayLike = True,
         visible: ArrayLike = 1.0,
         frame_widths: ArrayLike = 1.0,
+        field_shifts_w: ArrayLike = 0.0,
     ) -> FocusTargets:
         """Points over time from whatever broadcasts to frames by points.
 
@@ -155,6 +159,7 @@ class FocusTargets:
             in_frame: see the class.
             visible: see the class.
             frame_widths: ``(n,)`` or one number.
+            field_shifts_w: ``(n, k)``, ``(k,)`` or one number.
 
         Raises:
             SettingsError: shapes or numbers are wrong.
@@ -182,6 +187,7 @@ class FocusTargets:
             in_frame=switch(in_frame),
             visible=column(visible),
             frame_widths=np.broadcast_to(np.asarray(frame_widths, np.float64), shape[:1]),
+            field_shifts_w=column(field_shifts_w),
         )
 
     @classmethod
@@ -234,15 +240,16 @@ class FocusTargets:
 
     @property
     def aims_w(self) -> DoubleArray:
-        """``(n, k)`` one over `aims_m`, 1/m; 0 where that is not in front of the camera."""
+        """``(n, k)`` where the plane of focus must be at each: one over `aims_m` less the field's shift there, 1/m; 0 where the
+        aim is not in front of the camera. Below 0 where a curved field has it sharp beyond infinity."""
         aims = self.aims_m
         ahead = aims >= NEAREST_DEPTH_M
-        return np.where(ahead, 1 / np.where(ahead, aims, 1.0), 0.0)
+        return np.where(ahead, 1 / np.where(ahead, aims, 1.0) - self.field_shifts_w, 0.0)
 
     def axis_w(self, tilts: ArrayLike = 0.0) -> DoubleArray:
         """``(n, k)`` inverse depth at which a lens must be focused on the view axis to have its focus where each point would.
 
-        Of an upright lens that is `aims_w`. Of a tilted one it is more or less by what its plane of focus rises from the axis to
+        Of an upright lens that is `aims_w`; of a tilted one it is more or less by what its plane of focus rises from the axis to
         the point; where it is below 0, the plane meets the axis behind the camera.
 
         Args:
@@ -313,6 +320,7 @@ _COLUMNS = (
     "enabled",
     "in_frame",
     "visible",
+    "field_shifts_w",
 )
 _CHECKED = {
     "weights": ("weight", 0.0),

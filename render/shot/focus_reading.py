@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,7 @@ from render.scene import Camera, Scene
 from render.shot.focus_checks import NUMBERS, PointNumbers, check_settings
 from render.shot.visibility import visible
 from render.stage import AnchorReader, read_camera
+from render.trace.field_focus import field_shifts_w
 from usd_schemas import FocusData, FocusPoint, FocusPointView, LensCamera, SchemaError, SplitDiopter, TiltShiftData
 from usd_schemas.units import metres_per_unit
 
@@ -83,7 +84,7 @@ class FocusReading:
     def targets(self) -> FocusTargets:
         """The points as the lens sees them; those that are at fault have no place, and the numbers of a new point."""
         seen = [see(camera, places) for camera, places in zip(self.cameras, self.positions_m, strict=True)]
-        return FocusTargets.of(
+        targets = FocusTargets.of(
             self.names,
             np.array([s.depths_m for s in seen]),
             kinds=[point.kind for point in self.points[0]],
@@ -94,6 +95,9 @@ class FocusReading:
             frame_widths=np.array([c.horizontal_aperture_mm / c.focal_length_mm for c in self.cameras]),
             **self.numbers.columns,
         )
+        # as of a lens that is focused on the point: it changes little from there to where the lens will be focused
+        shifts = map(field_shifts_w, self.cameras, targets.slopes, targets.aims_w)
+        return replace(targets, field_shifts_w=np.array(list(shifts)).reshape(targets.depths_m.shape))
 
 
 def read_focus(

@@ -151,7 +151,7 @@ def _sides(reading: FocusReading, law: LensLaw, planes: DoubleArray) -> DoubleAr
     targets = reading.targets
     growth = law.coc_slope_mm_m(planes[:, 0])[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        w = np.where(targets.depths_m > 0, 1 / targets.depths_m, np.nan)
+        w = np.where(targets.depths_m > 0, 1 / targets.depths_m, np.nan) - targets.field_shifts_w * targets.extents
         off = np.where(targets.is_blurred, targets.blurs_mm * targets.extents / growth, 0.0)
         base = planes[:, :1] + (planes[:, None, 1:] * targets.slopes).sum(-1)
     return np.broadcast_to(soft_sides(w, base, off), w.shape)

@@ -25,6 +25,7 @@ from render.scene import Camera
 from render.shot.focus_asking import coc_limit_mm
 from render.shot.focus_reading import FocusReading
 from render.shot.focus_solving import FocusTrack
+from render.trace.field_focus import FieldFocus, field_focus
 from usd_schemas import FocusData, FocusPoint
 
 DoubleArray = NDArray[np.float64]
@@ -67,6 +68,11 @@ class Focused:
     def law(self) -> LensLaw:
         """What focusing does to the lens."""
         return focus_law(self.camera).at_stops(self.camera.f_stop)
+
+    @cached_property
+    def _field(self) -> FieldFocus | None:
+        """Where the lens is sharpest beside its focal surface."""
+        return field_focus(self.camera)
 
     @property
     def depth_of_field(self) -> DepthOfField:
@@ -128,8 +134,11 @@ class Focused:
         """``(...)`` where places ``(..., 2)`` are focused, 1/m, and how fast the circle of confusion grows from there, mm·m."""
         surface = focal_surface(self.camera)
         w, pupil = focused_at(surface, slopes)
-        growth = self.law.coc_slope_mm_m(np.array([surface.plane.w0]))
-        return w, np.asarray(growth[0] * pupil)
+        growth = self.law.coc_slope_mm_m(np.array([surface.plane.w0]))[0]
+        if self._field is None:
+            return w, np.asarray(growth * pupil)
+        shift, seen = self._field.at(slopes)
+        return w + shift / pupil, np.asarray(growth * pupil * seen)
 
 
 def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
@@ -238,6 +247,7 @@ def _surface_points(reading: FocusReading, track: FocusTrack, index: int) -> Sur
         falloffs=t.falloffs[index],
         extents=t.extents[index],
         fades=track.fades[index],
+        field_shifts_w=t.field_shifts_w[index],
     )
 
 

@@ -74,7 +74,9 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     fields = table.rays.shape[1]
     rays = table.rays[middle].reshape(fields, -1, 4).astype(np.float64)
     light = table.light[middle].reshape(fields, -1, 2)
-    passing = np.where(light[..., 1] <= 0, light[..., 0], 0.0).astype(np.float64)
+    side = np.linspace(-1.0, 1.0, table.rays.shape[2])
+    on_disc = (np.hypot(*np.meshgrid(side, side)) <= 1).ravel()  # beyond it there is only the iris
+    passing = np.where(on_disc & (light[..., 1] <= 0), light[..., 0], 0.0).astype(np.float64)
     shift, radius = least_spread(rays[..., :2], rays[..., 2:], passing)
     columns, rows = table.fields
     column = np.clip(np.rint((0.5 + 0.5 * x / table.last_slope[0]) * (columns - 1)), 0, columns - 1).astype(int)

@@ -52,6 +52,7 @@ def surface(camera: Camera, blurs_mm: list[float]) -> FocalSurface:
         falloffs=0 * every,
         extents=every,
         fades=every,
+        field_shifts_w=0 * every,
     )
     return FocalSurface(plane, focal_controls(points, plane=plane, coc_slope_mm_m=1.25, frame_width=0.72))
 

@@ -39,6 +39,7 @@ def points(slopes, depths_m, **columns):
         "falloffs": np.zeros(count),
         "extents": np.ones(count),
         "fades": np.ones(count),
+        "field_shifts_w": np.zeros(count),
     }
     given_columns = {name: np.asarray(column) for name, column in columns.items()}
     names = [f"point{i}" for i in range(count)]

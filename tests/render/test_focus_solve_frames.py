@@ -68,6 +68,7 @@ def test_no_order_of_the_points_changes_the_focus(seed):
         tuple(targets.kinds[i] for i in order),
         *(getattr(targets, column)[:, order] for column in columns),
         targets.frame_widths,
+        targets.field_shifts_w[:, order],
     )
     first, second = solve(targets), solve(shuffled)
     assert second.focus_w == pytest.approx(first.focus_w, rel=1e-9)

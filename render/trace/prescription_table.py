@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,9 @@ from render.scene import DoubleArray
 from render.trace.aberration_scales import change_of_errors, changed_shape, defocus
 from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable
-from render.trace.surface_tracer import SurfaceTracer, TracedLens
+
+if TYPE_CHECKING:  # so that a process without GL can ask where a lens is sharpest
+    from render.trace.surface_tracer import SurfaceTracer, TracedLens
 
 HEIGHTS = 48
 MAX_SLOPE = 4.5

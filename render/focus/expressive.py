@@ -20,13 +20,11 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.focal_surface import MAX_CONTROLS, Controls, DoubleArray, FocalPlane
+from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
 from render.focus.surface import NEAREST_SLOPE, on_plane
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
-
-OVERLAP_FRAME_WIDTHS = 0.05
-"""Soft points nearer than this to a sharp one on the screen overlap it, and lose influence."""
 
 FADING_REACH_FRAME_WIDTHS = 2.0
 """How far a point that reaches everywhere still reaches when it has half faded: from most places of the picture, all of it."""
@@ -124,8 +122,8 @@ def focal_controls(
     """Control points of the focal surface that focus points ask for.
 
     At the place of a point that is all there, the surface has the focus that the point wants (`wanted_w`) and its extent,
-    exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`apart_from_sharp`), and points
-    of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`) the
+    exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`render.focus.overlap`), and
+    points of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`) the
     strongest are taken.
 
     Args:
@@ -148,7 +146,7 @@ def focal_controls(
     heaviest = np.max(points.weights, where=is_placed, initial=0.0)
     fades = np.where(is_placed, np.minimum(points.fades, 1.0), 0.0)
     fades = fades * np.minimum(points.weights / max(heaviest * FADING_WEIGHT, 1e-300), 1.0)
-    fades = fades * apart_from_sharp(points.slopes, points.soft, fades, frame_width)
+    fades = fades * _beside_sharp(points, fades, frame_width)
     order = np.argsort(-fades, kind="stable")
     order = order[fades[order] > _ABSENT]
     if len(order) == 0:
@@ -228,25 +226,12 @@ def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleA
         return np.where(goes_before | (w - off < 0).any(axis=0), 1.0, -1.0)
 
 
-def apart_from_sharp(slopes: DoubleArray, soft: BoolArray, fades: DoubleArray, frame_width: float) -> DoubleArray:
-    """How much influence soft points keep beside sharp ones: 0 at the same place to 1 from `OVERLAP_FRAME_WIDTHS` on.
-
-    Between them ``3t² - 2t³`` of the distance, for each sharp point as far as that is there, multiplied.
-
-    Args:
-        slopes: ``(k, 2)``.
-        soft: ``(k,)``.
-        fades: ``(k,)`` 0 to 1; 0 for points that do not count.
-        frame_width: slopes.
-
-    Returns:
-        ``(k,)``; 1 for sharp points.
-    """
-    with np.errstate(invalid="ignore"):
-        away = np.hypot(*np.moveaxis(slopes[:, None] - slopes, -1, 0)) / (OVERLAP_FRAME_WIDTHS * frame_width)
-        t = np.clip(np.nan_to_num(away, nan=1.0), 0.0, 1.0)
-    lost = (1 - t * t * (3 - 2 * t)) * np.where(soft, 0.0, fades)
-    return np.where(soft, np.prod(1 - lost, axis=1), 1.0)
+def _beside_sharp(points: SurfacePoints, fades: DoubleArray, frame_width: float) -> DoubleArray:
+    """``(k,)`` what soft points keep of their influence beside sharp ones, as where one distance is solved for."""
+    reaches = np.full((1, len(fades)), OVERLAP_FRAME_WIDTHS * frame_width)
+    strengths = (points.weights * fades)[None]
+    sharp = (strengths > 0) & ~points.soft
+    return np.asarray(kept_beside_sharp(points.slopes[None], reaches, strengths, points.soft, sharp)[0])
 
 
 def _fading_falloffs(falloffs: DoubleArray, fades: DoubleArray, half_faded: float) -> DoubleArray:

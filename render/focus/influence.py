@@ -109,7 +109,6 @@ def strengths(targets: FocusTargets, used: BoolArray, occluded: Occluded = "keep
     """
     seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
     weights = np.where(used, targets.weights * seen, 0.0)
-    falloffs = np.where(targets.falloffs > 0, targets.falloffs, OVERLAP_FRAME_WIDTHS)
-    reaches = falloffs * targets.frame_widths[:, None]
+    reaches = np.broadcast_to(OVERLAP_FRAME_WIDTHS * targets.frame_widths[:, None], weights.shape)
     soft = targets.is_soft
     return np.asarray(weights * kept_beside_sharp(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft))

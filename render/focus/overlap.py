@@ -1,8 +1,8 @@
 """Soft points that overlap sharp ones on the screen: the sharp ones win there.
 
 A thing that must be soft and a thing that must be sharp at the same place of the picture ask for what cannot be. Lee, Eisemann &
-Seidel (2010, section 5.2) let the influence of such points end with distance. Here a soft point i of reach r (its own falloff,
-else `OVERLAP_FRAME_WIDTHS`) keeps of its weight, for every sharp point j at distance d on the screen,
+Seidel (2010, section 5.2) let the influence of such points end with distance. Here a soft point i keeps of its weight
+within the reach r (`OVERLAP_FRAME_WIDTHS`), for every sharp point j at distance d on the screen,
 
     1 − min(1, a_j / a_i) · (1 − (d / r)²)²       for d < r, and all of it from there on,
 
@@ -23,7 +23,7 @@ BoolArray = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 OVERLAP_FRAME_WIDTHS = 0.05
-"""How far a sharp point reaches into soft ones that have no falloff of their own: a face in a medium shot."""
+"""How far a sharp point reaches into soft ones: a face in a medium shot."""
 
 _CACHED = 1 << 16
 """About how many pairs are looked at together, so that they stay in the processor's cache."""

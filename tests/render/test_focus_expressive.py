@@ -12,13 +12,12 @@ from render.errors import SettingsError
 from render.focal_surface import FocalPlane, FocalSurface
 from render.focus.drawn import Frame, bends, half_lenses
 from render.focus.expressive import (
-    OVERLAP_FRAME_WIDTHS,
     SurfacePoints,
-    apart_from_sharp,
     focal_controls,
     soft_sides,
     wanted_w,
 )
+from render.focus.overlap import OVERLAP_FRAME_WIDTHS
 from render.focus.surface import beyond_edge, focused_at
 from render.scene import Camera
 
@@ -133,11 +132,14 @@ def test_soft_points_beside_sharp_ones_lose_influence_with_their_distance():
     overlap = OVERLAP_FRAME_WIDTHS * WIDTH
     slopes = np.array([[0, 0], [0, 0], [overlap / 2, 0], [overlap, 0], [math.nan, math.nan]])
     soft = np.array([False, True, True, True, False])
-    assert apart_from_sharp(slopes, soft, np.ones(5), WIDTH) == pytest.approx([1, 0, 0.5, 1, 1])
-    fading = apart_from_sharp(slopes, soft, np.array([0.4, 1, 1, 1, 0]), WIDTH)
-    assert fading == pytest.approx([1, 0.6, 0.8, 1, 1]), "a sharp point that is hardly there takes hardly any"
     made = points(slopes[:2], [2.0, 3.0], soft=soft[:2], blurs_mm=[0, 0.3])
     assert w_at(made) == pytest.approx(0.5), "right on the sharp point it has none at all"
+    shares = []
+    for at in (2, 3):
+        pair = points(slopes[[0, at]], [2.0, 3.0], soft=soft[[0, at]], blurs_mm=[0, 0.3])
+        controls = focal_controls(pair, plane=UPRIGHT, coc_slope_mm_m=SLOPE_MM_M, frame_width=WIDTH)
+        shares.append(controls.weights[1] / controls.weights[0])
+    assert 0 < shares[0] < shares[1] == pytest.approx(1), "and away from it, it gains it back"
 
 
 def steps(made, fades, plane, **options):

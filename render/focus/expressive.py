@@ -123,8 +123,8 @@ def focal_controls(
 
     At the place of a point that is all there, the surface has the focus that the point wants (`wanted_w`) and its extent,
     exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`render.focus.overlap`), and
-    points of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`) the
-    strongest are taken.
+    points of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`)
+    the strongest are taken.
 
     Args:
         points: at one time.

@@ -136,8 +136,13 @@ def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray)
 
 
 def region_of(is_open: DoubleArray, all_points: int, padding: float) -> Region:
-    """The smallest ellipse on the tangential axis around the open points of the half disc, padded by a cell of the
-    grid."""
+    """The smallest ellipse on the tangential axis around the open points of the half disc.
+
+    Args:
+        is_open: ``(m, 2)`` those of the points that are.
+        all_points: how many points there are.
+        padding: how far apart they are, in units of the stop's radius: it is added all around.
+    """
     if len(is_open) == all_points:
         return Region()
     if len(is_open) == 0:

@@ -20,6 +20,7 @@ DoubleArray = NDArray[np.float64]
 
 ShutterKind = Literal["global", "rolling", "focalPlane", "leaf"]
 Direction = Literal["down", "up", "left", "right"]
+_INSTANT = 1e-9  # time codes, or share of the delay: what is shorter has no parts that rounding could tell apart
 _STEPS = 64  # a moment's share of an efficiency curve is summed over so many steps
 
 
@@ -103,7 +104,7 @@ def shares(opens: float, closes: float, shutter: Shutter, count: int, width: int
     """
     delay = _delays(shutter, width, height)
     ends = opens + (closes + shutter.delay - opens) * np.arange(count + 1) / count
-    if closes == opens:
+    if closes - opens <= _INSTANT * max(1.0, abs(opens), shutter.delay):
         nearest = np.abs(moments(opens, closes, shutter, count)[:, None, None] - (opens + delay)).argmin(axis=0)
         return np.asarray(np.arange(count)[:, None, None] == nearest, np.float64)
     through = (ends[:, None, None] - opens - delay) / (closes - opens)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pxr import Gf, Usd, UsdGeom
 
@@ -126,6 +126,8 @@ def test_a_shutter_that_closes_before_it_opens_is_one_clear_error(renderer: Fram
         coverage(renderer, shot, 8)
 
 
+@example(1.0, 4e-16, "rolling", "down", 1.0, 7, [])
+@example(0.0, 2.2e-309, "rolling", "down", 1.0, 7, [])
 @given(
     st.floats(-1, 1),
     st.floats(0, 2),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -13,6 +12,7 @@ from pxr import Usd
 from usd_schemas.data import Pairs
 from usd_schemas.errors import SchemaError
 from usd_schemas.film_data import FilmData
+from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
 from usd_schemas.view import LensCamera
 
@@ -78,9 +78,8 @@ def library_film(name: str) -> LibraryFilm:
     having = [known for known in films if plain and f"_{plain}_" in f"_{known}_"]
     if len(having) == 1:
         return films[having[0]]
-    near = having or difflib.get_close_matches(plain, films, n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(films)}"
-    raise SchemaError(f"there is no film stock named {name!r} in the library: {hint}")
+    told = f"did you mean {' or '.join(having)}?" if having else hint(plain, films)
+    raise SchemaError(f"there is no film stock named {name!r} in the library: {told}")
 
 
 @cache

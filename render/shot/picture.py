@@ -69,12 +69,7 @@ def make_picture(
     finish = finish_of(
         shot.stage, lens, time, grade, stock
     )  # what is wrong with it is told before anything slow is done
-    if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
-        frame = renderer.render_moving(
-            settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
-        )
-    else:
-        frame = renderer.render(shot.scene_at(time), lens, settings, on_progress)
+    frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
     metadata = FrameMetadata(
         camera=lens,
@@ -89,6 +84,38 @@ def make_picture(
     )
     graded = finish.picture(frame.color, lens, time=time, seed=settings.seed)
     return Picture(frame, graded, lens, metadata)
+
+
+def light_on_film(
+    renderer: FrameRenderer,
+    shot: Shot,
+    camera: str | None,
+    lens: Camera,
+    time: float,
+    settings: FrameSettings,
+    on_progress: Callable[[float], None] | None = None,
+) -> Frame:
+    """What falls on the film while the shutter is open, all that the lens does to it included.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        camera: prim path; None for the shot's default camera.
+        lens: that camera at the time; its shutter is the one that opens, and need not be the shot's own.
+        time: USD time code.
+        settings: how it is rendered.
+        on_progress: called with the share that is done, from 0 to 1.
+
+    Raises:
+        SettingsError: the shutter closes before it opens.
+        CameraError: the camera has impossible numbers at one of the moments.
+        GraphicsError: the device refuses.
+    """
+    if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
+        return renderer.render_moving(
+            settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
+        )
+    return renderer.render(shot.scene_at(time), lens, settings, on_progress)
 
 
 def _moments(

@@ -31,6 +31,7 @@ from usd_schemas.data import (
 from usd_schemas.errors import SchemaError
 from usd_schemas.film_data import (
     CharacteristicCurve,
+    Exposing,
     FilmData,
     GradeData,
     Grain,
@@ -58,6 +59,7 @@ __all__ = [
     "Asset",
     "CharacteristicCurve",
     "DataSheet",
+    "Exposing",
     "FilmData",
     "FocusData",
     "FocusPoint",

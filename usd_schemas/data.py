@@ -166,6 +166,8 @@ class LensData:
     breathing: bool = usd("lens:breathing", False)
     transmittance: float = usd("lens:transmittance", 1.0)
     neutral_density: float = usd("lens:neutralDensity", 0.0)
+    stop_marking: Literal["f", "t"] = usd("lens:stopMarking", "f")
+    natural_vignetting: bool = usd("lens:naturalVignetting", False)
     squeeze: float = usd("lens:squeeze", 1.0)
     close_focus: float = usd("lens:closeFocus", 0.0)
     focus_throw: float = usd("lens:focusThrow", 0.0)

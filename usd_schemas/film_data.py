@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.data import Asset, FilmProcess, Floats, Pairs, Triple, group, usd
+from usd_schemas.data import Asset, FilmProcess, Floats, Pair, Pairs, Triple, group, usd
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,21 @@ class Shutter:
 
 
 @dataclass(frozen=True)
+class Exposing:
+    """Which stop the exposure is by."""
+
+    stop: Literal["exposure", "iris"] = usd("film:exposure:stop", "exposure")
+
+
+@dataclass(frozen=True)
 class Metering:
-    """What a meter looks at."""
+    """What a meter looks at, by how many stops more than it says to expose, and over how many seconds it is smoothed."""
 
     mode: Literal["manual", "spot", "center", "average"] = usd("film:metering:mode", "manual")
     focus_point: str = usd("film:metering:focusPoint", "")
+    spot: Pair = usd("film:metering:spot", (0.5, 0.5))
+    compensation: float = usd("film:metering:compensation", 0.0)
+    smoothing: float = usd("film:metering:smoothing", 1.0)
 
 
 @dataclass(frozen=True)
@@ -117,5 +127,6 @@ class FilmData:
     halation: Halation = group(Halation)
     sensor: Sensor = group(Sensor)
     shutter: Shutter = group(Shutter)
+    exposure: Exposing = group(Exposing)
     metering: Metering = group(Metering)
     grade: GradeData = group(GradeData)

@@ -21,6 +21,7 @@ _BARREL = (
     "lens:manufacturer",
     "lens:serialNumber",
     "lens:transmittance",
+    "lens:stopMarking",
     "lens:squeeze",
     "lens:closeFocus",
     "lens:focusThrow",

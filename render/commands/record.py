@@ -12,8 +12,10 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
+from render.commands import grade_options
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
+from render.film import GradeChoice
 from render.film.stock import library_stock
 from render.frame_settings import MAX_MOTION, FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
@@ -46,6 +48,7 @@ def add_parser(commands: Any) -> None:
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
     _add_picture_options(parser)
+    grade_options.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
 
 
@@ -119,6 +122,7 @@ def run(arguments: argparse.Namespace) -> None:
     settings = _settings(arguments)
     if arguments.film is not None:
         library_stock(arguments.film)
+    grade = grade_options.asked_grade(arguments)
     lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
     frames = asked or [shot.frame_range.start]
@@ -129,7 +133,7 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
-    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film)
+    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
@@ -209,7 +213,12 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
 
 
 def _record(
-    shot: Shot, camera: str | None, plan: Sequence[tuple[float, Path]], settings: FrameSettings, stock: str | None
+    shot: Shot,
+    camera: str | None,
+    plan: Sequence[tuple[float, Path]],
+    settings: FrameSettings,
+    stock: str | None,
+    grade: GradeChoice | None,
 ) -> list[dict[str, Any]]:
     """Render and write each frame of the plan; what was written, for --json."""
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
@@ -219,7 +228,9 @@ def _record(
         for time, file in plan:
             began = clock.perf_counter()
             progress.begin(file.name)
-            picture = make_picture(renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock)
+            picture = make_picture(
+                renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock, choice=grade
+            )
             write_frame(file, picture.frame, picture.graded, picture.metadata)
             seconds = clock.perf_counter() - began
             progress.finish(str(file), seconds)

@@ -14,6 +14,7 @@ from render.colour import OCIO_ERRORS, working_config
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
 from render.film.display_transform import Way, print_to_display, scene_to_display
+from render.film.grade_choice import GradeChoice
 from render.near_names import hint
 
 if TYPE_CHECKING:  # a grade by names and numbers needs no USD
@@ -55,12 +56,15 @@ class Grade:
         self.processor()
 
     @classmethod
-    def from_film_data(cls, data: GradeData, confined_to: Path | None = None) -> Grade:
+    def from_film_data(
+        cls, data: GradeData, confined_to: Path | None = None, choice: GradeChoice | None = None
+    ) -> Grade:
         """The grade that a shot asks for by its ``film:ocio:*`` and ``film:cdl:*``.
 
         Args:
             data: as it is at a time; a CDL file takes the place of the CDL's numbers.
             confined_to: a folder that holds all that the shot may read; None where it may read everything.
+            choice: what whoever looks at it wants in place of that, from wherever it is.
 
         Raises:
             SettingsError: as when a grade is made, or a number of the CDL is out of range.
@@ -68,11 +72,15 @@ class Grade:
         """
         from render.film.shot_files import cdl_file, config_file
 
-        config = config_file(data.config, confined_to)
-        cdl = Cdl(data.cdl_slope, data.cdl_offset, data.cdl_power, data.cdl_saturation)
-        if data.cdl_file.path:
+        choice = choice or GradeChoice()
+        config = choice.config or config_file(data.config, confined_to)
+        if choice.cdl is not None:
+            cdl = choice.cdl
+        elif data.cdl_file.path:
             cdl = read_cdl(cdl_file(data.cdl_file, confined_to), data.cdl_id)
-        return cls(config, data.display or None, data.view or None, data.look or None, cdl)
+        else:
+            cdl = Cdl(data.cdl_slope, data.cdl_offset, data.cdl_power, data.cdl_saturation)
+        return cls(config, *choice.words(data, config), cdl)
 
     @property
     def display_name(self) -> str:

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from render.film import Grade
+from render.film import FilmSettings, Grade
 from render.optics.view import PinholeView
 from render.scene import Camera, DoubleArray
 
@@ -29,6 +29,7 @@ class FrameMetadata:
         time: USD time code of the frame.
         frames_per_second: of the shot.
         grade: how the picture was graded; its working space is the one that the radiance is in.
+        film: what the picture was developed on; None for nothing.
         settings: how the frame was rendered (``dataclasses.asdict`` of the frame's settings); each becomes
             ``pullfocus:<name>``.
         stage: the shot's name.
@@ -41,6 +42,7 @@ class FrameMetadata:
     time: float = 0.0
     frames_per_second: float = 24.0
     grade: Grade = field(default_factory=Grade)
+    film: FilmSettings | None = None
     settings: Mapping[str, Setting] = field(default_factory=dict)
     stage: str = ""
     prim_paths: tuple[str, ...] = ()
@@ -66,7 +68,8 @@ class FrameMetadata:
             CameraError: the camera makes no picture.
         """
         view = PinholeView.from_camera(self.camera, width, height)
-        return [*self._shot_attributes(), *_view_attributes(self.camera, view), *self._lens_attributes(view)]
+        picture = [*self._shot_attributes(), *_grade_attributes(self.grade), *_film_attributes(self.film)]
+        return [*picture, *_view_attributes(self.camera, view), *self._lens_attributes(view)]
 
     def _shot_attributes(self) -> list[Attribute]:
         named: list[Attribute] = [
@@ -129,6 +132,35 @@ def exact_frame_rate(frames_per_second: float) -> tuple[int, int]:
         return round(frames_per_second * 1.001) * 1000, 1001
     rate = Fraction(frames_per_second).limit_denominator(1000)
     return rate.numerator, rate.denominator
+
+
+def _grade_attributes(grade: Grade) -> list[Attribute]:
+    """How the light is meant to be shown: an EXR holds it ungraded, and whoever opens it can grade it so."""
+    named: list[Attribute] = [
+        ("pullfocus:display", "string", grade.display_name),
+        ("pullfocus:view", "string", grade.view_name),
+    ]
+    if grade.config:
+        named.append(("pullfocus:colorConfig", "string", grade.config))
+    if grade.look:
+        named.append(("pullfocus:look", "string", grade.look))
+    if not grade.cdl.is_neutral:
+        named += [
+            (f"pullfocus:cdl{name}", "float[3]", numbers)
+            for name, numbers in (("Slope", grade.cdl.slope), ("Offset", grade.cdl.offset), ("Power", grade.cdl.power))
+        ]
+        named.append(("pullfocus:cdlSaturation", "float", grade.cdl.saturation))
+    return named
+
+
+def _film_attributes(film: FilmSettings | None) -> list[Attribute]:
+    """What the picture was developed on; the light is as it was before."""
+    if film is None:
+        return []
+    named: list[Attribute] = [("pullfocus:filmProcess", "string", film.process)]
+    stocks = (("filmStock", film.stock), ("filmPrint", film.print_stock))
+    named += [(f"pullfocus:{key}", "string", stock.name) for key, stock in stocks if stock is not None]
+    return named + ([("pullfocus:filmPush", "float", film.push)] if film.push else [])
 
 
 def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:

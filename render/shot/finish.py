@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd
 
 from render.errors import CameraError, SettingsError
-from render.film import FilmSettings, Grade, develop, develop_on_film, film_settings, print_space, project
+from render.film import FilmSettings, Grade, GradeChoice, develop, develop_on_film, film_settings, print_space, project
 from render.film.develop import expose
 from render.scene import Camera, FloatArray
 from render.stage import quiet_diagnostics
@@ -57,7 +59,12 @@ class Finish:
 
 
 def finish_of(
-    stage: Usd.Stage, camera: Camera, time: float, grade: Grade | None = None, stock: str | None = None
+    stage: Usd.Stage,
+    camera: Camera,
+    time: float,
+    grade: Grade | None = None,
+    stock: str | None = None,
+    choice: GradeChoice | None = None,
 ) -> Finish:
     """How a shot's picture is finished.
 
@@ -65,26 +72,35 @@ def finish_of(
         stage: the shot.
         camera: at that time; one that is no prim says nothing of film.
         time: USD time code.
-        grade: in place of the shot's own; None takes what the shot says.
+        grade: in place of all that the shot says of it; None takes what the shot says.
         stock: of the library, in place of the shot's; it has its own grain where its granularity is known and the shot does not
             say how much.
+        choice: what is wanted of the grade in place of parts of what the shot says.
 
     Raises:
-        SettingsError: the library has no such stock.
+        SettingsError: the library has no such stock, or what is wanted of the grade cannot be had.
         CameraError: what the shot says of film or grade makes no sense.
         InputError: a file of the grade is missing or damaged.
     """
     data = _film_data(stage, camera, time)
-    try:
-        own = Grade.from_film_data(data.grade, confinement(stage)) if grade is None else grade
-        if stock is None and data.process == "none" and data.white_balance == 0 and data.tint == 0:
-            return Finish(own)
+    with _told_of(camera, wanted=choice is not None):
+        own = Grade.from_film_data(data.grade, confinement(stage), choice) if grade is None else grade
+    if stock is None and data.process == "none" and data.white_balance == 0 and data.tint == 0:
+        return Finish(own)
+    with _told_of(camera, wanted=stock is not None):
         film = film_settings(data, name=stock)
         if stock is not None and data.grain.amount == 0 and film.stock is not None and film.stock.granularity:
             film = replace(film, grain=replace(film.grain, amount=1.0))
         return Finish(own, film)
+
+
+@contextmanager
+def _told_of(camera: Camera, *, wanted: bool) -> Iterator[None]:
+    """Tell what is wrong with a setting as the camera's fault, unless whoever looks at it wanted it so."""
+    try:
+        yield
     except SettingsError as error:
-        if stock is not None:
+        if wanted:
             raise
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
 

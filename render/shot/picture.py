@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
-from render.film import Grade
+from render.film import Grade, GradeChoice
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import finish_of
@@ -47,6 +47,7 @@ def make_picture(
     on_progress: Callable[[float], None] | None = None,
     *,
     stock: str | None = None,
+    choice: GradeChoice | None = None,
 ) -> Picture:
     """Read the scene at a time, focus the camera, render, expose and grade.
 
@@ -59,16 +60,16 @@ def make_picture(
         grade: for which display, in place of what the shot says.
         on_progress: called with the share of the rendering that is done, from 0 to 1.
         stock: a film of the library, in place of what the shot says.
+        choice: what is wanted of the grade, in place of parts of what the shot says.
 
     Raises:
-        SettingsError: the time is not finite, or the library has no such stock.
+        SettingsError: the time is not finite, the library has no such stock, or no such grade can be made.
         CameraError: it is no camera, or has impossible numbers.
         GraphicsError: the device refuses.
     """
     lens = shot.camera_at(camera, time, settings.width, settings.height)
-    finish = finish_of(
-        shot.stage, lens, time, grade, stock
-    )  # what is wrong with it is told before anything slow is done
+    # What is wrong with the finish is told before anything slow is done.
+    finish = finish_of(shot.stage, lens, time, grade, stock, choice)
     frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
     metadata = FrameMetadata(
@@ -76,6 +77,7 @@ def make_picture(
         time=time,
         frames_per_second=shot.stage.GetFramesPerSecond(),
         grade=finish.grade,
+        film=finish.film,
         settings=asdict(settings),
         stage=shot.path.name,
         prim_paths=frame.prim_paths,

@@ -15,10 +15,12 @@ import OpenImageIO
 import pytest
 
 from render.errors import SettingsError
+from render.film import Cdl, Grade, film_settings
 from render.optics.view import PinholeView
 from render.output import FrameMetadata, encode
 from render.output.metadata import exact_frame_rate
 from render.scene import Camera
+from usd_schemas import FilmData
 
 WIDTH, HEIGHT = 32, 18
 POSE = np.array([[0.0, 0, 1, 4], [0, 1, 0, 1.5], [-1, 0, 0, -2], [0, 0, 0, 1]])
@@ -299,3 +301,27 @@ def test_a_measurement_that_has_no_place_is_refused(aovs: dict[str, np.ndarray],
 
     with pytest.raises(SettingsError, match=message):
         exr(frame)
+
+
+def test_how_the_light_is_meant_to_be_shown_is_said() -> None:
+    look = "ACES 1.3 Reference Gamut Compression"
+    grade = Grade(
+        display="Display P3 - Display", look=look, cdl=Cdl((1.1, 1, 0.9), (0, 0.25, 0), (1, 1, 2), saturation=0.5)
+    )
+    film = film_settings(FilmData(push=1.0), name="5219")
+
+    rgba, *_ = raw_headers(exr(make_frame(), dataclasses.replace(METADATA, grade=grade, film=film)))
+    plain, *_ = raw_headers(exr(make_frame()))
+
+    said = {name: rgba[f"pullfocus:{name}"][1] for name in ("display", "view", "look", "filmStock", "filmPrint")}
+    assert said == {
+        "display": b"Display P3 - Display",
+        "view": grade.view_name.encode(),
+        "look": look.encode(),
+        "filmStock": b"vision3_500t_5219",
+        "filmPrint": b"vision_2383",
+    }
+    numbers = b"".join(rgba[f"pullfocus:{name}"][1] for name in ("cdlSlope", "cdlOffset", "cdlPower", "cdlSaturation"))
+    np.testing.assert_allclose(np.frombuffer(numbers, "<f4"), [1.1, 1, 0.9, 0, 0.25, 0, 1, 1, 2, 0.5], rtol=1e-6)
+    assert np.frombuffer(rgba["pullfocus:filmPush"][1], "<f4") == 1
+    assert not {"pullfocus:look", "pullfocus:cdlSlope", "pullfocus:filmProcess"} & set(plain)

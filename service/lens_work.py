@@ -87,3 +87,16 @@ class DrawLibraryLens:
         from service.reading_lenses import draw_lens
 
         return draw_lens(self.name)
+
+
+@dataclass(frozen=True)
+class DrawLensSheet:
+    """A sheet about one lens of the library: PNG."""
+
+    name: str
+
+    def run(self, opened: OpenedShots) -> bytes:
+        """Raises `NotFoundError`."""
+        from service.reading_lenses import draw_lens_sheet
+
+        return draw_lens_sheet(self.name)

@@ -47,6 +47,20 @@ def draw_lens(name: str) -> bytes:
     return section_svg(library_lens_alone(name).camera)
 
 
+@lru_cache(maxsize=16)
+def draw_lens_sheet(name: str) -> bytes:
+    """All about a lens of the library on one sheet, wide open and focused at infinity: PNG.
+
+    Raises:
+        NotFoundError: there is none of that name.
+    """
+    from render.drawing import lens_sheet
+    from render.optics.report import lens_report
+
+    lens = library_lens_alone(name)
+    return lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png")
+
+
 def _summary(entry: LibraryLens) -> LensSummary:
     return LensSummary(
         name=entry.name,

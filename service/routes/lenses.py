@@ -7,16 +7,24 @@ from typing import Annotated
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from service.hub import HubDep
-from service.lens_work import DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
+from service.lens_work import DrawLensSheet, DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
-from service.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
+from service.routes.parameters import (
+    DRAWING_KEPT_S,
+    SHEET,
+    CameraQuery,
+    ShotId,
+    TermsDep,
+    problems,
+    sheet,
+    tagged,
+)
 from service.upload import lens_file_name
 
 router = APIRouter(tags=["lenses"])
 
 SVG = "image/svg+xml"
-SECTION_KEPT_S = 3600
 
 LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
 
@@ -43,7 +51,18 @@ async def get_lens(hub: HubDep, name: LensName) -> Lens:
 async def get_lens_section(hub: HubDep, name: LensName) -> Response:
     """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
     section = await hub.ask_stage(DrawLibraryLens(name))
-    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={SECTION_KEPT_S}"})
+    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
+
+
+@router.get(
+    "/lenses/{name}/sheet.png",
+    operation_id="getLensSheet",
+    response_class=Response,
+    responses=problems(404, 503, 504) | SHEET,
+)
+async def get_lens_sheet(hub: HubDep, name: LensName) -> Response:
+    """All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
+    return sheet(await hub.ask_stage(DrawLensSheet(name)))
 
 
 @router.put(

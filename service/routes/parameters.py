@@ -52,6 +52,17 @@ def _terms(
 
 TermsDep = Annotated[Terms, Depends(_terms)]
 
+SHEET: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}, "description": "The sheet."}
+}
+"""OpenAPI's description of an answer by `sheet`."""
+DRAWING_KEPT_S = 3600
+
+
+def sheet(png: bytes) -> Response:
+    """A sheet about something of a library as an answer; browsers may keep it for a while."""
+    return Response(png, media_type="image/png", headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
+
 
 def tagged(response: Response, etag: str) -> None:
     """Give an answer the entity tag of what it is about.
@@ -69,7 +80,7 @@ def tagged(response: Response, etag: str) -> None:
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI's description of the errors that a route answers with, beside 422."""
     said = {
-        404: "There is no such shot, camera, lens, focus point, key or revision.",
+        404: "There is no such shot, camera, lens, film, body, focus point, key or revision.",
         409: "`superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`.",
         412: "Somebody changed it since it was read: its `ETag` is not what `If-Match` says.",
         413: "More was sent, or unpacked, than is taken.",

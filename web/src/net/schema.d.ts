@@ -64,6 +64,106 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/bodies": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Bodies
+         * @description Camera bodies and film formats, whose names are what an edit of a camera takes as `body`; and shapes of pictures.
+         */
+        readonly get: operations["listBodies"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/bodies/{name}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Body
+         * @description A camera body, and what it shows: fields of view, and framing guides for usual shapes of pictures.
+         */
+        readonly get: operations["getBody"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/films": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Films
+         * @description The film library; the names of its camera stocks are what an edit of a camera's film takes as `stock`.
+         */
+        readonly get: operations["listFilms"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/films/{name}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Film
+         * @description A stock of the library, and what is known of it. A part of the name that no other has is enough.
+         */
+        readonly get: operations["getFilm"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/films/{name}/sheet.png": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Film Sheet
+         * @description All about a stock on one sheet: its curves, a ramp of greys, a colour chart, its grain, and a scene on it.
+         */
+        readonly get: operations["getFilmSheet"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/lenses": {
         readonly parameters: {
             readonly query?: never;
@@ -116,6 +216,26 @@ export interface paths {
          * @description A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity.
          */
         readonly get: operations["getLensSection"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/lenses/{name}/sheet.png": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Lens Sheet
+         * @description All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh.
+         */
+        readonly get: operations["getLensSheet"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -657,6 +777,104 @@ export interface components {
              */
             readonly target: readonly string[];
         };
+        /**
+         * Body
+         * @description A camera body, and what it shows.
+         * @example {
+         *       "aspect": 1.3339,
+         *       "cropFactor": 1.391,
+         *       "description": "The full width of 35 mm film, four perforations high.",
+         *       "fieldsOfView": [
+         *         {
+         *           "diagonalDeg": 47.9,
+         *           "focalLengthMm": 35,
+         *           "fullFrameMm": 48.7,
+         *           "horizontalDeg": 39.1,
+         *           "verticalDeg": 29.9
+         *         }
+         *       ],
+         *       "framingGuides": [
+         *         {
+         *           "aspect": 2.39,
+         *           "gateMm": [
+         *             24.89,
+         *             10.41
+         *           ],
+         *           "name": "2.39:1",
+         *           "shareOfGate": [
+         *             1,
+         *             0.558
+         *           ]
+         *         }
+         *       ],
+         *       "gateMm": [
+         *         24.89,
+         *         18.66
+         *       ],
+         *       "kind": "film",
+         *       "name": "super35_4perf",
+         *       "squeeze": 1,
+         *       "title": "Super 35 4-perf"
+         *     }
+         */
+        readonly Body: {
+            /**
+             * Aspect
+             * @description Width over height of the picture as it is seen.
+             */
+            readonly aspect: number;
+            /**
+             * Cropfactor
+             * @description How many times as long a lens shows the same corner to corner on full frame.
+             */
+            readonly cropFactor: number;
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /** Fieldsofview */
+            readonly fieldsOfView: readonly components["schemas"]["FieldOfView"][];
+            /** Framingguides */
+            readonly framingGuides: readonly components["schemas"]["FramingGuide"][];
+            /**
+             * Gatemm
+             * @description Width and height of what is exposed.
+             */
+            readonly gateMm: readonly [
+                number,
+                number
+            ];
+            /**
+             * Kind
+             * @description What is behind the gate.
+             * @enum {string}
+             */
+            readonly kind: "film" | "digital";
+            /**
+             * Name
+             * @description Names the body in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Resolution
+             * @description Photosites across and up; null for film.
+             */
+            readonly resolution: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Squeeze
+             * @description Of the anamorphic lenses that it is made for; 1 is spherical.
+             */
+            readonly squeeze: number;
+            /**
+             * Title
+             * @description What people call it.
+             */
+            readonly title: string;
+        };
         /** Body_createShot */
         readonly Body_createShot: {
             /**
@@ -686,6 +904,113 @@ export interface components {
              * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.
              */
             readonly file: string;
+        };
+        /**
+         * BodyList
+         * @description The library of bodies, and the shapes that pictures are framed for.
+         * @example {
+         *       "bodies": [
+         *         {
+         *           "aspect": 1.3339,
+         *           "cropFactor": 1.391,
+         *           "description": "The full width of 35 mm film, four perforations high.",
+         *           "gateMm": [
+         *             24.89,
+         *             18.66
+         *           ],
+         *           "kind": "film",
+         *           "name": "super35_4perf",
+         *           "squeeze": 1,
+         *           "title": "Super 35 4-perf"
+         *         }
+         *       ],
+         *       "shapes": [
+         *         {
+         *           "aspect": 2.39,
+         *           "name": "2.39:1"
+         *         }
+         *       ]
+         *     }
+         */
+        readonly BodyList: {
+            /** Bodies */
+            readonly bodies: readonly components["schemas"]["BodySummary"][];
+            /**
+             * Shapes
+             * @description Widest first.
+             */
+            readonly shapes: readonly components["schemas"]["Shape"][];
+        };
+        /**
+         * BodySummary
+         * @description A camera body, or the gate of a film format.
+         * @example {
+         *       "aspect": 1.3339,
+         *       "cropFactor": 1.391,
+         *       "description": "The full width of 35 mm film, four perforations high.",
+         *       "gateMm": [
+         *         24.89,
+         *         18.66
+         *       ],
+         *       "kind": "film",
+         *       "name": "super35_4perf",
+         *       "squeeze": 1,
+         *       "title": "Super 35 4-perf"
+         *     }
+         */
+        readonly BodySummary: {
+            /**
+             * Aspect
+             * @description Width over height of the picture as it is seen.
+             */
+            readonly aspect: number;
+            /**
+             * Cropfactor
+             * @description How many times as long a lens shows the same corner to corner on full frame.
+             */
+            readonly cropFactor: number;
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /**
+             * Gatemm
+             * @description Width and height of what is exposed.
+             */
+            readonly gateMm: readonly [
+                number,
+                number
+            ];
+            /**
+             * Kind
+             * @description What is behind the gate.
+             * @enum {string}
+             */
+            readonly kind: "film" | "digital";
+            /**
+             * Name
+             * @description Names the body in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Resolution
+             * @description Photosites across and up; null for film.
+             */
+            readonly resolution: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Squeeze
+             * @description Of the anamorphic lenses that it is made for; 1 is spherical.
+             */
+            readonly squeeze: number;
+            /**
+             * Title
+             * @description What people call it.
+             */
+            readonly title: string;
         };
         /**
          * CameraChoice
@@ -1027,6 +1352,284 @@ export interface components {
              * @description Names it; a shot's `revision` is that of its present one.
              */
             readonly revision: string;
+        };
+        /**
+         * FieldOfView
+         * @description What is seen through a lens without distortion that is focused at infinity.
+         * @example {
+         *       "diagonalDeg": 47.9,
+         *       "focalLengthMm": 35,
+         *       "fullFrameMm": 48.7,
+         *       "horizontalDeg": 39.1,
+         *       "verticalDeg": 29.9
+         *     }
+         */
+        readonly FieldOfView: {
+            /** Diagonaldeg */
+            readonly diagonalDeg: number;
+            /** Focallengthmm */
+            readonly focalLengthMm: number;
+            /**
+             * Fullframemm
+             * @description The focal length that shows as much on full frame.
+             */
+            readonly fullFrameMm: number;
+            /** Horizontaldeg */
+            readonly horizontalDeg: number;
+            /** Verticaldeg */
+            readonly verticalDeg: number;
+        };
+        /**
+         * Film
+         * @description A stock of the library, and what is known of it.
+         * @example {
+         *       "balanceK": 3200,
+         *       "curves": {
+         *         "blue": [],
+         *         "green": [
+         *           [
+         *             -3,
+         *             0.62
+         *           ],
+         *           [
+         *             0.5,
+         *             2.4
+         *           ]
+         *         ],
+         *         "red": [
+         *           [
+         *             -3,
+         *             0.19
+         *           ],
+         *           [
+         *             0.5,
+         *             1.9
+         *           ]
+         *         ]
+         *       },
+         *       "densitometry": "Status M",
+         *       "description": "Colour negative for tungsten light, for low light and night.",
+         *       "granularity": {
+         *         "green": [
+         *           [
+         *             0.7,
+         *             0.011
+         *           ]
+         *         ]
+         *       },
+         *       "granularityFromBase": false,
+         *       "kind": "camera",
+         *       "middleGray": -1.16,
+         *       "name": "vision3_500t_5219",
+         *       "printStock": "vision_2383",
+         *       "process": "negative",
+         *       "relativeExposure": true,
+         *       "speed": 500,
+         *       "title": "Kodak VISION3 500T 5219/7219",
+         *       "year": 2007
+         *     }
+         */
+        readonly Film: {
+            /**
+             * Balancek
+             * @description Colour temperature of the light it is made for; null where none is.
+             */
+            readonly balanceK: number | null;
+            readonly curves: components["schemas"]["FilmCurves"];
+            /**
+             * Densitometry
+             * @description How density was measured.
+             */
+            readonly densitometry: string;
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /**
+             * Granularity
+             * @description By channel: density, and its standard deviation through a round 48 µm aperture; empty where unknown.
+             */
+            readonly granularity: {
+                readonly [key: string]: readonly (readonly [
+                    number,
+                    number
+                ])[];
+            };
+            /**
+             * Granularityfrombase
+             * @description Whether the densities of `granularity` count from the base.
+             */
+            readonly granularityFromBase: boolean;
+            /**
+             * Kind
+             * @description Whether it goes in a camera, or negatives are printed on it.
+             * @enum {string}
+             */
+            readonly kind: "camera" | "print";
+            /**
+             * Middlegray
+             * @description Log exposure where a metered 18 % grey lands; null for print stocks.
+             */
+            readonly middleGray: number | null;
+            /**
+             * Name
+             * @description Names the stock in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Printstock
+             * @description What it is printed on unless a shot says otherwise; null for none.
+             */
+            readonly printStock: string | null;
+            /**
+             * Process
+             * @enum {string}
+             */
+            readonly process: "none" | "negative" | "reversal" | "monochrome" | "digital";
+            /**
+             * Relativeexposure
+             * @description Whether log exposures are relative; else they are of lux-seconds.
+             */
+            readonly relativeExposure: boolean;
+            /**
+             * Speed
+             * @description ISO; null for a print stock.
+             */
+            readonly speed: number | null;
+            /**
+             * Title
+             * @description What stands on the box.
+             */
+            readonly title: string;
+            /**
+             * Year
+             * @description Of the data sheet.
+             */
+            readonly year: number;
+        };
+        /**
+         * FilmCurves
+         * @description Knots (log10 exposure, density) of each record; of black and white the green one alone.
+         * @example {
+         *       "blue": [],
+         *       "green": [
+         *         [
+         *           -3,
+         *           0.62
+         *         ],
+         *         [
+         *           0.5,
+         *           2.4
+         *         ]
+         *       ],
+         *       "red": [
+         *         [
+         *           -3,
+         *           0.19
+         *         ],
+         *         [
+         *           0.5,
+         *           1.9
+         *         ]
+         *       ]
+         *     }
+         */
+        readonly FilmCurves: {
+            /** Blue */
+            readonly blue: readonly (readonly [
+                number,
+                number
+            ])[];
+            /** Green */
+            readonly green: readonly (readonly [
+                number,
+                number
+            ])[];
+            /** Red */
+            readonly red: readonly (readonly [
+                number,
+                number
+            ])[];
+        };
+        /**
+         * FilmList
+         * @description The film library.
+         * @example {
+         *       "films": [
+         *         {
+         *           "balanceK": 3200,
+         *           "description": "Colour negative for tungsten light, for low light and night.",
+         *           "kind": "camera",
+         *           "name": "vision3_500t_5219",
+         *           "process": "negative",
+         *           "speed": 500,
+         *           "title": "Kodak VISION3 500T 5219/7219",
+         *           "year": 2007
+         *         }
+         *       ]
+         *     }
+         */
+        readonly FilmList: {
+            /** Films */
+            readonly films: readonly components["schemas"]["FilmSummary"][];
+        };
+        /**
+         * FilmSummary
+         * @description A stock of the library.
+         * @example {
+         *       "balanceK": 3200,
+         *       "description": "Colour negative for tungsten light, for low light and night.",
+         *       "kind": "camera",
+         *       "name": "vision3_500t_5219",
+         *       "process": "negative",
+         *       "speed": 500,
+         *       "title": "Kodak VISION3 500T 5219/7219",
+         *       "year": 2007
+         *     }
+         */
+        readonly FilmSummary: {
+            /**
+             * Balancek
+             * @description Colour temperature of the light it is made for; null where none is.
+             */
+            readonly balanceK: number | null;
+            /**
+             * Description
+             * @description One line.
+             */
+            readonly description: string;
+            /**
+             * Kind
+             * @description Whether it goes in a camera, or negatives are printed on it.
+             * @enum {string}
+             */
+            readonly kind: "camera" | "print";
+            /**
+             * Name
+             * @description Names the stock in addresses, on the command line and in edits of a camera.
+             */
+            readonly name: string;
+            /**
+             * Process
+             * @enum {string}
+             */
+            readonly process: "none" | "negative" | "reversal" | "monochrome" | "digital";
+            /**
+             * Speed
+             * @description ISO; null for a print stock.
+             */
+            readonly speed: number | null;
+            /**
+             * Title
+             * @description What stands on the box.
+             */
+            readonly title: string;
+            /**
+             * Year
+             * @description Of the data sheet.
+             */
+            readonly year: number;
         };
         /**
          * Finding
@@ -1796,6 +2399,52 @@ export interface components {
             readonly framesPerSecond: number;
             /** Start */
             readonly start: number;
+        };
+        /**
+         * FramingGuide
+         * @description The largest picture of a shape within the gate, in its middle.
+         * @example {
+         *       "aspect": 2.39,
+         *       "gateMm": [
+         *         24.89,
+         *         10.41
+         *       ],
+         *       "name": "2.39:1",
+         *       "shareOfGate": [
+         *         1,
+         *         0.558
+         *       ]
+         *     }
+         */
+        readonly FramingGuide: {
+            /**
+             * Aspect
+             * @description Width over height.
+             */
+            readonly aspect: number;
+            /** Gatemm */
+            readonly gateMm: readonly [
+                number,
+                number
+            ];
+            /** Name */
+            readonly name: string;
+            /**
+             * Resolution
+             * @description Photosites within it; null for film.
+             */
+            readonly resolution: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Shareofgate
+             * @description Of its width and of its height.
+             */
+            readonly shareOfGate: readonly [
+                number,
+                number
+            ];
         };
         /**
          * Health
@@ -2786,6 +3435,23 @@ export interface components {
             readonly revision: string;
         };
         /**
+         * Shape
+         * @description A shape that pictures are delivered in.
+         * @example {
+         *       "aspect": 2.39,
+         *       "name": "2.39:1"
+         *     }
+         */
+        readonly Shape: {
+            /**
+             * Aspect
+             * @description Width over height.
+             */
+            readonly aspect: number;
+            /** Name */
+            readonly name: string;
+        };
+        /**
          * Shot
          * @description A stored shot and what does not change while it is looked at.
          * @example {
@@ -3081,6 +3747,280 @@ export interface operations {
             };
         };
     };
+    readonly listBodies: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["BodyList"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getBody: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description To tell fields of view for; usual ones when left out. */
+                readonly focalLengthMm?: readonly number[] | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A body's name. */
+                readonly name: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Body"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listFilms: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FilmList"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFilm: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A stock's name. */
+                readonly name: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Film"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFilmSheet: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A stock's name. */
+                readonly name: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The sheet. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/png": string;
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly listLenses: {
         readonly parameters: {
             readonly query?: never;
@@ -3149,7 +4089,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Lens"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3208,7 +4148,66 @@ export interface operations {
                     readonly "image/svg+xml": string;
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getLensSheet: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A lens's name. */
+                readonly name: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The sheet. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/png": string;
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3356,7 +4355,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3413,7 +4412,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3459,7 +4458,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3530,7 +4529,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3603,7 +4602,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3674,7 +4673,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3756,7 +4755,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3836,7 +4835,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusSettings"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -3916,7 +4915,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraState"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4005,7 +5004,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["CameraList"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4074,7 +5073,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4125,7 +5124,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4193,7 +5192,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4258,7 +5257,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4341,7 +5340,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["EditHistory"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4431,7 +5430,7 @@ export interface operations {
                     readonly "text/plain": string;
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4508,7 +5507,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["ImportedCurve"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4592,7 +5591,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPointList"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4665,7 +5664,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4740,7 +5739,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4807,7 +5806,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4891,7 +5890,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -4975,7 +5974,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5057,7 +6056,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FocusPoint"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5163,7 +6162,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5231,7 +6230,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Inspection"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5294,7 +6293,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Pick"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5365,7 +6364,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Rack"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5438,7 +6437,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Readout"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -5512,7 +6511,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["PlaceReadout"];
                 };
             };
-            /** @description There is no such shot, camera, lens, focus point, key or revision. */
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
             readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;

@@ -1,0 +1,76 @@
+"""What the stage process is asked about the libraries of films and bodies; see `service.stage_work`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from service.models.bodies import Body, BodyList
+from service.models.films import Film, FilmList
+from service.opened import OpenedShots
+
+
+@dataclass(frozen=True)
+class ListFilms:
+    """The film library."""
+
+    def run(self, opened: OpenedShots) -> FilmList:
+        """All of it."""
+        from service.reading_films import list_films
+
+        return list_films()
+
+
+@dataclass(frozen=True)
+class ReadLibraryFilm:
+    """One stock of the library."""
+
+    name: str
+
+    def run(self, opened: OpenedShots) -> Film:
+        """Raises `NotFoundError`."""
+        from service.reading_films import read_film
+
+        return read_film(self.name)
+
+
+@dataclass(frozen=True)
+class DrawLibraryFilm:
+    """A sheet about one stock of the library: PNG."""
+
+    name: str
+
+    def run(self, opened: OpenedShots) -> bytes:
+        """Raises `NotFoundError`."""
+        from service.reading_films import draw_film
+
+        return draw_film(self.name)
+
+
+@dataclass(frozen=True)
+class ListBodies:
+    """The library of camera bodies."""
+
+    def run(self, opened: OpenedShots) -> BodyList:
+        """All of it."""
+        from service.reading_bodies import list_bodies
+
+        return list_bodies()
+
+
+@dataclass(frozen=True)
+class ReadLibraryBody:
+    """One body of the library.
+
+    Attributes:
+        name: of it.
+        focal_lengths_mm: to tell fields of view for.
+    """
+
+    name: str
+    focal_lengths_mm: tuple[float, ...]
+
+    def run(self, opened: OpenedShots) -> Body:
+        """Raises `NotFoundError`."""
+        from service.reading_bodies import read_body
+
+        return read_body(self.name, list(self.focal_lengths_mm))

@@ -12,7 +12,7 @@ from pxr import Usd
 from render.film import Grade, GradeChoice
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
-from render.shot.finish import finish_of
+from render.shot.finish import Finish, finish_of
 from render.shot.shot import Shot
 from render.shutter import moments, shares
 
@@ -71,6 +71,23 @@ def make_picture(
     # What is wrong with the finish is told before anything slow is done.
     finish = finish_of(shot.stage, lens, time, grade, stock, choice)
     frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
+    return picture_of(shot, frame, lens, time, settings, finish)
+
+
+def picture_of(shot: Shot, frame: Frame, lens: Camera, time: float, settings: FrameSettings, finish: Finish) -> Picture:
+    """Expose, develop and grade what fell on the film, and say what it is.
+
+    Args:
+        shot: the shot.
+        frame: of it.
+        lens: the camera that took it.
+        time: USD time code.
+        settings: how it was rendered.
+        finish: how it is finished.
+
+    Raises:
+        SettingsError: it cannot be finished so.
+    """
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
     metadata = FrameMetadata(
         camera=lens,

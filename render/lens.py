@@ -60,6 +60,7 @@ class Surface:
         conic: conic constant K.
         aspheric: coefficients of r⁴, r⁶, ...
         is_stop: whether this is the aperture stop.
+        coating_nm: wavelength for which its quarter-wave coating is made; 0 for bare glass. Only between glass and air is there one.
     """
 
     radius_mm: float
@@ -69,6 +70,7 @@ class Surface:
     conic: float = 0.0
     aspheric: tuple[float, ...] = ()
     is_stop: bool = False
+    coating_nm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,8 @@ class Lens:
         pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
             to the centre's, and takes the place of the lens's own spherical aberration. Empty for that.
         expressive_blend: from the lens's own (0) to what is drawn (1).
+        ghosts: strength of the reflections between pairs of surfaces: 0 off, 1 as the surfaces have them.
+        star: strength of the diffraction at the iris: 0 off, 1 as it is.
     """
 
     model: LensModel = "thin"
@@ -208,6 +212,8 @@ class Lens:
     close_focus_m: float = 0.0
     pupil_power: tuple[float, ...] = ()
     expressive_blend: float = 0.0
+    ghosts: float = 0.0
+    star: float = 0.0
 
 
 THIN_LENS = Lens()

@@ -130,7 +130,7 @@ def _trace(
         vertex = np.array([0.0, 0.0, vertices_mm[i]])
         local, hit = intersect(surface, positions - vertex, headings)
         rim = _rim_mm(surface, stop_radius_mm) if clip else np.inf
-        headings, refracted = _refract(surface, local, headings, before / behind)
+        headings, refracted = refract(surface, local, headings, before / behind)
         fate = _fate(local, hit, refracted, rim)
         newly = (fate != Fate.PASSES) & (stopped_by == PASSES)
         stopped_by[newly], fates[newly] = i, fate[newly]
@@ -164,7 +164,7 @@ def _fate(local: DoubleArray, hit: NDArray[np.bool_], refracted: NDArray[np.bool
     return fate
 
 
-def _refract(
+def refract(
     surface: Surface, local: DoubleArray, directions: DoubleArray, ratio: float | DoubleArray
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Snell's law in vector form (Welford 1986, ch. 4).

@@ -40,6 +40,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         glass=tuple(s.glass.name for s in surfaces) if any(s.glass.name for s in surfaces) else (),
         clear_diameter=_unless_zero(2 * surface.semi_diameter_mm for surface in surfaces),
         conic=_unless_zero(surface.conic for surface in surfaces),
+        coating_wavelength=_unless_zero(surface.coating_nm for surface in surfaces),
         stop_surface=stops[0] if stops else -1,
         focus_group=prescription.focus_group or (-1, -1),
         **{

@@ -62,6 +62,9 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
         raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _shown(data.pupil_power))
     if not 0 <= data.expressive_blend <= 1:
         raise _error(camera, "lens:expressive:blend", "from 0 to 1", f"{data.expressive_blend:g}")
+    if not min(data.flare_ghosts, data.flare_star) >= 0:
+        got = f"{data.flare_ghosts:g} and {data.flare_star:g}"
+        raise _error(camera, "lens:flare:ghosts and lens:flare:star", "0 or more", got)
     model: LensModel = "thin" if data.model == "dataSheet" else data.model
     surfaces = _prescription(data, camera) if model in ("prescription", *_SURFACES) else None
     return Lens(
@@ -76,6 +79,8 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
         close_focus_m=data.close_focus / 1000,
         pupil_power=data.pupil_power,
         expressive_blend=data.expressive_blend,
+        ghosts=data.flare_ghosts,
+        star=data.flare_star,
     )
 
 
@@ -130,6 +135,7 @@ def _prescription(data: LensData, camera: str) -> Prescription:
                 columns["conic"][i],
                 _terms([columns[field][i] for field in ASPHERIC]),
                 i == rows.stop_surface,
+                columns["coating_wavelength"][i],
             )
             for i in range(count)
         ),
@@ -145,7 +151,7 @@ _NOTHING: dict[str, Any] = {
     "glass": "",
     "index": 1.0,
 }
-_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", *_NOTHING, *ASPHERIC)
+_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_wavelength", *_NOTHING, *ASPHERIC)
 
 
 def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:

@@ -60,7 +60,7 @@ class Surface:
         conic: conic constant K.
         aspheric: coefficients of r⁴, r⁶, ...
         is_stop: whether this is the aperture stop.
-        coating_nm: wavelength for which its quarter-wave coating is made; 0 for bare glass. Only between glass and air is there one.
+        coating_nm: wavelength that its quarter-wave coating is made for; 0 for bare glass. Cemented surfaces have none.
     """
 
     radius_mm: float

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 
 from render.film.curve import DoubleArray, Knots
-from render.film.noise import normal_rows
+from render.film.noise import normal_noise
 from render.scene import FloatArray
 
 APERTURE_UM = 48.0
@@ -51,13 +51,24 @@ def grain_field(
         ``shape`` float32, of mean 0; the same whether it is made at once or in tiles.
     """
     height, width, records = shape
-    across, down = (_kernel(size_um / 2 / pixel) for pixel in pixel_um)
+    across, down = grain_kernels(pixel_um, size_um)
     reach_x, reach_y = len(across) // 2, len(down) // 2
     rows = range(first_row - reach_y, first_row + height + reach_y)
-    noise = normal_rows(rows, first_column + width + 2 * reach_x, records, frame=frame, seed=seed)[:, first_column:]
+    columns = range(first_column - reach_x, first_column + width + reach_x)
+    noise = normal_noise(rows, columns, records, frame=frame, seed=seed)
     noise = _convolved(_convolved(noise, down, 0), across, 1)
-    noise *= np.float32(math.sqrt(_power_um2(size_um) / (pixel_um[0] * pixel_um[1])))
+    noise *= np.float32(grain_scale(pixel_um, size_um))
     return noise
+
+
+def grain_kernels(pixel_um: tuple[float, float], size_um: float) -> tuple[DoubleArray, DoubleArray]:
+    """What noise is convolved with, across and down, to be grain: of odd lengths and of sum 1."""
+    return _kernel(size_um / 2 / pixel_um[0]), _kernel(size_um / 2 / pixel_um[1])
+
+
+def grain_scale(pixel_um: tuple[float, float], size_um: float) -> float:
+    """What such noise is multiplied by, to scatter by 1 through the 48 µm aperture."""
+    return math.sqrt(_power_um2(size_um) / (pixel_um[0] * pixel_um[1]))
 
 
 def add_grain(density: FloatArray, granularity: tuple[Knots, ...], field: FloatArray, amount: float) -> FloatArray:

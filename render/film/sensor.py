@@ -9,7 +9,7 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.film.curve import DoubleArray
-from render.film.noise import normal_rows
+from render.film.noise import normal_noise
 from render.film.stock import MIDDLE_GREY
 from render.scene import FloatArray
 
@@ -87,7 +87,7 @@ def expose_sensor(light: FloatArray, sensor: SensorSettings, *, frame: int, seed
     averaged = max(1.0, math.prod(sensor.photosites) / (height * width))
     electrons = light * scale.astype(np.float32)
     variance = (np.maximum(electrons, 0) + np.float32(sensor.read_noise_e**2)) / np.float32(averaged)
-    electrons += np.sqrt(variance) * normal_rows(range(height), width, 3, frame=frame, seed=seed)
+    electrons += np.sqrt(variance) * normal_noise(range(height), range(width), 3, frame=frame, seed=seed)
     electrons /= scale.astype(np.float32)
     if sensor.clip_stops:
         np.minimum(electrons, np.float32(sensor.clip), out=electrons)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.signal import fftconvolve
+from scipy.stats import kstest
 
 from render.film.grain import APERTURE_UM, add_grain, grain_field
-from render.film.noise import normal_rows
+from render.film.noise import normal_noise
 from render.film.process import densities, develop_on_film, with_grain
 from render.film.settings import film_settings
 from render.film.stock import MIDDLE_GREY, camera_stock
@@ -83,12 +84,21 @@ def test_tiles_of_grain_fit_together(size_um: float) -> None:
     assert (tile == whole[33:73, 21:46]).all()
 
 
-def test_rows_of_noise_belong_to_their_place() -> None:
-    rows = normal_rows(range(-3, 100), 400, 2, frame=1, seed=-5)
-    assert (rows[50:60] == normal_rows(range(47, 57), 400, 2, frame=1, seed=-5)).all()
-    assert rows.mean() == pytest.approx(0, abs=0.02)
-    assert rows.std() == pytest.approx(1, abs=0.02)
-    assert abs(np.corrcoef(rows[0].ravel(), rows[1].ravel())[0, 1]) < 0.15
+def test_noise_belongs_to_its_place() -> None:
+    noise = normal_noise(range(-3, 100), range(-7, 393), 3, frame=1, seed=-5)
+    assert (noise[50:60, 20:30] == normal_noise(range(47, 57), range(13, 23), 3, frame=1, seed=-5)).all()
+
+
+def test_noise_is_normal_and_white() -> None:
+    noise = normal_noise(range(512), range(512), 4, frame=3, seed=8)
+    assert kstest(noise[..., 0].ravel(), "norm").pvalue > 1e-3
+    assert kstest(noise[..., 3].ravel(), "norm").pvalue > 1e-3
+    power = np.abs(np.fft.fft2(noise[..., 1])) ** 2 / 512**2
+    assert kstest(power[1:256].ravel(), "expon").pvalue > 1e-3, "no frequency is stronger than another"
+    others = (noise[:-1] * noise[1:], noise[:, :-1] * noise[:, 1:], noise[..., :3] * noise[..., 1:])
+    later = noise * normal_noise(range(512), range(512), 4, frame=4, seed=8)
+    for product in (*others, later, noise * normal_noise(range(512), range(512), 4, frame=3, seed=9)):
+        assert abs(product.mean()) < 4.5 / np.sqrt(product.size)
 
 
 def test_grain_of_the_negative_comes_out_in_the_print_with_its_contrast() -> None:

@@ -1,9 +1,9 @@
-"""All that can be set and keyed on a camera to focus it, by name and in this package's units."""
+"""All that can be set and keyed on a camera: lens, focus, exposure and film, by name and in this package's units."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -12,11 +12,14 @@ from pxr import Sdf, Usd
 
 from render.errors import NotFoundError, SettingsError
 from render.focus.curve import FAR_AWAY_M
+from render.near_names import hint
+from render.optics.exposure import check_positive
 from render.shot.edits import set_value
-from usd_schemas import FocusData, Key, LensCamera, TiltShiftData
+from usd_schemas import FilmData, FocusData, Key, LensCamera, TiltShiftData
 from usd_schemas.applying import applied
 from usd_schemas.keys import keys, remove_key, set_key
 from usd_schemas.units import tenths_from_mm, units_from_metres
+from usd_schemas.values import read_value
 
 LENS_SETTINGS = {"f_stop": "fStop", "focal_length_mm": "focalLength", "focus_distance_m": "focusDistance"}
 """What every USD camera has."""
@@ -28,6 +31,38 @@ FOCUS_SETTINGS = {
 }
 """What schemas bring, by the names of their fields: schema and property."""
 
+EXPOSURE_SETTINGS = {
+    "exposure_time_s": ("", "exposure:time"),
+    "iso": ("", "exposure:iso"),
+    "exposure_f_stop": ("", "exposure:fStop"),
+    "compensation_stops": ("", "exposure"),
+    "responsivity": ("", "exposure:responsivity"),
+    "shutter_open": ("", "shutter:open"),
+    "shutter_close": ("", "shutter:close"),
+    "transmittance": ("LensAPI", "lens:transmittance"),
+    "neutral_density": ("LensAPI", "lens:neutralDensity"),
+    "stop_marking": ("LensAPI", "lens:stopMarking"),
+    "natural_vignetting": ("LensAPI", "lens:naturalVignetting"),
+}
+"""How much light falls on the film, and when: schema, empty for what every USD camera has, and property."""
+
+
+def _film_properties(kind: type = FilmData, group: str = "") -> Iterator[tuple[str, tuple[str, str]]]:
+    for item in fields(kind):
+        if "group" in item.metadata:
+            yield from _film_properties(item.metadata["group"], f"{item.name}_")
+        elif "usd" in item.metadata:
+            yield f"{group}{item.name}", ("FilmAPI", item.metadata["usd"])
+
+
+FILM_SETTINGS = dict(_film_properties())
+"""FilmAPI by the names of `FilmData`'s fields, those of its groups after the group's: ``push``, ``grain_amount``."""
+
+_SETTINGS = (
+    {name: ("", usd) for name, usd in LENS_SETTINGS.items()} | FOCUS_SETTINGS | EXPOSURE_SETTINGS | FILM_SETTINGS
+)
+_POSITIVE = ("exposure_time_s", "iso", "exposure_f_stop", "responsivity")
+
 
 @dataclass(frozen=True)
 class CameraAttribute:
@@ -35,7 +70,7 @@ class CameraAttribute:
 
     Attributes:
         camera: the camera.
-        name: a key of `LENS_SETTINGS` or `FOCUS_SETTINGS`.
+        name: a key of `LENS_SETTINGS`, `FOCUS_SETTINGS`, `EXPOSURE_SETTINGS` or `FILM_SETTINGS`.
 
     Raises:
         SettingsError: it is none of these.
@@ -46,15 +81,19 @@ class CameraAttribute:
 
     def __post_init__(self) -> None:
         """Check the name."""
-        if self.name not in LENS_SETTINGS and self.name not in FOCUS_SETTINGS:
-            known = ", ".join((*LENS_SETTINGS, *FOCUS_SETTINGS))
-            raise SettingsError(f"a camera has the settings {known}; got {self.name!r}", code="bad_field")
+        if self.name not in _SETTINGS:
+            raise SettingsError(
+                f"a camera has no setting {self.name!r}: {hint(self.name, list(_SETTINGS))}", code="bad_field"
+            )
 
     @property
     def usd(self) -> Usd.Attribute:
         """The USD attribute; invalid where its schema is not applied."""
-        name = LENS_SETTINGS.get(self.name) or FOCUS_SETTINGS[self.name][1]
-        return self.camera.prim.GetAttribute(name)
+        return self.camera.prim.GetAttribute(_SETTINGS[self.name][1])
+
+    def value(self, time: float) -> Any:
+        """What it is at a USD time code; None where its schema is not applied, or it has no value of its type."""
+        return read_value(self.usd, time) if self.usd else None
 
     def keys(self) -> list[Key]:
         """Its keys in order of time."""
@@ -114,6 +153,8 @@ class CameraAttribute:
         return units_from_metres(1.0, stage) if self.name == "focus_distance_m" else 1.0
 
     def _in_usd(self, value: Any) -> Any:
+        if self.name in _POSITIVE:
+            check_positive(self.name.replace("_", " "), value)
         if self.name not in LENS_SETTINGS:
             return value
         _check_lens_setting(self.name, value)
@@ -128,9 +169,8 @@ class CameraAttribute:
 
     def _schema(self) -> AbstractContextManager[None]:
         """Where a schema brings it, have that applied."""
-        if self.name in LENS_SETTINGS:
-            return nullcontext()
-        return applied(self.camera.prim, FOCUS_SETTINGS[self.name][0])
+        schema = _SETTINGS[self.name][0]
+        return applied(self.camera.prim, schema) if schema else nullcontext()
 
 
 def author_settings(camera: LensCamera, values: Mapping[str, Any], time: float | None) -> None:

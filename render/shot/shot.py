@@ -8,8 +8,8 @@ from typing import Any
 from render.errors import NotFoundError, SettingsError
 from render.focus.racks import Rack
 from render.shot.anchor import Picked, anchored
-from render.shot.camera_edits import CameraEdits
 from render.shot.lens import set_focus_mode
+from render.shot.photography_edits import PhotographyEdits
 from render.shot.racking import pull_rack
 from render.shot.view import checked_time
 from usd_schemas import FocusPoint, FocusPointView, Interpolation, Tangents
@@ -17,7 +17,7 @@ from usd_schemas.racks import WeightRack
 from usd_schemas.topology import topology_under
 
 
-class Shot(CameraEdits):
+class Shot(PhotographyEdits):
     """A USD stage, its cameras and focus, and the layer of edits over it.
 
     Each edit goes to the edit layer (`render.shot.edits`); no file of the user's is ever written. An edit that fails

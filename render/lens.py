@@ -193,6 +193,8 @@ class Lens:
         scales: factors on the errors of whatever model it is.
         squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
         transmittance: share of the light that passes, 0 to 1.
+        pupil_magnification: diameter of the exit pupil over the entrance pupil's, of a lens without surfaces.
+        natural_vignetting: whether a lens without surfaces darkens the picture's corners by cos⁴; one with surfaces always does.
         close_focus_m: nearest distance from the film that is marked on it; 0 where none is. Its geometry may reach nearer.
         pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
             to the centre's, and takes the place of the lens's own spherical aberration. Empty for that.
@@ -209,6 +211,8 @@ class Lens:
     scales: AberrationScales = field(default_factory=AberrationScales)
     squeeze: float = 1.0
     transmittance: float = 1.0
+    pupil_magnification: float = 1.0
+    natural_vignetting: bool = False
     close_focus_m: float = 0.0
     pupil_power: tuple[float, ...] = ()
     expressive_blend: float = 0.0

@@ -117,8 +117,8 @@ def magnification(focal_length_mm: float, focus_distance_m: float, pupil_magnifi
 def light_path(camera: Camera) -> LightPath:
     """N, T, m and P of a camera as it is focused.
 
-    A prescription's are its own. A lens without surfaces has pupils of one size; where it does not breathe, its picture is that
-    of the lens focused at infinity whatever the distance (DESIGN section 2), and so is its light: m is 0.
+    A prescription's are its own. A lens without surfaces has the pupil magnification that it is given. One that does not breathe
+    shows what it would show focused at infinity whatever the distance (DESIGN section 2), and so is its light: m is 0.
 
     Args:
         camera: its f-number is not 0.
@@ -130,9 +130,12 @@ def light_path(camera: Camera) -> LightPath:
     passes = camera.lens.transmittance
     if not camera.breathing:
         f_stop = mounted(camera).f_stop if has_surfaces(camera) else camera.f_stop
-        return LightPath(f_stop, passes)
+        return LightPath(f_stop, passes, pupil_magnification=camera.lens.pupil_magnification)
     if not has_surfaces(camera):
-        return LightPath(camera.f_stop, passes, magnification(camera.focal_length_mm, camera.focus_distance_m))
+        m = magnification(
+            camera.focal_length_mm, camera.focus_distance_m
+        )  # that of the picture, which is a thin lens's
+        return LightPath(camera.f_stop, passes, m, camera.lens.pupil_magnification)
     lens = mounted(camera)
     distance_mm = 1000 * camera.focus_distance_m or math.inf
     return LightPath(
@@ -141,6 +144,28 @@ def light_path(camera: Camera) -> LightPath:
         magnification=abs(lens.image_scale_mm) / distance_mm,
         pupil_magnification=lens.exit_pupil_radius_mm / lens.entrance_pupil_radius_mm,
     )
+
+
+UNVIGNETTED = ("pinhole", "thin", "seidel")
+"""Models whose rays are all of one weight."""
+
+
+def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: bool = False) -> FloatArray | None:
+    """What is left of the light over a picture where that is not in the lens's rays; None where it is, or all of it is left.
+
+    Args:
+        camera: its lens says whether it falls off.
+        width: of the picture in pixels.
+        height: likewise.
+        is_pinhole: whether it is drawn as a pinhole, whatever its lens.
+
+    Returns:
+        ``(height, width)``.
+    """
+    has_none = camera.lens.model in UNVIGNETTED or is_pinhole or camera.f_stop == 0
+    if not (camera.lens.natural_vignetting and has_none and camera.lens.scales.vignetting != 0):
+        return None
+    return natural_vignetting(PinholeView.from_camera(camera, width, height), camera.lens.scales.vignetting)
 
 
 def natural_vignetting(view: PinholeView, strength: float = 1.0) -> FloatArray:

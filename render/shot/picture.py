@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Usd
 
 from render.film import Grade, GradeChoice
+from render.optics.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import Finish, finish_of
@@ -131,10 +132,15 @@ def light_on_film(
         GraphicsError: the device refuses.
     """
     if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
-        return renderer.render_moving(
+        frame = renderer.render_moving(
             settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
         )
-    return renderer.render(shot.scene_at(time), lens, settings, on_progress)
+    else:
+        frame = renderer.render(shot.scene_at(time), lens, settings, on_progress)
+    light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
+    if light is not None:
+        frame.color[..., :3] *= light[..., None]
+    return frame
 
 
 def _moments(

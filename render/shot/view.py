@@ -16,6 +16,7 @@ from render.scene import Camera, Light, Scene
 from render.shot.camera_focus import CameraFocus
 from render.shot.curve import focus_layer, solve_curve
 from render.shot.edits import Edits, schema_errors_as_settings
+from render.shot.exposure_reading import ExposureReadout, read_exposure, with_exposure
 from render.shot.findings import (
     camera_findings,
     close_focus_findings,
@@ -137,7 +138,17 @@ class ShotView:
         """
         if width < 1 or height < 1:
             raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
-        return self._for_picture(self._focused(camera_path, time), time, width / height)
+        picture = self._for_picture(self._focused(camera_path, time), time, width / height)
+        return with_exposure(self.stage, picture, time)
+
+    def exposure(self, camera_path: str | None, time: float) -> ExposureReadout:
+        """How a camera exposes: its settings, and all that stands between the scene and the film.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+        """
+        return read_exposure(self.stage, self._focused(camera_path, time).camera, time)
 
     def readout(self, camera_path: str | None, time: float) -> Readout:
         """Focus, f-number, focal length and depth of field.

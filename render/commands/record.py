@@ -12,7 +12,7 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
-from render.commands import grade_options
+from render.commands import grade_options, long_exposure_options
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
 from render.film import GradeChoice
@@ -49,6 +49,7 @@ def add_parser(commands: Any) -> None:
     _add_scene_options(parser)
     _add_picture_options(parser)
     grade_options.add_arguments(parser)
+    long_exposure_options.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
 
 
@@ -123,9 +124,10 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.film is not None:
         library_stock(arguments.film)
     grade = grade_options.asked_grade(arguments)
+    long = long_exposure_options.asked_long_exposure(arguments)
     lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
-    frames = asked or [shot.frame_range.start]
+    frames = asked or [shot.frame_range.start if long is None else long.begin]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
     _check_folders(files)
     for file in files:
@@ -133,7 +135,12 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
-    written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade)
+    if long is not None:
+        written = long_exposure_options.record_long_exposure(
+            shot, camera, long, files[0], settings, arguments.film, grade
+        )
+    else:
+        written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(

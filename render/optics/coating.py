@@ -7,6 +7,7 @@ Lens Flare Rendering", section 4.3), and glass and coating absorb nothing.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from render.lens import DoubleArray
 
@@ -52,10 +53,10 @@ def reflectance(
     return np.asarray(np.where(passes, (shares[0] + shares[1]) / 2, 1.0))
 
 
-def _cosine(sine: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+def _cosine(sine: DoubleArray) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Cosine of the angle of a sine, and whether there is such an angle."""
     squared = 1 - sine**2
-    return np.sqrt(np.maximum(squared, 0.0)), squared >= 0
+    return np.sqrt(np.maximum(squared, 0.0)), np.asarray(squared >= 0)
 
 
 def _amplitudes(

@@ -1,0 +1,24 @@
+#version 430
+// What of a ghost's light the iris and the rims let through, at each crossing.
+
+uniform sampler2D iris;  // over the square around the unit circle, row 0 at the top, and a dark edge
+uniform float inner;     // share of it without the edge
+
+in vec2 on_first;
+in vec2 on_second;
+in vec2 on_third;
+in float rim;
+in vec3 radiance;
+
+out vec4 color;
+
+float through(vec2 stop) {
+    return texture(iris, 0.5 + 0.5 * inner * vec2(stop.x, -stop.y)).r;
+}
+
+void main() {
+    float edge = max(fwidth(rim), 1e-6);
+    float open = clamp((1.0 - rim) / edge + 0.5, 0.0, 1.0);
+    float passed = through(on_first) * through(on_second) * through(on_third) * open;
+    color = vec4(radiance * passed, 0.0);
+}

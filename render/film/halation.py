@@ -46,13 +46,7 @@ def add_halation(
     Raises:
         SettingsError: more light would come back than there is, or a number is negative.
     """
-    shares = [amount * c for c in color]
-    if not (radius_mm >= 0 and all(0 <= share <= 1 for share in shares)):
-        raise SettingsError(
-            f"halation needs a radius from 0 up and throws back from 0 to 1 of each channel, "
-            f"got radius {radius_mm:g} mm and {', '.join(f'{share:g}' for share in shares)}",
-            code="bad_halation",
-        )
+    shares = halation_shares(amount, radius_mm, color)
     if radius_mm == 0 or not any(shares):
         return light
     kernel = halation_kernel(radius_mm / pixel_mm[0], radius_mm / pixel_mm[1])
@@ -62,6 +56,19 @@ def add_halation(
             spread = _convolved(light[..., channel], kernel)
             result[..., channel] += np.float32(share) * (spread - light[..., channel])
     return result
+
+
+def halation_shares(amount: float, radius_mm: float, color: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The part of each channel that is thrown back; arguments and errors as for `add_halation`."""
+    red, green, blue = color
+    shares = (amount * red, amount * green, amount * blue)
+    if not (radius_mm >= 0 and all(0 <= share <= 1 for share in shares)):
+        raise SettingsError(
+            f"halation needs a radius from 0 up and throws back from 0 to 1 of each channel, "
+            f"got radius {radius_mm:g} mm and {', '.join(f'{share:g}' for share in shares)}",
+            code="bad_halation",
+        )
+    return shares
 
 
 @lru_cache(maxsize=8)

@@ -11,7 +11,7 @@ from render.errors import SettingsError
 from render.film.balance import balance_gains
 from render.film.grain import GRAIN_SIZE_UM, add_grain, grain_field
 from render.film.halation import add_halation
-from render.film.sensor import expose_sensor
+from render.film.sensor import SensorSettings, expose_sensor
 from render.film.settings import FilmSettings
 from render.film.stock import MIDDLE_GREY, Stock
 from render.scene import FloatArray
@@ -56,11 +56,19 @@ def develop_on_film(
         balanced = (exposed * gains.astype(np.float32)).astype(np.float32, copy=False)
         if film.process == "none":
             return balanced
-        relative = np.array(film.sensor.sensitivity) / gains  # a channel that is turned up had less light to count
-        sensor = replace(film.sensor, sensitivity=(float(relative[0]), float(relative[1]), float(relative[2])))
-        return expose_sensor(balanced, sensor, frame=frame, seed=seed + film.grain.seed)
+        return expose_sensor(balanced, balanced_sensor(film), frame=frame, seed=seed + film.grain.seed)
     density = densities(exposed, film, gate_mm=gate_mm)
     return projected(with_grain(density, film, frame=frame, gate_mm=gate_mm, seed=seed), film)
+
+
+def balanced_sensor(film: FilmSettings) -> SensorSettings:
+    """A film's sensor as it sees balanced light: a channel that is turned up had less light to count.
+
+    Args:
+        film: digital.
+    """
+    red, green, blue = (np.array(film.sensor.sensitivity) / balance_gains(film.white_balance_k, film.tint)).tolist()
+    return replace(film.sensor, sensitivity=(red, green, blue))
 
 
 def log_exposures(exposed: FloatArray, film: FilmSettings, *, gate_mm: tuple[float, float] | None = None) -> FloatArray:

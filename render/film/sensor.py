@@ -69,6 +69,10 @@ class SensorSettings:
         )
         return electrons
 
+    def photosites_in_a_pixel(self, width: int, height: int) -> float:
+        """How many photosites a pixel of a picture of that size averages; 1 at least."""
+        return max(1.0, math.prod(self.photosites) / (height * width))
+
 
 def expose_sensor(light: FloatArray, sensor: SensorSettings, *, frame: int, seed: int) -> FloatArray:
     """What a sensor makes of light. Photons are counted by a normal law (Poisson's, from some ten electrons up).
@@ -84,7 +88,7 @@ def expose_sensor(light: FloatArray, sensor: SensorSettings, *, frame: int, seed
     """
     scale = sensor.electrons_per_light
     height, width = light.shape[:2]
-    averaged = max(1.0, math.prod(sensor.photosites) / (height * width))
+    averaged = sensor.photosites_in_a_pixel(width, height)
     electrons = light * scale.astype(np.float32)
     variance = (np.maximum(electrons, 0) + np.float32(sensor.read_noise_e**2)) / np.float32(averaged)
     electrons += np.sqrt(variance) * normal_noise(range(height), range(width), 3, frame=frame, seed=seed)

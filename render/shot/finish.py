@@ -51,11 +51,20 @@ class Finish:
         if self.film is None:
             return develop(radiance, camera.exposure_scale, self.grade)
         exposed = expose(radiance[..., :3], camera.exposure_scale)
-        gate_mm = camera.horizontal_aperture_mm / camera.lens.squeeze, camera.vertical_aperture_mm
-        light = develop_on_film(exposed, self.film, frame=int(np.floor(time)), gate_mm=gate_mm, seed=seed)
+        light = develop_on_film(exposed, self.film, frame=frame_number(time), gate_mm=gate_mm(camera), seed=seed)
         if self.film.process in PRINTED:
             return project(light, self.grade, print_space(self.grade.config))
         return develop(light, 1.0, self.grade)
+
+
+def frame_number(time: float) -> int:
+    """The frame that a time code is in: grain and noise are new in each."""
+    return int(np.floor(time))
+
+
+def gate_mm(camera: Camera) -> tuple[float, float]:
+    """Width and height of the film itself that the picture covers: an anamorphic lens squeezes it."""
+    return camera.horizontal_aperture_mm / camera.lens.squeeze, camera.vertical_aperture_mm
 
 
 def finish_of(

@@ -14,11 +14,13 @@ from render.optics.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import Finish, finish_of
+from render.shot.light_meter import auto_exposed
 from render.shot.shot import Shot
 from render.shutter import moments, shares
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
+    from render.shot.live import LiveFinisher
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,7 @@ def make_picture(
     *,
     stock: str | None = None,
     choice: GradeChoice | None = None,
+    live: LiveFinisher | None = None,
 ) -> Picture:
     """Read the scene at a time, focus the camera, render, expose and grade.
 
@@ -62,6 +65,7 @@ def make_picture(
         on_progress: called with the share of the rendering that is done, from 0 to 1.
         stock: a film of the library, in place of what the shot says.
         choice: what is wanted of the grade, in place of parts of what the shot says.
+        live: finishes it on the device, for somebody who waits for it; None finishes it as files are.
 
     Raises:
         SettingsError: the time is not finite, the library has no such stock, or no such grade can be made.
@@ -71,11 +75,20 @@ def make_picture(
     lens = shot.camera_at(camera, time, settings.width, settings.height)
     # What is wrong with the finish is told before anything slow is done.
     finish = finish_of(shot.stage, lens, time, grade, stock, choice)
+    lens = auto_exposed(renderer, shot, lens, time, settings.shading)
     frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
-    return picture_of(shot, frame, lens, time, settings, finish)
+    return picture_of(shot, frame, lens, time, settings, finish, live)
 
 
-def picture_of(shot: Shot, frame: Frame, lens: Camera, time: float, settings: FrameSettings, finish: Finish) -> Picture:
+def picture_of(
+    shot: Shot,
+    frame: Frame,
+    lens: Camera,
+    time: float,
+    settings: FrameSettings,
+    finish: Finish,
+    live: LiveFinisher | None = None,
+) -> Picture:
     """Expose, develop and grade what fell on the film, and say what it is.
 
     Args:
@@ -85,9 +98,11 @@ def picture_of(shot: Shot, frame: Frame, lens: Camera, time: float, settings: Fr
         time: USD time code.
         settings: how it was rendered.
         finish: how it is finished.
+        live: on which device; None for the processor.
 
     Raises:
         SettingsError: it cannot be finished so.
+        GraphicsError: the device refuses.
     """
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
     metadata = FrameMetadata(
@@ -102,7 +117,10 @@ def picture_of(shot: Shot, frame: Frame, lens: Camera, time: float, settings: Fr
         exposure_time_s=_authored(prim, "exposure:time", time),
         iso=_authored(prim, "exposure:iso", time),
     )
-    graded = finish.picture(frame.color, lens, time=time, seed=settings.seed)
+    if live is None:
+        graded = finish.picture(frame.color, lens, time=time, seed=settings.seed)
+    else:
+        graded = live.picture(finish, frame.color, lens, time=time, seed=settings.seed)
     return Picture(frame, graded, lens, metadata)
 
 

@@ -1,0 +1,45 @@
+"""Textures and buffers that are used anew for each picture, and made anew only when pictures change their size."""
+
+from __future__ import annotations
+
+import moderngl
+
+_LANES = 64  # of the shaders that work along a line
+
+
+def groups(threads: int) -> int:
+    """How many work groups of a line's shader do so many places."""
+    return -(-threads // _LANES)
+
+
+class Scratch:
+    """What a pass keeps between pictures, by name."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._buffers: dict[str, moderngl.Buffer] = {}
+        self._textures: dict[str, moderngl.Texture] = {}
+
+    def buffer(self, name: str, size: int) -> moderngl.Buffer:
+        """A buffer of so many bytes, with whatever is in it."""
+        kept = self._buffers.get(name)
+        if kept is None or kept.size != size:
+            if kept is not None:
+                self._buffers.pop(name).release()
+            kept = self._buffers[name] = self._ctx.buffer(reserve=size)
+        return kept
+
+    def texture(self, name: str, size: tuple[int, int], components: int, dtype: str) -> moderngl.Texture:
+        """A texture of that size and format, with whatever is in it."""
+        kept = self._textures.get(name)
+        if kept is None or (kept.size, kept.components, kept.dtype) != (size, components, dtype):
+            if kept is not None:
+                self._textures.pop(name).release()
+            kept = self._textures[name] = self._ctx.texture(size, components, dtype=dtype)
+        return kept
+
+    def release(self) -> None:
+        """Give the device's memory back."""
+        for named in (self._buffers, self._textures):
+            while named:
+                named.popitem()[1].release()

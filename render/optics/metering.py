@@ -168,7 +168,9 @@ def one_key(compensations: ArrayLike) -> float:
     return float(wanted[np.isfinite(wanted)].mean())
 
 
-def smoothed_keys(times_s: ArrayLike, compensations: ArrayLike, smoothing_s: float) -> DoubleArray:
+def smoothed_keys(
+    times_s: ArrayLike, compensations: ArrayLike, smoothing_s: float, *, at_s: ArrayLike | None = None
+) -> DoubleArray:
     """A compensation for each frame that follows what they want, and does not flicker.
 
     The mean weighted by a bell (Gauss) around each frame, whose standard deviation σ is a quarter of the smoothing time: looking
@@ -179,9 +181,10 @@ def smoothed_keys(times_s: ArrayLike, compensations: ArrayLike, smoothing_s: flo
         times_s: ``(n,)`` rising.
         compensations: ``(n,)`` stops; NaN for frames that are black, which are bridged.
         smoothing_s: how long a sudden change shall take; above 0.
+        at_s: ``(k,)`` times that are asked about; by default those of the frames.
 
     Returns:
-        ``(n,)`` stops, between the least and the greatest of those given.
+        ``(n,)`` or ``(k,)`` stops, between the least and the greatest of those given.
 
     Raises:
         SettingsError: times do not rise, there are not as many, or the smoothing time is not positive.
@@ -197,10 +200,11 @@ def smoothed_keys(times_s: ArrayLike, compensations: ArrayLike, smoothing_s: flo
     lit = np.isfinite(wanted)
     values = np.interp(times, times[lit], wanted[lit])
     spans = np.gradient(times) if len(times) > 1 else np.ones(1)  # frames far apart stand for more time
-    keys = np.empty_like(values)
-    for start in range(0, len(times), _ROWS_AT_ONCE):
+    asked = times if at_s is None else np.atleast_1d(np.asarray(at_s, np.float64))
+    keys = np.empty_like(asked)
+    for start in range(0, len(asked), _ROWS_AT_ONCE):
         rows = slice(start, start + _ROWS_AT_ONCE)
-        bell = spans * np.exp(-0.5 * ((times - times[rows, None]) * (4 / smoothing_s)) ** 2)
+        bell = spans * np.exp(-0.5 * ((times - asked[rows, None]) * (4 / smoothing_s)) ** 2)
         keys[rows] = bell @ values / bell.sum(axis=1)
     return keys
 

@@ -50,7 +50,8 @@ class ExposureReadout:
         settings: of the exposure; its f-number is the one that is exposed by.
         stop: whether that is ``exposure:fStop`` or the iris's.
         is_t_stop: whether it is a T-stop.
-        filters: share of the light that filters let through.
+        glass: share of the light that the glass lets through.
+        filters: share that filters let through.
         neutral_density: of the filters, optical density.
         path: what the lens is set to; None for a pinhole.
         shutter_angle_rad: of a rotating shutter that is open for as long as ``shutter:open`` and ``shutter:close`` say; 0 for a
@@ -62,17 +63,12 @@ class ExposureReadout:
     settings: ExposureSettings
     stop: Stop
     is_t_stop: bool
+    glass: float
     filters: float
     neutral_density: float
     path: LightPath | None
     shutter_angle_rad: float
     shutter_time_s: float
-
-    @property
-    def glass(self) -> float:
-        """Share of the light that the glass lets through."""
-        passes = 1.0 if self.path is None else self.path.transmittance
-        return passes / self.filters if self.filters > 0 else 1.0
 
     @property
     def bellows_factor(self) -> float:
@@ -191,6 +187,7 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
         settings=settings,
         stop=stop,
         is_t_stop=bool(glass and glass.stop_marking == "t"),
+        glass=glass.transmittance if glass else 1.0,
         filters=filters,
         neutral_density=density,
         path=path,

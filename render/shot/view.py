@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Self
@@ -64,6 +64,7 @@ class ShotView:
         self._focus = CameraFocus(stage, self._anchors, reader.read)
         edits.attach(stage)
         self._lights: tuple[Light, ...] = ()
+        self._readings: tuple[int, dict[Hashable, float]] = 0, {}
         self._of_focus: dict[Finding, int] = {}  # what focusing found, and with which revision of the edits
 
     @classmethod
@@ -140,6 +141,13 @@ class ShotView:
             raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
         picture = self._for_picture(self._focused(camera_path, time), time, width / height)
         return with_exposure(self.stage, picture, time)
+
+    @property
+    def readings(self) -> dict[Hashable, float]:
+        """What light meters (`render.shot.light_meter`) have read of the scene as it is: theirs to look up and to fill."""
+        if self._readings[0] != self._reader.changes:
+            self._readings = self._reader.changes, {}
+        return self._readings[1]
 
     def exposure(self, camera_path: str | None, time: float) -> ExposureReadout:
         """How a camera exposes: its settings, and all that stands between the scene and the film.

@@ -64,12 +64,18 @@ class StageReader:
         self._prim_ids: dict[str, int] = {}
         self._plan: _Plan | None = None
         self._scene: Scene | None = None
+        self._changes = 0
         self._listener = Tf.Notice.Register(Usd.Notice.ObjectsChanged, self._on_change, stage)
 
     @property
     def findings(self) -> list[Finding]:
         """What has been found so far that is not honoured or could not be used, each once."""
         return self._log.as_list()
+
+    @property
+    def changes(self) -> int:
+        """How often something else than a camera has been changed since: what was seen before is out of date then."""
+        return self._changes
 
     def read(self, time: float) -> Scene:
         """The scene at a time.
@@ -127,6 +133,7 @@ class StageReader:
         paths = [*notice.GetResyncedPaths(), *notice.GetChangedInfoOnlyPaths()]
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
+            self._changes += 1
 
     def _is_only_a_camera(self, path: Sdf.Path) -> bool:
         prim = self._stage.GetPrimAtPath(path.GetPrimPath())

@@ -210,3 +210,4 @@ def test_an_exposure_that_has_no_meaning_is_the_camera_s_fault(tmp_path: Path) -
         open_wall(tmp_path, **{"exposure:iso": 0.0}).exposure(CAMERA, 1.0)
     dark = open_wall(tmp_path, **{"lens:transmittance": 0.0}).exposure(CAMERA, 1.0)
     assert dark.grey_nits == math.inf
+    assert dark.exposure_scale == 1

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from render.errors import SettingsError
-from service.models.focus import Key
+from service.models.focus import KeyEdit
 from usd_schemas import Key as AuthoredKey
 from usd_schemas import Tangents
 
 
-def authored_key(key: Key, attribute: str, *, is_switch: bool) -> AuthoredKey:
+def authored_key(key: KeyEdit, attribute: str, *, is_switch: bool) -> AuthoredKey:
     """A key as the schemas have it.
 
     Args:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from service.lens_work import lens_to_mount
+from service.library_work import body_to_mount
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.opened import OpenedShots
 from service.store import ShotRecord
@@ -61,6 +62,8 @@ class EditCamera:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
             if "lens" in edit.model_fields_set:
                 shot.mount_lens(self.camera, lens_to_mount(edit.lens))
+            if edit.body is not None:
+                shot.mount_body(self.camera, body_to_mount(edit.body))
             shot.set_camera(
                 self.camera,
                 f_stop=edit.f_stop,

@@ -3,10 +3,43 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from render.errors import NotFoundError, SettingsError
 from service.models.bodies import Body, BodyList
 from service.models.films import Film, FilmList
 from service.opened import OpenedShots
+
+if TYPE_CHECKING:
+    from usd_schemas import LibraryBody, LibraryFilm
+
+
+def body_to_mount(name: str) -> LibraryBody:
+    """The body that an edit of a camera names.
+
+    Raises:
+        SettingsError: the library has none of that name.
+    """
+    from service.reading_bodies import body_entry
+
+    try:
+        return body_entry(name)
+    except NotFoundError as error:  # the address was right, what was sent to it is not
+        raise SettingsError(error.detail, code=error.code, path="body") from error
+
+
+def film_to_mount(name: str | None) -> LibraryFilm | None:
+    """The stock that an edit of a camera's film names; None for no film.
+
+    Raises:
+        SettingsError: the library has none of that name.
+    """
+    from service.reading_films import film_entry
+
+    try:
+        return None if name is None else film_entry(name)
+    except NotFoundError as error:
+        raise SettingsError(error.detail, code=error.code, path="stock") from error
 
 
 @dataclass(frozen=True)

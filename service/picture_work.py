@@ -69,6 +69,7 @@ class RenderPicture:
         height: pixels, or None for the film gate's shape.
         settings: the other fields of `render.frame.FrameSettings`.
         format: png, jpeg or exr.
+        finish: film, display, view and look in place of the shot's; None for those that are the shot's.
     """
 
     record: ShotRecord
@@ -78,9 +79,11 @@ class RenderPicture:
     height: int | None
     settings: dict[str, Any]
     format: str
+    finish: dict[str, str | None]
 
     def run(self, room: Darkroom) -> bytes:
         """The encoded picture: the same that `pullfocus record` writes. Raises what `make_picture` raises."""
+        from render.film import GradeChoice
         from render.frame import FrameSettings
         from render.output import encode
         from render.shot import make_picture
@@ -89,7 +92,17 @@ class RenderPicture:
         with room.opened.use(self.record, self.edits) as shot:
             height = self.height or picture_height(shot, self.camera, self.time, self.settings["width"])
             settings = FrameSettings(**self.settings, height=height)
-            picture = make_picture(room.renderer, shot, self.camera, self.time, settings)
+            said = self.finish
+            choice = GradeChoice(display=said["display"], view=said["view"], look=said["look"])
+            picture = make_picture(
+                room.renderer,
+                shot,
+                self.camera,
+                self.time,
+                settings,
+                stock=said["film"],
+                choice=None if choice == GradeChoice() else choice,
+            )
             return encode(self.format, picture.frame, picture.graded, picture.metadata)
 
 

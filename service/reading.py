@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
 
 from render.edit_history import revision_of
 from render.errors import CameraError, NotFoundError, SettingsError, StageError
@@ -27,6 +29,8 @@ from service.store import ShotRecord
 from service.terms import tag_of
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
+
+Told = TypeVar("Told", bound=BaseModel)
 
 # The one name that differs between REST and the schema: it carries its unit.
 FIELD_OF_NAME = {"blur_mm": "blur"}
@@ -91,6 +95,28 @@ def _frame_range(shot: OpenShot) -> FrameRange:
 def _default_camera(shot: OpenShot) -> CameraChoice:
     choice = shot.default_camera()
     return CameraChoice(path=choice.path, reason=choice.reason)
+
+
+def told_of_camera(model: type[Told], values: Mapping[str, Any]) -> Told:
+    """A model of what a camera says, where all of that can be told.
+
+    Args:
+        model: it has the fields ``camera`` and ``time``.
+        values: by the names of its fields.
+
+    Raises:
+        CameraError: a number is none, as somebody's file may have it.
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field, path = str(first["loc"][0]), values["camera"]
+        raise CameraError(
+            f"{field} of camera {path} at {values['time']:g} is {first['input']!r}: {first['msg'].lower()}",
+            code="bad_number",
+            path=path,
+        ) from error
 
 
 def list_cameras(shot: OpenShot, time: float) -> CameraList:
@@ -195,7 +221,8 @@ def _keys(shot: OpenShot, camera: str | None, name: str) -> dict[KeyedAttribute,
 
 def as_key(key: AuthoredKey) -> Key:
     """A key; switches are 0 and 1."""
-    tangents = Tangents.model_validate(key.tangents) if key.tangents else None
+    finite = key.tangents is not None and all(map(math.isfinite, vars(key.tangents).values()))
+    tangents = Tangents.model_validate(key.tangents) if finite else None
     return Key(time=key.time, value=float(key.value), interpolation=key.interpolation, tangents=tangents)
 
 

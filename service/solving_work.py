@@ -63,8 +63,12 @@ class EditFocusSettings:
         said = self.edit.model_dump(exclude={"time"}, exclude_none=True)
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
-            shot.set_focus(self.camera, time=time, **{SETTING_OF_FIELD.get(f, f): value for f, value in said.items()})
-            return _settings(shot, self.camera, shot.frame_range.start if time is None else time)
+            looked_at = shot.frame_range.start if time is None else time
+            with shot.kept_usable(self.camera, looked_at):
+                shot.set_focus(
+                    self.camera, time=time, **{SETTING_OF_FIELD.get(f, f): value for f, value in said.items()}
+                )
+            return _settings(shot, self.camera, looked_at)
 
 
 @dataclass(frozen=True)
@@ -151,19 +155,20 @@ def setting_of(attribute: CameraKeyed) -> str:
 
 
 def _settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
-    from service.reading import as_key, camera_tag
+    from service.reading import as_key, camera_tag, told_of_camera
 
     focus, tilt_shift = shot.focus_settings(camera, time)
     said = vars(focus) | vars(tilt_shift)
     fields = set(FocusSettings.model_fields) - {"camera", "time", "keys", "etag"}
     names: tuple[CameraKeyed, ...] = get_args(CameraKeyed)
     keys = {name: shot.camera_keys(camera, setting_of(name)) for name in names}
-    return FocusSettings.model_validate(
+    return told_of_camera(
+        FocusSettings,
         {field: said[SETTING_OF_FIELD.get(field, field)] for field in fields}
         | {
             "camera": camera or shot.default_camera().path,
             "time": time,
             "keys": {name: [as_key(key) for key in found] for name, found in keys.items() if found},
             "etag": camera_tag(shot, camera),
-        }
+        },
     )

@@ -106,6 +106,11 @@ class CameraEdit(Model):
         description="Mounts a lens of the library by its name, null the thin lens. It brings its focal length, and raises "
         "f-numbers that it has not; an `fStop` and a `focalLengthMm` beside it are set after that. Left out, the lens stays.",
     )
+    body: str | None = Field(
+        default=None,
+        max_length=80,
+        description="Gives the camera another body of the library, for all time: its gate and its photosites. The lens stays.",
+    )
     time: TimeCode | None = Field(
         default=None, description="USD time code of a key; without it, keys go and the values hold for all time."
     )

@@ -137,6 +137,15 @@ class Tangents(Model):
 
     model_config = shown_as({"inSlope": 0.0, "inWidth": 4.0, "outSlope": 0.0, "outWidth": 4.0})
 
+    in_slope: float = Field(default=0.0, description="Of the handle before the key: value for each time code.")
+    in_width: float = Field(default=0.0, description="How far it reaches back, time codes; 0: a third of the way.")
+    out_slope: float = Field(default=0.0, description="Of the handle after the key.")
+    out_width: float = Field(default=0.0, description="How far it reaches on; 0: a third of the way.")
+
+
+class TangentsEdit(Tangents):
+    """The handles of a bezier key to set."""
+
     in_slope: Length = Field(default=0.0, description="Of the handle before the key: value for each time code.")
     in_width: Amount = Field(default=0.0, description="How far it reaches back, time codes; 0: a third of the way.")
     out_slope: Length = Field(default=0.0, description="Of the handle after the key.")
@@ -149,7 +158,7 @@ class Key(Model):
     model_config = shown_as(KEY_EXAMPLE)
 
     time: float = Field(description="USD time code.")
-    value: float = Field(description="For `enabled`: 0 or 1. For `blur`: mm.")
+    value: Distance = Field(description="For `enabled`: 0 or 1. For `blur`: mm. null: the shot says no finite number.")
     interpolation: Interpolation = Field(
         default="linear", description="From this key to the next; `enabled` holds, whatever this says."
     )
@@ -163,6 +172,9 @@ class KeyEdit(Key):
 
     time: TimeCode = Field(description="USD time code.")
     value: Length = Field(description="For `enabled`: 0 or 1. For `blur`: mm.")
+    tangents: TangentsEdit | None = Field(
+        default=None, description="Of a `bezier` key; left out, those that an `auto` key would have now."
+    )
 
 
 class FocusPoint(Model):

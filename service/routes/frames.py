@@ -8,6 +8,7 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
 
 from render.edit_history import revision_of
+from render.frame_settings import MAX_MOTION
 from service.errors import ServiceError
 from service.frame_cache import frame_tag, matches
 from service.hub import Hub, HubDep
@@ -51,10 +52,38 @@ class FrameQuery(Model):
         "spectrum, 1 leaves colour errors out.",
         examples=[3],
     )
+    motion: int = Field(
+        default=1,
+        ge=1,
+        le=MAX_MOTION,
+        description="Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion.",
+        examples=[1],
+    )
     shading: Literal["lit", "unlit"] = Field(
         default="lit", description="`unlit`: base colour as radiance.", examples=["lit"]
     )
     seed: int = Field(default=0, ge=0, description="Of the sampling pattern.", examples=[0])
+    film: str | None = Field(
+        default=None,
+        max_length=80,
+        description="Shoots it on this stock of the film library; what the shot says when left out.",
+        examples=["velvia_50"],
+    )
+    display: str | None = Field(
+        default=None,
+        max_length=200,
+        description="Of the OpenColorIO configuration, in place of the shot's.",
+        examples=["sRGB - Display"],
+    )
+    view: str | None = Field(
+        default=None, max_length=200, description="Of the display, in place of the shot's.", examples=["Raw"]
+    )
+    look: str | None = Field(
+        default=None,
+        max_length=200,
+        description="Looks of the configuration with commas between, in place of the shot's; empty for none.",
+        examples=[""],
+    )
     format: Literal["png", "jpeg", "exr"] = Field(
         default="png", description="`exr` is scene-linear light, the others the graded picture.", examples=["png"]
     )
@@ -101,8 +130,10 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
     if cached is not None:
         hub.metrics.frames.labels("cache").inc()
         return cached
-    settings = query.model_dump(exclude={"camera", "time", "height", "format", "client"})
-    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format)
+    finish = {"film", "display", "view", "look"}
+    settings = query.model_dump(exclude={"camera", "time", "height", "format", "client", *finish})
+    asked = query.model_dump(include=finish)
+    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format, asked)
     group = (query.client, record.id) if query.client else None
     picture = await hub.ask_picture(work, group)
     hub.frames.put(tag, picture)

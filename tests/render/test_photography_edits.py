@@ -1,4 +1,4 @@
-"""Edits of how a camera exposes and on what: what is set is read back, films and bodies bring what is theirs, undo takes it back."""
+"""How a camera exposes and on what: what is set is read back, films and bodies bring what is theirs, undo undoes it."""
 
 from __future__ import annotations
 

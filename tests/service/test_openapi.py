@@ -33,6 +33,11 @@ GET /v1/films, GET /v1/films/{name}, GET /v1/films/{name}/sheet.png, GET /v1/bod
 GET /v1/shots/{shot}/camera/focus, PATCH /v1/shots/{shot}/camera/focus, POST /v1/shots/{shot}/racks,
 PUT /v1/shots/{shot}/camera/keys/{attribute}, DELETE /v1/shots/{shot}/camera/keys/{attribute},
 GET /v1/shots/{shot}/readout/place,
+GET /v1/shots/{shot}/camera/exposure, PATCH /v1/shots/{shot}/camera/exposure,
+PUT /v1/shots/{shot}/camera/exposure/keys/{attribute}, DELETE /v1/shots/{shot}/camera/exposure/keys/{attribute},
+GET /v1/shots/{shot}/camera/film, PATCH /v1/shots/{shot}/camera/film,
+PUT /v1/shots/{shot}/camera/film/keys/{attribute}, DELETE /v1/shots/{shot}/camera/film/keys/{attribute},
+GET /v1/shots/{shot}/camera/grades,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

@@ -9,6 +9,7 @@ import {
   type CameraSummary,
   type FocusPoint,
   type FocusSettings,
+  type Key,
   type LensSample,
   type Pick,
   type Readout,
@@ -89,7 +90,7 @@ export function toPoint(json: Json["FocusPoint"]): FocusPoint {
     name: json.name,
     anchor: toAnchor(json),
     settings: { enabled, weight, kind, blurMm, falloff, offset, surfaceOffset, extent },
-    keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, json.keys[attribute] ?? []])),
+    keys: Object.fromEntries(KEYED_ATTRIBUTES.map((attribute) => [attribute, toKeys(json.keys[attribute])])),
     share: json.share,
     depthM: json.depthM,
     screen: json.screen,
@@ -111,6 +112,11 @@ export function toPick(json: Json["Pick"]): Pick | null {
   return json.hit && json.anchor && typeof json.depthM === "number"
     ? { anchor: toAnchor(json.anchor), depthM: json.depthM }
     : null;
+}
+
+/** Without those that the shot says no finite value for. */
+function toKeys(json: Json["FocusPoint"]["keys"][string] = []): Key[] {
+  return json.flatMap(({ time, value, interpolation }) => (value === null ? [] : [{ time, value, interpolation }]));
 }
 
 function toAnchor(json: Json["Anchor"] | Json["FocusPoint"]): Anchor {

@@ -316,6 +316,102 @@ export interface paths {
         readonly patch: operations["editCamera"];
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/camera/exposure": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Exposure Settings
+         * @description How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's.
+         */
+        readonly get: operations["getExposureSettings"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        /**
+         * Edit Exposure Settings
+         * @description Change how a camera exposes: for all time, or as keys at `time`.
+         */
+        readonly patch: operations["editExposureSettings"];
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/camera/exposure/keys/{attribute}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        /**
+         * Set Exposure Key
+         * @description Set a key; one at the same time is replaced.
+         */
+        readonly put: operations["setExposureKey"];
+        readonly post?: never;
+        /**
+         * Delete Exposure Key
+         * @description Remove the key at `time`; after the last one its value stays for all time.
+         */
+        readonly delete: operations["deleteExposureKey"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/camera/film": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Film Settings
+         * @description What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's.
+         */
+        readonly get: operations["getFilmSettings"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        /**
+         * Edit Film Settings
+         * @description Change film and grade: for all time, or as keys at `time`. What makes no picture is refused.
+         */
+        readonly patch: operations["editFilmSettings"];
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/camera/film/keys/{attribute}": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        readonly get?: never;
+        /**
+         * Set Film Key
+         * @description Set a key; one at the same time is replaced.
+         */
+        readonly put: operations["setFilmKey"];
+        readonly post?: never;
+        /**
+         * Delete Film Key
+         * @description Remove the key at `time`; after the last one its value stays for all time.
+         */
+        readonly delete: operations["deleteFilmKey"];
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/camera/focus": {
         readonly parameters: {
             readonly query?: never;
@@ -338,6 +434,26 @@ export interface paths {
          * @description Change how the focus is found: for all time, or as keys at `time`.
          */
         readonly patch: operations["editFocusSettings"];
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/camera/grades": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * List Grades
+         * @description Displays, views and looks of the OpenColorIO configuration that the camera's picture is graded by.
+         */
+        readonly get: operations["listGrades"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
         readonly trace?: never;
     };
     readonly "/v1/shots/{shot}/camera/keys/{attribute}": {
@@ -1037,6 +1153,11 @@ export interface components {
          *     }
          */
         readonly CameraEdit: {
+            /**
+             * Body
+             * @description Gives the camera another body of the library, for all time: its gate and its photosites. The lens stays.
+             */
+            readonly body?: string | null;
             /** Focallengthmm */
             readonly focalLengthMm?: number | null;
             /**
@@ -1288,6 +1409,26 @@ export interface components {
             readonly timeCode: number;
         };
         /**
+         * DisplayChoice
+         * @description A display of an OpenColorIO configuration.
+         * @example {
+         *       "defaultView": "Raw",
+         *       "name": "sRGB - Display",
+         *       "views": [
+         *         "ACES 2.0 - SDR 100 nits (Rec.709)",
+         *         "Raw"
+         *       ]
+         *     }
+         */
+        readonly DisplayChoice: {
+            /** Defaultview */
+            readonly defaultView: string;
+            /** Name */
+            readonly name: string;
+            /** Views */
+            readonly views: readonly string[];
+        };
+        /**
          * EditHistory
          * @description The states of the edits, oldest first.
          * @example {
@@ -1352,6 +1493,321 @@ export interface components {
              * @description Names it; a shot's `revision` is that of its present one.
              */
             readonly revision: string;
+        };
+        /**
+         * ExposureSettings
+         * @description How a camera exposes at one time.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "compensationStops": 0,
+         *       "etag": "\"92c4bf18a0860070\"",
+         *       "exposureFStop": 2,
+         *       "exposureStop": "iris",
+         *       "exposureTimeS": 0.02083,
+         *       "iso": 800,
+         *       "keys": {
+         *         "compensationStops": [
+         *           {
+         *             "interpolation": "linear",
+         *             "time": 24,
+         *             "value": 1
+         *           }
+         *         ]
+         *       },
+         *       "meteringCompensationStops": 0,
+         *       "meteringFocusPoint": "",
+         *       "meteringMode": "manual",
+         *       "meteringSmoothingS": 1,
+         *       "meteringSpot": [
+         *         0.5,
+         *         0.5
+         *       ],
+         *       "naturalVignetting": false,
+         *       "neutralDensity": 0.6,
+         *       "responsivity": 1,
+         *       "shutterAngleDeg": 180,
+         *       "shutterClose": 0.5,
+         *       "shutterDirection": "down",
+         *       "shutterEfficiency": [],
+         *       "shutterOpen": 0,
+         *       "shutterTravelS": 0,
+         *       "shutterType": "global",
+         *       "stopMarking": "t",
+         *       "time": 24,
+         *       "transmittance": 0.9
+         *     }
+         */
+        readonly ExposureSettings: {
+            /**
+             * Camera
+             * @description Prim path.
+             */
+            readonly camera: string;
+            /**
+             * Compensationstops
+             * @description USD's `exposure`. Where a meter decides, it does not count.
+             */
+            readonly compensationStops: number;
+            /**
+             * Etag
+             * @description The camera's `ETag`: for `If-Match`.
+             */
+            readonly etag: string;
+            /**
+             * Exposurefstop
+             * @description USD's `exposure:fStop`: a number of its own, beside the iris's `fStop`.
+             */
+            readonly exposureFStop: number;
+            /**
+             * Exposurestop
+             * @description Which stop exposes: `exposure` is `exposureFStop`; `iris` is the camera's `fStop`, so that stopping down darkens the picture as it deepens the focus.
+             * @enum {string}
+             */
+            readonly exposureStop: "exposure" | "iris";
+            /**
+             * Exposuretimes
+             * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
+             */
+            readonly exposureTimeS: number;
+            /**
+             * Iso
+             * @description USD's `exposure:iso`.
+             */
+            readonly iso: number;
+            /**
+             * Keys
+             * @description Keys in order of time, of each setting that has any.
+             */
+            readonly keys: {
+                readonly [key: string]: readonly components["schemas"]["Key"][];
+            };
+            /**
+             * Meteringcompensationstops
+             * @description How much brighter than middle grey the metered light shall be.
+             */
+            readonly meteringCompensationStops: number;
+            /**
+             * Meteringfocuspoint
+             * @description Which focus point the spot is on; empty takes `meteringSpot`.
+             */
+            readonly meteringFocusPoint: string;
+            /**
+             * Meteringmode
+             * @description What decides the compensation: the hand, or a meter on a spot, on the middle most, or on all alike.
+             * @enum {string}
+             */
+            readonly meteringMode: "manual" | "spot" | "center" | "average";
+            /**
+             * Meteringsmoothings
+             * @description How long metering takes to follow a sudden change.
+             */
+            readonly meteringSmoothingS: number;
+            /**
+             * Meteringspot
+             * @description A place in the picture: (0, 0) is its top left corner and (1, 1) the bottom right one.
+             */
+            readonly meteringSpot: readonly [
+                number,
+                number
+            ];
+            /**
+             * Naturalvignetting
+             * @description Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.
+             */
+            readonly naturalVignetting: boolean;
+            /**
+             * Neutraldensity
+             * @description Of the filter in front; 0.3 takes about one stop.
+             */
+            readonly neutralDensity: number;
+            /**
+             * Responsivity
+             * @description USD's `exposure:responsivity`.
+             */
+            readonly responsivity: number;
+            /**
+             * Shutterangledeg
+             * @description Opening of a rotating shutter that is open for as long; 360 is a whole frame.
+             */
+            readonly shutterAngleDeg: number;
+            /**
+             * Shutterclose
+             * @description USD's `shutter:close`.
+             */
+            readonly shutterClose: number;
+            /**
+             * Shutterdirection
+             * @description In which the lines are bared, in the picture as it is seen.
+             * @enum {string}
+             */
+            readonly shutterDirection: "down" | "up" | "left" | "right";
+            /**
+             * Shutterefficiency
+             * @description How much light passes over the time that a place is exposed, at even steps; empty for all of it.
+             */
+            readonly shutterEfficiency: readonly number[];
+            /**
+             * Shutteropen
+             * @description USD's `shutter:open`, time codes from the frame's own.
+             */
+            readonly shutterOpen: number;
+            /**
+             * Shuttertravels
+             * @description From the first line's opening to the last one's.
+             */
+            readonly shutterTravelS: number;
+            /**
+             * Shuttertype
+             * @description `global` and `leaf` expose all of the picture at once, `rolling` and `focalPlane` line after line.
+             * @enum {string}
+             */
+            readonly shutterType: "global" | "rolling" | "focalPlane" | "leaf";
+            /**
+             * Stopmarking
+             * @description What the stops on the barrel are: f-numbers, or T-stops, which have what the glass takes in them already.
+             * @enum {string}
+             */
+            readonly stopMarking: "f" | "t";
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+            /**
+             * Transmittance
+             * @description Share of the light that comes through the glass.
+             */
+            readonly transmittance: number;
+        };
+        /**
+         * ExposureSettingsEdit
+         * @description What to change of how a camera exposes; what is left out stays as it is.
+         * @example {
+         *       "exposureStop": "iris",
+         *       "exposureTimeS": 0.02,
+         *       "iso": 800,
+         *       "shutterAngleDeg": 172.8
+         *     }
+         */
+        readonly ExposureSettingsEdit: {
+            /**
+             * Compensationstops
+             * @description USD's `exposure`. Where a meter decides, it does not count.
+             */
+            readonly compensationStops?: number | null;
+            /**
+             * Exposurefstop
+             * @description USD's `exposure:fStop`: a number of its own, beside the iris's `fStop`.
+             */
+            readonly exposureFStop?: number | null;
+            /**
+             * Exposurestop
+             * @description Which stop exposes: `exposure` is `exposureFStop`; `iris` is the camera's `fStop`, so that stopping down darkens the picture as it deepens the focus.
+             */
+            readonly exposureStop?: ("exposure" | "iris") | null;
+            /**
+             * Exposuretimes
+             * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
+             */
+            readonly exposureTimeS?: number | null;
+            /**
+             * Iso
+             * @description USD's `exposure:iso`.
+             */
+            readonly iso?: number | null;
+            /**
+             * Meteringcompensationstops
+             * @description How much brighter than middle grey the metered light shall be.
+             */
+            readonly meteringCompensationStops?: number | null;
+            /**
+             * Meteringfocuspoint
+             * @description Which focus point the spot is on; empty takes `meteringSpot`.
+             */
+            readonly meteringFocusPoint?: string | null;
+            /**
+             * Meteringmode
+             * @description What decides the compensation: the hand, or a meter on a spot, on the middle most, or on all alike.
+             */
+            readonly meteringMode?: ("manual" | "spot" | "center" | "average") | null;
+            /**
+             * Meteringsmoothings
+             * @description How long metering takes to follow a sudden change.
+             */
+            readonly meteringSmoothingS?: number | null;
+            /**
+             * Meteringspot
+             * @description A place in the picture: (0, 0) is its top left corner and (1, 1) the bottom right one.
+             */
+            readonly meteringSpot?: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Naturalvignetting
+             * @description Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.
+             */
+            readonly naturalVignetting?: boolean | null;
+            /**
+             * Neutraldensity
+             * @description Of the filter in front; 0.3 takes about one stop.
+             */
+            readonly neutralDensity?: number | null;
+            /**
+             * Responsivity
+             * @description USD's `exposure:responsivity`.
+             */
+            readonly responsivity?: number | null;
+            /**
+             * Shutterangledeg
+             * @description Opening of a rotating shutter that is open for as long; 360 is a whole frame. It sets when the shutter closes: send no `shutterClose` beside it.
+             */
+            readonly shutterAngleDeg?: number | null;
+            /**
+             * Shutterclose
+             * @description USD's `shutter:close`.
+             */
+            readonly shutterClose?: number | null;
+            /**
+             * Shutterdirection
+             * @description In which the lines are bared, in the picture as it is seen.
+             */
+            readonly shutterDirection?: ("down" | "up" | "left" | "right") | null;
+            /**
+             * Shutterefficiency
+             * @description How much light passes over the time that a place is exposed, at even steps; empty for all of it.
+             */
+            readonly shutterEfficiency?: readonly number[] | null;
+            /**
+             * Shutteropen
+             * @description USD's `shutter:open`, time codes from the frame's own.
+             */
+            readonly shutterOpen?: number | null;
+            /**
+             * Shuttertravels
+             * @description From the first line's opening to the last one's.
+             */
+            readonly shutterTravelS?: number | null;
+            /**
+             * Shuttertype
+             * @description `global` and `leaf` expose all of the picture at once, `rolling` and `focalPlane` line after line.
+             */
+            readonly shutterType?: ("global" | "rolling" | "focalPlane" | "leaf") | null;
+            /**
+             * Stopmarking
+             * @description What the stops on the barrel are: f-numbers, or T-stops, which have what the glass takes in them already.
+             */
+            readonly stopMarking?: ("f" | "t") | null;
+            /**
+             * Time
+             * @description USD time code of keys; without it, keys go and the values hold for all time. Words and lists hold for all time either way.
+             */
+            readonly time?: number | null;
+            /**
+             * Transmittance
+             * @description Share of the light that comes through the glass.
+             */
+            readonly transmittance?: number | null;
         };
         /**
          * FieldOfView
@@ -1573,6 +2029,631 @@ export interface components {
         readonly FilmList: {
             /** Films */
             readonly films: readonly components["schemas"]["FilmSummary"][];
+        };
+        /**
+         * FilmSettings
+         * @description What a camera's light falls on at one time, and what becomes of it.
+         * @example {
+         *       "body": "Super 35 4-perf",
+         *       "camera": "/World/Camera",
+         *       "cdlFile": "",
+         *       "cdlOffset": [
+         *         0,
+         *         0,
+         *         0
+         *       ],
+         *       "cdlPower": [
+         *         1,
+         *         1,
+         *         1
+         *       ],
+         *       "cdlSaturation": 1,
+         *       "cdlSlope": [
+         *         1,
+         *         1,
+         *         1
+         *       ],
+         *       "curveBlue": [],
+         *       "curveGamma": [
+         *         0.6,
+         *         0.6,
+         *         0.6
+         *       ],
+         *       "curveGreen": [],
+         *       "curveMaxDensity": [
+         *         2.5,
+         *         2.5,
+         *         2.5
+         *       ],
+         *       "curveMiddleGray": 0,
+         *       "curveMinDensity": [
+         *         0.1,
+         *         0.1,
+         *         0.1
+         *       ],
+         *       "curveRed": [],
+         *       "curveShoulder": [
+         *         0.5,
+         *         0.5,
+         *         0.5
+         *       ],
+         *       "curveSource": "stock",
+         *       "curveToe": [
+         *         0.5,
+         *         0.5,
+         *         0.5
+         *       ],
+         *       "display": "sRGB - Display",
+         *       "etag": "\"92c4bf18a0860070\"",
+         *       "gateMm": [
+         *         24.89,
+         *         18.66
+         *       ],
+         *       "grainAmount": 1,
+         *       "grainRms": [
+         *         0,
+         *         0,
+         *         0
+         *       ],
+         *       "grainSeed": 0,
+         *       "grainSizeUm": 0,
+         *       "halationAmount": 0.01,
+         *       "halationColor": [
+         *         1,
+         *         0.3,
+         *         0.1
+         *       ],
+         *       "halationRadiusMm": 0.1,
+         *       "keys": {
+         *         "push": [
+         *           {
+         *             "interpolation": "linear",
+         *             "time": 24,
+         *             "value": 1
+         *           }
+         *         ]
+         *       },
+         *       "look": "",
+         *       "ocioConfig": "",
+         *       "printStock": "vision_2383",
+         *       "process": "negative",
+         *       "push": 1,
+         *       "sensorClipStops": 0,
+         *       "sensorFullWellE": 40000,
+         *       "sensorReadNoiseE": 0,
+         *       "sensorSensitivity": [
+         *         1,
+         *         1,
+         *         1
+         *       ],
+         *       "speed": 0,
+         *       "stock": "vision3_500t_5219",
+         *       "time": 24,
+         *       "tint": 0,
+         *       "view": "ACES 2.0 - SDR 100 nits (Rec.709)",
+         *       "whiteBalanceK": 3200
+         *     }
+         */
+        readonly FilmSettings: {
+            /**
+             * Body
+             * @description What the body is called, the `title` of one of the library; may be empty.
+             */
+            readonly body: string;
+            /**
+             * Camera
+             * @description Prim path.
+             */
+            readonly camera: string;
+            /**
+             * Cdlfile
+             * @description The CDL file that the shot names, in place of the numbers; empty for none.
+             */
+            readonly cdlFile: string;
+            /**
+             * Cdloffset
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlOffset: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Cdlpower
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlPower: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Cdlsaturation
+             * @description Of the ASC CDL.
+             */
+            readonly cdlSaturation: number;
+            /**
+             * Cdlslope
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlSlope: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Curveblue
+             * @description Knots (log10 exposure, density).
+             */
+            readonly curveBlue: readonly (readonly [
+                number,
+                number
+            ])[];
+            /**
+             * Curvegamma
+             * @description Slope of the straight line of red, green and blue.
+             */
+            readonly curveGamma: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Curvegreen
+             * @description Knots (log10 exposure, density); of black and white the one curve.
+             */
+            readonly curveGreen: readonly (readonly [
+                number,
+                number
+            ])[];
+            /**
+             * Curvemaxdensity
+             * @description Of red, green and blue.
+             */
+            readonly curveMaxDensity: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Curvemiddlegray
+             * @description Log exposure where a metered 18 % grey lands.
+             */
+            readonly curveMiddleGray: number;
+            /**
+             * Curvemindensity
+             * @description Base and fog of red, green and blue.
+             */
+            readonly curveMinDensity: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Curvered
+             * @description Knots (log10 exposure, density).
+             */
+            readonly curveRed: readonly (readonly [
+                number,
+                number
+            ])[];
+            /**
+             * Curveshoulder
+             * @description How far the shoulder reaches, of red, green and blue.
+             */
+            readonly curveShoulder: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Curvesource
+             * @description Whether density goes by the stock's curve, by knots or by the numbers of `curve…`.
+             * @enum {string}
+             */
+            readonly curveSource: "stock" | "knots" | "parametric";
+            /**
+             * Curvetoe
+             * @description How far the toe reaches, of red, green and blue.
+             */
+            readonly curveToe: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Display
+             * @description Of the OpenColorIO configuration; empty takes its default.
+             */
+            readonly display: string;
+            /**
+             * Etag
+             * @description The camera's `ETag`: for `If-Match`.
+             */
+            readonly etag: string;
+            /**
+             * Gatemm
+             * @description USD's apertures: the gate as wide as it looks through the lens.
+             */
+            readonly gateMm: readonly [
+                number,
+                number
+            ];
+            /**
+             * Grainamount
+             * @description 0 is none, 1 as the stock has it.
+             */
+            readonly grainAmount: number;
+            /**
+             * Grainrms
+             * @description Diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 takes the stock's.
+             */
+            readonly grainRms: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Grainseed
+             * @description Which grain.
+             */
+            readonly grainSeed: number;
+            /**
+             * Grainsizeum
+             * @description Correlation length on the film; 0 takes the usual one.
+             */
+            readonly grainSizeUm: number;
+            /**
+             * Halationamount
+             * @description Share of the light that the base throws back.
+             */
+            readonly halationAmount: number;
+            /**
+             * Halationcolor
+             * @description Its ratio in red, green and blue.
+             */
+            readonly halationColor: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Halationradiusmm
+             * @description Of its ring, on the film.
+             */
+            readonly halationRadiusMm: number;
+            /**
+             * Keys
+             * @description Keys in order of time, of each setting that has any.
+             */
+            readonly keys: {
+                readonly [key: string]: readonly components["schemas"]["Key"][];
+            };
+            /**
+             * Look
+             * @description Looks of the configuration, with commas between; `-` in front inverts.
+             */
+            readonly look: string;
+            /**
+             * Ocioconfig
+             * @description The OpenColorIO configuration that the shot names; empty for the service's own.
+             */
+            readonly ocioConfig: string;
+            /**
+             * Printstock
+             * @description Name of the stock that a negative is printed on; empty takes the usual one.
+             */
+            readonly printStock: string;
+            /**
+             * Process
+             * @description `negative` and `monochrome` are seen through a print, `reversal` is seen itself, `digital` is a sensor.
+             * @enum {string}
+             */
+            readonly process: "none" | "negative" | "reversal" | "monochrome" | "digital";
+            /**
+             * Push
+             * @description Stops by which it is developed longer.
+             */
+            readonly push: number;
+            /**
+             * Sensorclipstops
+             * @description Above middle grey; 0 takes what the full well says.
+             */
+            readonly sensorClipStops: number;
+            /**
+             * Sensorfullwelle
+             * @description Electrons that a photosite holds.
+             */
+            readonly sensorFullWellE: number;
+            /**
+             * Sensorreadnoisee
+             * @description In electrons.
+             */
+            readonly sensorReadNoiseE: number;
+            /**
+             * Sensorsensitivity
+             * @description Of red, green and blue.
+             */
+            readonly sensorSensitivity: readonly [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Speed
+             * @description ISO speed that the film is rated at, or the sensor's base; 0 takes the stock's own.
+             */
+            readonly speed: number;
+            /**
+             * Stock
+             * @description Name of the stock in the camera, of the library.
+             */
+            readonly stock: string;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+            /**
+             * Tint
+             * @description Across the line of colour temperatures; positive toward magenta.
+             */
+            readonly tint: number;
+            /**
+             * View
+             * @description Of the display; empty takes its default.
+             */
+            readonly view: string;
+            /**
+             * Whitebalancek
+             * @description Colour temperature that looks neutral; 0 leaves the light as it is.
+             */
+            readonly whiteBalanceK: number;
+        };
+        /**
+         * FilmSettingsEdit
+         * @description What to change of film and grade; what is left out stays as it is.
+         * @example {
+         *       "push": 1,
+         *       "stock": "5219",
+         *       "whiteBalanceK": 3200
+         *     }
+         */
+        readonly FilmSettingsEdit: {
+            /**
+             * Cdloffset
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlOffset?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Cdlpower
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlPower?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Cdlsaturation
+             * @description Of the ASC CDL.
+             */
+            readonly cdlSaturation?: number | null;
+            /**
+             * Cdlslope
+             * @description Of the ASC CDL: red, green and blue.
+             */
+            readonly cdlSlope?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Curveblue
+             * @description Knots (log10 exposure, density).
+             */
+            readonly curveBlue?: readonly (readonly [
+                number,
+                number
+            ])[] | null;
+            /**
+             * Curvegamma
+             * @description Slope of the straight line of red, green and blue.
+             */
+            readonly curveGamma?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Curvegreen
+             * @description Knots (log10 exposure, density); of black and white the one curve.
+             */
+            readonly curveGreen?: readonly (readonly [
+                number,
+                number
+            ])[] | null;
+            /**
+             * Curvemaxdensity
+             * @description Of red, green and blue.
+             */
+            readonly curveMaxDensity?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Curvemiddlegray
+             * @description Log exposure where a metered 18 % grey lands.
+             */
+            readonly curveMiddleGray?: number | null;
+            /**
+             * Curvemindensity
+             * @description Base and fog of red, green and blue.
+             */
+            readonly curveMinDensity?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Curvered
+             * @description Knots (log10 exposure, density).
+             */
+            readonly curveRed?: readonly (readonly [
+                number,
+                number
+            ])[] | null;
+            /**
+             * Curveshoulder
+             * @description How far the shoulder reaches, of red, green and blue.
+             */
+            readonly curveShoulder?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Curvesource
+             * @description Whether density goes by the stock's curve, by knots or by the numbers of `curve…`.
+             */
+            readonly curveSource?: ("stock" | "knots" | "parametric") | null;
+            /**
+             * Curvetoe
+             * @description How far the toe reaches, of red, green and blue.
+             */
+            readonly curveToe?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Display
+             * @description Of the OpenColorIO configuration; empty takes its default.
+             */
+            readonly display?: string | null;
+            /**
+             * Grainamount
+             * @description 0 is none, 1 as the stock has it.
+             */
+            readonly grainAmount?: number | null;
+            /**
+             * Grainrms
+             * @description Diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 takes the stock's.
+             */
+            readonly grainRms?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Grainseed
+             * @description Which grain.
+             */
+            readonly grainSeed?: number | null;
+            /**
+             * Grainsizeum
+             * @description Correlation length on the film; 0 takes the usual one.
+             */
+            readonly grainSizeUm?: number | null;
+            /**
+             * Halationamount
+             * @description Share of the light that the base throws back.
+             */
+            readonly halationAmount?: number | null;
+            /**
+             * Halationcolor
+             * @description Its ratio in red, green and blue.
+             */
+            readonly halationColor?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Halationradiusmm
+             * @description Of its ring, on the film.
+             */
+            readonly halationRadiusMm?: number | null;
+            /**
+             * Look
+             * @description Looks of the configuration, with commas between; `-` in front inverts.
+             */
+            readonly look?: string | null;
+            /**
+             * Printstock
+             * @description Name of the stock that a negative is printed on; empty takes the usual one.
+             */
+            readonly printStock?: string | null;
+            /**
+             * Process
+             * @description `negative` and `monochrome` are seen through a print, `reversal` is seen itself, `digital` is a sensor.
+             */
+            readonly process?: ("none" | "negative" | "reversal" | "monochrome" | "digital") | null;
+            /**
+             * Push
+             * @description Stops by which it is developed longer.
+             */
+            readonly push?: number | null;
+            /**
+             * Sensorclipstops
+             * @description Above middle grey; 0 takes what the full well says.
+             */
+            readonly sensorClipStops?: number | null;
+            /**
+             * Sensorfullwelle
+             * @description Electrons that a photosite holds.
+             */
+            readonly sensorFullWellE?: number | null;
+            /**
+             * Sensorreadnoisee
+             * @description In electrons.
+             */
+            readonly sensorReadNoiseE?: number | null;
+            /**
+             * Sensorsensitivity
+             * @description Of red, green and blue.
+             */
+            readonly sensorSensitivity?: readonly [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Speed
+             * @description ISO speed that the film is rated at, or the sensor's base; 0 takes the stock's own.
+             */
+            readonly speed?: number | null;
+            /**
+             * Stock
+             * @description Puts a stock of the library in the camera, by its name or a part of it that no other has, null none: for all time. It brings its process and its curves, and where there was no film its print and its grain; what is sent beside it is set after that. Left out, the film stays.
+             */
+            readonly stock?: string | null;
+            /**
+             * Time
+             * @description USD time code of keys; without it, keys go and the values hold for all time. Words and lists hold for all time either way.
+             */
+            readonly time?: number | null;
+            /**
+             * Tint
+             * @description Across the line of colour temperatures; positive toward magenta.
+             */
+            readonly tint?: number | null;
+            /**
+             * View
+             * @description Of the display; empty takes its default.
+             */
+            readonly view?: string | null;
+            /**
+             * Whitebalancek
+             * @description Colour temperature that looks neutral; 0 leaves the light as it is.
+             */
+            readonly whiteBalanceK?: number | null;
         };
         /**
          * FilmSummary
@@ -2447,6 +3528,34 @@ export interface components {
             ];
         };
         /**
+         * GradeChoices
+         * @description What a camera's picture can be graded by.
+         * @example {
+         *       "defaultDisplay": "sRGB - Display",
+         *       "displays": [
+         *         {
+         *           "defaultView": "Raw",
+         *           "name": "sRGB - Display",
+         *           "views": [
+         *             "Raw",
+         *             "Un-tone-mapped"
+         *           ]
+         *         }
+         *       ],
+         *       "looks": [
+         *         "ACES 1.3 Reference Gamut Compression"
+         *       ]
+         *     }
+         */
+        readonly GradeChoices: {
+            /** Defaultdisplay */
+            readonly defaultDisplay: string;
+            /** Displays */
+            readonly displays: readonly components["schemas"]["DisplayChoice"][];
+            /** Looks */
+            readonly looks: readonly string[];
+        };
+        /**
          * Health
          * @description An answer that says yes.
          * @example {
@@ -2650,9 +3759,9 @@ export interface components {
             readonly time: number;
             /**
              * Value
-             * @description For `enabled`: 0 or 1. For `blur`: mm.
+             * @description For `enabled`: 0 or 1. For `blur`: mm. null: the shot says no finite number.
              */
-            readonly value: number;
+            readonly value: number | null;
         };
         /**
          * KeyEdit
@@ -2672,7 +3781,7 @@ export interface components {
              */
             readonly interpolation?: "held" | "linear" | "bezier" | "auto";
             /** @description Of a `bezier` key; left out, those that an `auto` key would have now. */
-            readonly tangents?: components["schemas"]["Tangents"] | null;
+            readonly tangents?: components["schemas"]["TangentsEdit"] | null;
             /**
              * Time
              * @description USD time code.
@@ -3589,6 +4698,42 @@ export interface components {
          *     }
          */
         readonly Tangents: {
+            /**
+             * Inslope
+             * @description Of the handle before the key: value for each time code.
+             * @default 0
+             */
+            readonly inSlope?: number;
+            /**
+             * Inwidth
+             * @description How far it reaches back, time codes; 0: a third of the way.
+             * @default 0
+             */
+            readonly inWidth?: number;
+            /**
+             * Outslope
+             * @description Of the handle after the key.
+             * @default 0
+             */
+            readonly outSlope?: number;
+            /**
+             * Outwidth
+             * @description How far it reaches on; 0: a third of the way.
+             * @default 0
+             */
+            readonly outWidth?: number;
+        };
+        /**
+         * TangentsEdit
+         * @description The handles of a bezier key to set.
+         * @example {
+         *       "inSlope": 0,
+         *       "inWidth": 4,
+         *       "outSlope": 0,
+         *       "outWidth": 4
+         *     }
+         */
+        readonly TangentsEdit: {
             /**
              * Inslope
              * @description Of the handle before the key: value for each time code.
@@ -4576,6 +5721,618 @@ export interface operations {
             };
         };
     };
+    readonly getExposureSettings: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ExposureSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly editExposureSettings: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["ExposureSettingsEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ExposureSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly setExposureKey: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["KeyEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ExposureSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly deleteExposureKey: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ExposureSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getFilmSettings: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FilmSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly editFilmSettings: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["FilmSettingsEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FilmSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly setFilmKey: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["KeyEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FilmSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly deleteFilmKey: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                readonly gesture?: string;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description What the key is of, in the unit of its name. */
+                readonly attribute: "speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation";
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["FilmSettings"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly getFocusSettings: {
         readonly parameters: {
             readonly query: {
@@ -4684,6 +6441,70 @@ export interface operations {
             };
             /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
             readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly listGrades: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["GradeChoices"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
@@ -6110,14 +7931,22 @@ export interface operations {
                 readonly camera?: string | null;
                 /** @description Names one viewer. A newer frame request of the same viewer for the same shot takes the place of those that still wait, which are answered 409 `superseded`. Left out: nothing is superseded. */
                 readonly client?: string | null;
+                /** @description Of the OpenColorIO configuration, in place of the shot's. */
+                readonly display?: string | null;
                 /** @description `lens` traces peeled layers, `accumulation` renders once for each ray, `pinhole` has all sharp. */
                 readonly engine?: "lens" | "accumulation" | "pinhole";
+                /** @description Shoots it on this stock of the film library; what the shot says when left out. */
+                readonly film?: string | null;
                 /** @description `exr` is scene-linear light, the others the graded picture. */
                 readonly format?: "png" | "jpeg" | "exr";
                 /** @description px; from the camera's film gate when left out. */
                 readonly height?: number | null;
                 /** @description Layers peeled at most. */
                 readonly layers?: number;
+                /** @description Looks of the configuration with commas between, in place of the shot's; empty for none. */
+                readonly look?: string | null;
+                /** @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion. */
+                readonly motion?: number;
                 /** @description Lens rays for each pixel. */
                 readonly rays?: number;
                 /** @description Of the sampling pattern. */
@@ -6128,6 +7957,8 @@ export interface operations {
                 readonly supersample?: number;
                 /** @description USD time code. */
                 readonly time: number;
+                /** @description Of the display, in place of the shot's. */
+                readonly view?: string | null;
                 /** @description Of light, traced through a lens that has colour errors: 3 is one for each channel, more a smoother spectrum, 1 leaves colour errors out. */
                 readonly wavelengths?: number;
                 /** @description px */

@@ -1,0 +1,217 @@
+"""What the stage process is asked about how a camera exposes, and on what; see `service.stage_work`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from render.errors import SettingsError
+from service.library_work import film_to_mount
+from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
+from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
+from service.models.focus import KeyEdit
+from service.opened import OpenedShots
+from service.store import ShotRecord
+from service.terms import Terms
+
+# Names that differ between REST and the shot: where there is a unit they carry it.
+SETTING_OF_FIELD = {
+    "shutter_travel_s": "shutter_travel_time",
+    "metering_compensation_stops": "metering_compensation",
+    "metering_smoothing_s": "metering_smoothing",
+    "white_balance_k": "white_balance",
+    "grain_size_um": "grain_size",
+    "halation_radius_mm": "halation_radius",
+    "sensor_full_well_e": "sensor_full_well",
+    "sensor_read_noise_e": "sensor_read_noise",
+    "sensor_clip_stops": "sensor_clip",
+    "display": "grade_display",
+    "view": "grade_view",
+    "look": "grade_look",
+    "cdl_slope": "grade_cdl_slope",
+    "cdl_offset": "grade_cdl_offset",
+    "cdl_power": "grade_cdl_power",
+    "cdl_saturation": "grade_cdl_saturation",
+    "ocio_config": "grade_config",
+    "cdl_file": "grade_cdl_file",
+}
+
+
+def setting_of(attribute: ExposureKeyed | FilmKeyed) -> str:
+    """The shot's name of what is keyed.
+
+    Args:
+        attribute: its name over REST.
+    """
+    fields = {
+        info.alias: field for model in (ExposureSettings, FilmSettings) for field, info in model.model_fields.items()
+    }
+    return SETTING_OF_FIELD.get(fields[attribute], fields[attribute])
+
+
+@dataclass(frozen=True)
+class ReadExposureSettings:
+    """How a camera exposes at one time."""
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+
+    def run(self, opened: OpenedShots) -> ExposureSettings:
+        """Raises `CameraError`."""
+        from service.reading_photography import read_exposure_settings
+
+        with opened.use(self.record) as shot:
+            return read_exposure_settings(shot, self.camera, self.time)
+
+
+@dataclass(frozen=True)
+class ReadFilmSettings:
+    """What a camera's light falls on at one time."""
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+
+    def run(self, opened: OpenedShots) -> FilmSettings:
+        """Raises `CameraError`."""
+        from service.reading_photography import read_film_settings
+
+        with opened.use(self.record) as shot:
+            return read_film_settings(shot, self.camera, self.time)
+
+
+@dataclass(frozen=True)
+class ReadGradeChoices:
+    """What a camera's picture can be graded by."""
+
+    record: ShotRecord
+    camera: str | None
+    time: float
+
+    def run(self, opened: OpenedShots) -> GradeChoices:
+        """Raises `CameraError`, or `SettingsError`: the shot's own configuration cannot be read."""
+        from service.reading_photography import read_grade_choices
+
+        with opened.use(self.record) as shot:
+            return read_grade_choices(shot, self.camera, self.time)
+
+
+@dataclass(frozen=True)
+class EditExposureSettings:
+    """Change how a camera exposes."""
+
+    record: ShotRecord
+    camera: str | None
+    edit: ExposureSettingsEdit
+    terms: Terms
+
+    def run(self, opened: OpenedShots) -> ExposureSettings:
+        """The settings as they are then. Raises `CameraError` or `SettingsError`."""
+        from service.reading import camera_tag
+        from service.reading_photography import read_exposure_settings, shutter_closes
+
+        said = _said(self.edit)
+        angle_deg = said.pop("shutter_angle_deg", None)
+        if angle_deg is not None and "shutter_close" in said:
+            raise SettingsError(
+                "shutterAngleDeg says when the shutter closes: send no shutterClose beside it", path="shutterAngleDeg"
+            )
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
+            time = shot.frame_range.start if self.edit.time is None else self.edit.time
+            if angle_deg is not None:
+                said["shutter_close"] = shutter_closes(shot, self.camera, time, angle_deg, said.get("shutter_open"))
+            with shot.kept_usable(self.camera, time):
+                shot.set_photography(self.camera, time=self.edit.time, **said)
+            return read_exposure_settings(shot, self.camera, time)
+
+
+@dataclass(frozen=True)
+class EditFilmSettings:
+    """Change film and grade."""
+
+    record: ShotRecord
+    camera: str | None
+    edit: FilmSettingsEdit
+    terms: Terms
+
+    def run(self, opened: OpenedShots) -> FilmSettings:
+        """The settings as they are then. Raises `CameraError` or `SettingsError`."""
+        from service.reading import camera_tag
+        from service.reading_photography import read_film_settings
+
+        said = _said(self.edit)
+        name = said.pop("stock", None)
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
+            time = shot.frame_range.start if self.edit.time is None else self.edit.time
+            with shot.kept_usable(self.camera, time):
+                if "stock" in self.edit.model_fields_set:
+                    shot.mount_film(self.camera, film_to_mount(name))
+                if said:
+                    shot.set_photography(self.camera, time=self.edit.time, **said)
+            return read_film_settings(shot, self.camera, time)
+
+
+def _said(edit: ExposureSettingsEdit | FilmSettingsEdit) -> dict[str, Any]:
+    said = edit.model_dump(exclude={"time"}, exclude_none=True)
+    return {SETTING_OF_FIELD.get(field, field): value for field, value in said.items()}
+
+
+@dataclass(frozen=True)
+class _KeyWork:
+    record: ShotRecord
+    camera: str | None
+    terms: Terms
+
+    def _set(self, opened: OpenedShots, attribute: ExposureKeyed | FilmKeyed, key: KeyEdit) -> None:
+        from service.authoring import authored_key
+        from service.reading import camera_tag
+
+        authored = authored_key(key, attribute, is_switch=False)
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
+            with shot.kept_usable(self.camera, key.time):
+                shot.set_camera_key(self.camera, setting_of(attribute), authored)
+
+    def _remove(self, opened: OpenedShots, attribute: ExposureKeyed | FilmKeyed, time: float) -> None:
+        from service.reading import camera_tag
+
+        with opened.edit(self.record, self.terms) as shot:
+            self.terms.check(camera_tag(shot, self.camera), "the camera")
+            shot.remove_camera_key(self.camera, setting_of(attribute), time)
+
+
+@dataclass(frozen=True)
+class KeyExposure(_KeyWork):
+    """Set or replace a key of how a camera exposes, or with no key remove the one at a time."""
+
+    attribute: ExposureKeyed
+    time: float
+    key: KeyEdit | None = None
+
+    def run(self, opened: OpenedShots) -> ExposureSettings:
+        """The settings at that time. Raises `CameraError`, `SettingsError` or `NotFoundError`."""
+        if self.key is None:
+            self._remove(opened, self.attribute, self.time)
+        else:
+            self._set(opened, self.attribute, self.key)
+        return ReadExposureSettings(self.record, self.camera, self.time).run(opened)
+
+
+@dataclass(frozen=True)
+class KeyFilm(_KeyWork):
+    """Set or replace a key of film or grade, or with no key remove the one at a time."""
+
+    attribute: FilmKeyed
+    time: float
+    key: KeyEdit | None = None
+
+    def run(self, opened: OpenedShots) -> FilmSettings:
+        """The settings at that time. Raises `CameraError`, `SettingsError` or `NotFoundError`."""
+        if self.key is None:
+            self._remove(opened, self.attribute, self.time)
+        else:
+            self._set(opened, self.attribute, self.key)
+        return ReadFilmSettings(self.record, self.camera, self.time).run(opened)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from render.bench.film_plan import add_arguments as add_film_arguments
 from render.bench.focus_plan import add_arguments as add_focus_arguments
 from render.bench.plan import add_arguments
 
@@ -21,6 +22,11 @@ def add_parser(commands: Any) -> None:
     focus = benches.add_parser("focus", help="focusing: the solvers, and what a surface that is no plane costs")
     focus.set_defaults(run=run_focus)
     add_focus_arguments(focus)
+    film = benches.add_parser(
+        "film", help="film and grade: on the device and on the processor, beside the frame itself"
+    )
+    film.set_defaults(run=run_film)
+    add_film_arguments(film)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -50,5 +56,21 @@ def run_focus(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.focus import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_film(arguments: argparse.Namespace) -> None:
+    """Measure film and grade, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the picture is too small or too large.
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.film import run  # brings OpenGL with it
 
     run(arguments)

@@ -12,7 +12,7 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
-from render.commands import grade_options, long_exposure_options
+from render.commands import contact_sheet_options, grade_options, long_exposure_options
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
 from render.film import GradeChoice
@@ -50,6 +50,7 @@ def add_parser(commands: Any) -> None:
     _add_picture_options(parser)
     grade_options.add_arguments(parser)
     long_exposure_options.add_arguments(parser)
+    contact_sheet_options.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
 
 
@@ -118,7 +119,9 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: no OpenGL context.
         OutputError: a file cannot be written; those before it are whole.
     """
-    _check_output(arguments)
+    axes = contact_sheet_options.asked_axes(arguments)
+    if axes is None:
+        _check_output(arguments)
     asked = None if arguments.frames is None else parse_frames(arguments.frames)
     settings = _settings(arguments)
     if arguments.film is not None:
@@ -135,7 +138,11 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
-    if long is not None:
+    if axes is not None:
+        written = contact_sheet_options.record_contact_sheet(
+            shot, camera, axes, frames[0], files[0], settings, arguments.film, grade
+        )
+    elif long is not None:
         written = long_exposure_options.record_long_exposure(
             shot, camera, long, files[0], settings, arguments.film, grade
         )

@@ -18,7 +18,8 @@ BEAMS = ("#1f5fa8", "#2f8f4e", "#c8442c")
 LIGHTS = ("#d62718", "#1f9d3a", "#2340d0")
 """Of red, green and blue light."""
 SMALL, TINY = 7.5, 6.5
-_DPI = 120  # of a PNG, and of pictures inside an SVG
+DPI = 120
+"""Of a PNG, and of pictures inside an SVG."""
 _LETTERS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -59,7 +60,7 @@ def file_of(figure: Figure, suffix: str) -> bytes:
     metadata = {"Date": None} if suffix == "svg" else {"Software": "Pullfocus"}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # in names that other scripts write: boxes stand for them
-        figure.savefig(sink, format=suffix, dpi=_DPI, metadata=metadata, facecolor="auto")
+        figure.savefig(sink, format=suffix, dpi=DPI, metadata=metadata, facecolor="auto")
     return sink.getvalue()
 
 

@@ -1,0 +1,97 @@
+"""The options of `record` that put several pictures on one sheet to compare them."""
+
+from __future__ import annotations
+
+import argparse
+import time as clock
+from pathlib import Path
+from typing import Any
+
+from render.commands.report import FrameProgress
+from render.errors import SettingsError
+from render.files import write_atomic
+from render.film import GradeChoice
+from render.frame_settings import FrameSettings
+from render.shot import Shot
+from render.shot.contact_axes import AXES, EXAMPLES, Axis, parse_axes
+
+SUFFIXES = (".png", ".svg")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare them, for `asked_axes`."""
+    group = parser.add_argument_group("a contact sheet")
+    group.add_argument(
+        "--contact-sheet",
+        metavar="WHAT=A,B,C",
+        action="append",
+        help=f"compare {', '.join(AXES)} in one labelled picture, a .png or .svg file: such as stock={EXAMPLES['stock']},"
+        f" stop={EXAMPLES['stop']} or lens={EXAMPLES['lens']}; given twice, columns and rows",
+    )
+
+
+def asked_axes(arguments: argparse.Namespace) -> tuple[Axis, ...] | None:
+    """What the options ask to compare, if anything.
+
+    Args:
+        arguments: as `add_arguments` declares them, and those of other options that do not go with them.
+
+    Raises:
+        SettingsError: they cannot be read, or do not go together.
+        InputError: a lens file is none.
+    """
+    if arguments.contact_sheet is None:
+        return None
+    if Path(arguments.out).suffix.lower() not in SUFFIXES:
+        raise SettingsError(f"a contact sheet is a {' or '.join(SUFFIXES)} file, got {arguments.out}")
+    axes = parse_axes(arguments.contact_sheet)
+    for option, name in (("film", "stock"), ("lens", "lens"), ("frames", "frame")):
+        if getattr(arguments, option) is not None and any(axis.name == name for axis in axes):
+            raise SettingsError(f"--{option} and a contact sheet of {name}s are one too many: leave out --{option}")
+    if arguments.long_exposure is not None:
+        raise SettingsError("a contact sheet has no long exposures: leave out --long-exposure")
+    return axes
+
+
+def record_contact_sheet(
+    shot: Shot,
+    camera: str | None,
+    axes: tuple[Axis, ...],
+    time: float,
+    file: Path,
+    settings: FrameSettings,
+    stock: str | None,
+    grade: GradeChoice | None,
+) -> list[dict[str, Any]]:
+    """Take the pictures and draw the sheet; what was written, for --json.
+
+    Args:
+        shot: the shot.
+        camera: prim path; None for one that frames the whole stage.
+        axes: what is compared.
+        time: USD time code, where frames are not compared.
+        file: to write.
+        settings: how each picture is rendered.
+        stock: a film of the library, or None for the shot's own.
+        grade: what is wanted in place of the shot's own.
+    """
+    from render.drawing.contact_sheet import draw_contact_sheet  # matplotlib takes a second to load
+    from render.frame import FrameRenderer  # and OpenGL several: not before the shot is found good
+    from render.shot.contact_sheet import make_contact_sheet
+
+    began = clock.perf_counter()
+    with FrameRenderer() as renderer, FrameProgress(1) as progress:
+
+        def at_work(name: str, share: float) -> None:
+            progress.begin(name)
+            progress.within(share)
+
+        progress.begin(file.name)
+        sheet = make_contact_sheet(
+            renderer, shot, camera, time, settings, axes, stock=stock, choice=grade, on_picture=at_work
+        )
+        write_atomic(file, draw_contact_sheet(sheet, file.suffix.lower().removeprefix(".")))
+        seconds = clock.perf_counter() - began
+        progress.finish(f"{file}, {len(sheet.pictures)} pictures,", seconds)
+    compared = {axis.name: [choice.label for choice in axis.choices] for axis in axes}
+    return [{"time": time, "file": str(file), "seconds": round(seconds, 3), "contactSheet": compared}]

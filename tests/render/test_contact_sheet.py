@@ -1,4 +1,4 @@
-"""Contact sheets hold the very pictures that `record` would make, each with what it was taken with; no light is rendered twice."""
+"""Contact sheets hold the very pictures that `record` would make, with what each was taken with; no light is rendered twice."""
 
 from __future__ import annotations
 

@@ -16,7 +16,20 @@ from service.hub import Hub
 from service.metrics import MetricsMiddleware
 from service.page import install_page
 from service.picture_work import Warm
-from service.routes import cameras, curves, edits, focus, frames, lenses, libraries, photography, shots, solving, system
+from service.routes import (
+    cameras,
+    curves,
+    edits,
+    focus,
+    frames,
+    lenses,
+    libraries,
+    metering,
+    photography,
+    shots,
+    solving,
+    system,
+)
 from service.settings import Settings
 from service.stage_work import WriteDemo
 
@@ -59,7 +72,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
-    for routes in (shots, edits, cameras, photography, lenses, libraries, frames, focus, solving, curves):
+    for routes in (shots, edits, cameras, photography, metering, lenses, libraries, frames, focus, solving, curves):
         app.include_router(routes.router, prefix="/v1")
     app.include_router(system.router)
     install_page(app, settings.static)

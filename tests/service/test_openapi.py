@@ -37,7 +37,7 @@ GET /v1/shots/{shot}/camera/exposure, PATCH /v1/shots/{shot}/camera/exposure,
 PUT /v1/shots/{shot}/camera/exposure/keys/{attribute}, DELETE /v1/shots/{shot}/camera/exposure/keys/{attribute},
 GET /v1/shots/{shot}/camera/film, PATCH /v1/shots/{shot}/camera/film,
 PUT /v1/shots/{shot}/camera/film/keys/{attribute}, DELETE /v1/shots/{shot}/camera/film/keys/{attribute},
-GET /v1/shots/{shot}/camera/grades,
+GET /v1/shots/{shot}/camera/grades, GET /v1/shots/{shot}/readout/exposure, GET /v1/shots/{shot}/meter,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

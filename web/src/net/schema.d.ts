@@ -744,6 +744,26 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/meter": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Meter
+         * @description What a light meter on the camera says at one time: EV, lux, and stops over or under.
+         */
+        readonly get: operations["meter"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/pick": {
         readonly parameters: {
             readonly query?: never;
@@ -798,6 +818,26 @@ export interface paths {
          * @description Focus distance, depth of field and hyperfocal distance at one time.
          */
         readonly get: operations["getReadout"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/readout/exposure": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Exposure Readout
+         * @description EV, T-stop, bellows factor and equivalents of a camera's exposure at one time, and the light that it is right for.
+         */
+        readonly get: operations["getExposureReadout"];
         readonly put?: never;
         readonly post?: never;
         readonly delete?: never;
@@ -1493,6 +1533,137 @@ export interface components {
              * @description Names it; a shot's `revision` is that of its present one.
              */
             readonly revision: string;
+        };
+        /**
+         * EquivalentExposure
+         * @description Stop and time that make the picture as bright.
+         * @example {
+         *       "exposureTimeS": 0.02083,
+         *       "fStop": 2.8,
+         *       "shutterAngleDeg": 180
+         *     }
+         */
+        readonly EquivalentExposure: {
+            /** Exposuretimes */
+            readonly exposureTimeS: number;
+            /** Fstop */
+            readonly fStop: number;
+            /**
+             * Shutterangledeg
+             * @description Of a rotating shutter that is open for as long.
+             */
+            readonly shutterAngleDeg: number;
+        };
+        /**
+         * ExposureReadout
+         * @description What a camera's exposure is worth at one time, without a look at the picture.
+         * @example {
+         *       "bellowsFactor": 1.04,
+         *       "camera": "/World/Camera",
+         *       "compensationStops": 0,
+         *       "effectiveTStop": 2.14,
+         *       "equivalents": [
+         *         {
+         *           "exposureTimeS": 0.02083,
+         *           "fStop": 2.8,
+         *           "shutterAngleDeg": 180
+         *         }
+         *       ],
+         *       "ev100": 4.6,
+         *       "exposureScale": 0.0417,
+         *       "exposureTimeS": 0.02083,
+         *       "fStop": 2,
+         *       "greyLux": 2.7,
+         *       "greyNits": 17.3,
+         *       "isTStop": false,
+         *       "iso": 800,
+         *       "ndStops": 2,
+         *       "shutterAngleDeg": 180,
+         *       "shutterTimeS": 0.02083,
+         *       "stop": "iris",
+         *       "tStop": 2.1,
+         *       "time": 24
+         *     }
+         */
+        readonly ExposureReadout: {
+            /**
+             * Bellowsfactor
+             * @description By how much longer the exposure has to be than at infinity.
+             */
+            readonly bellowsFactor: number;
+            /** Camera */
+            readonly camera: string;
+            /** Compensationstops */
+            readonly compensationStops: number;
+            /**
+             * Effectivetstop
+             * @description That with the bellows factor: what the lens is worth as focused.
+             */
+            readonly effectiveTStop: number | null;
+            /**
+             * Equivalents
+             * @description Whole stops away, widest first.
+             */
+            readonly equivalents: readonly components["schemas"]["EquivalentExposure"][];
+            /**
+             * Ev100
+             * @description Exposure value at ISO 100 of stop, time and ISO.
+             */
+            readonly ev100: number;
+            /**
+             * Exposurescale
+             * @description What the light that came through the lens is multiplied by.
+             */
+            readonly exposureScale: number;
+            /** Exposuretimes */
+            readonly exposureTimeS: number;
+            /**
+             * Fstop
+             * @description The stop that is exposed by.
+             */
+            readonly fStop: number;
+            /**
+             * Greylux
+             * @description Illuminance of the film by that.
+             */
+            readonly greyLux: number | null;
+            /**
+             * Greynits
+             * @description Luminance that comes out as middle grey; null where no light passes.
+             */
+            readonly greyNits: number | null;
+            /** Iso */
+            readonly iso: number;
+            /** Iststop */
+            readonly isTStop: boolean;
+            /**
+             * Ndstops
+             * @description What filters take.
+             */
+            readonly ndStops: number;
+            /**
+             * Shutterangledeg
+             * @description Of the shutter that motion is seen through; 0 for a moment.
+             */
+            readonly shutterAngleDeg: number;
+            /**
+             * Shuttertimes
+             * @description How long that one is open.
+             */
+            readonly shutterTimeS: number;
+            /**
+             * Stop
+             * @description Whether that is `exposureFStop`, or the iris's `fStop`.
+             * @enum {string}
+             */
+            readonly stop: "exposure" | "iris";
+            /** Time */
+            readonly time: number;
+            /**
+             * Tstop
+             * @description It as a T-stop, with what the glass takes; null where no light comes through.
+             */
+            readonly tStop: number | null;
         };
         /**
          * ExposureSettings
@@ -4107,6 +4278,80 @@ export interface components {
              * @description To the next surface; of the last one to the film, 0 to be solved for.
              */
             readonly thicknessMm: number;
+        };
+        /**
+         * MeterReading
+         * @description What a light meter on a camera says at one time.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "compensationStops": -1,
+         *       "decides": false,
+         *       "ev100": 8.1,
+         *       "filmLux": 5.4,
+         *       "incidentLux": 604,
+         *       "luminanceNits": 34.6,
+         *       "mode": "spot",
+         *       "place": [
+         *         0.43,
+         *         0.55
+         *       ],
+         *       "stops": 1,
+         *       "time": 24
+         *     }
+         */
+        readonly MeterReading: {
+            /** Camera */
+            readonly camera: string;
+            /**
+             * Compensationstops
+             * @description In place of the camera's: what makes it middle grey, and as much brighter as is asked for, smoothed over time where the meter decides; null for black.
+             */
+            readonly compensationStops: number | null;
+            /**
+             * Decides
+             * @description Whether the camera is exposed by its meter, so that `stops` is made up for.
+             */
+            readonly decides: boolean;
+            /**
+             * Ev100
+             * @description Exposure value at ISO 100 of that light; null for black.
+             */
+            readonly ev100: number | null;
+            /**
+             * Filmlux
+             * @description Illuminance of the film by it.
+             */
+            readonly filmLux: number;
+            /**
+             * Incidentlux
+             * @description The light in which a matt grey of 18 % is as bright.
+             */
+            readonly incidentLux: number;
+            /**
+             * Luminancenits
+             * @description Mean of what it looks at; 0 for black.
+             */
+            readonly luminanceNits: number;
+            /**
+             * Mode
+             * @enum {string}
+             */
+            readonly mode: "spot" | "center" | "average";
+            /**
+             * Place
+             * @description Of the spot in the picture, from its top left corner; null for the other modes, and outside.
+             */
+            readonly place: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Stops
+             * @description By how much it comes out over (or, negative, under) middle grey as the exposure is set; null for black.
+             */
+            readonly stops: number | null;
+            /** Time */
+            readonly time: number;
         };
         /**
          * Note
@@ -8099,6 +8344,89 @@ export interface operations {
             };
         };
     };
+    readonly meter: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description Names one viewer, whose newer request to meter the same shot takes the place of those that still wait. */
+                readonly client?: string | null;
+                /** @description Left out: what the camera's meter looks at, or the middle most where it has none. */
+                readonly mode?: ("spot" | "center" | "average") | null;
+                /** @description Meters a spot on a focus point. */
+                readonly point?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+                /** @description With `y`, meters a spot: from the picture's left edge (0). */
+                readonly x?: number | null;
+                /** @description From the picture's top edge (0). */
+                readonly y?: number | null;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["MeterReading"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            readonly 409: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     readonly pick: {
         readonly parameters: {
             readonly query?: never;
@@ -8266,6 +8594,70 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Readout"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getExposureReadout: {
+        readonly parameters: {
+            readonly query: {
+                /** @description Prim path; the shot's default camera when left out. */
+                readonly camera?: string | null;
+                /** @description USD time code. */
+                readonly time: number;
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["ExposureReadout"];
                 };
             };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */

@@ -1,0 +1,103 @@
+"""What an exposure is worth, and what a light meter says, over HTTP."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from service.models.metering import METER_EXAMPLE, READOUT_EXAMPLE, ExposureReadout, MeterReading
+
+
+@pytest.fixture
+def shot(client, room) -> str:
+    return f"/v1/shots/{room}"
+
+
+def expose(client, shot, **change):
+    answer = client.patch(f"{shot}/camera/exposure", json=change)
+    assert answer.status_code == 200, answer.text
+
+
+def readout(client, shot):
+    answer = client.get(f"{shot}/readout/exposure", params={"time": 1})
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def meter(client, shot, **asked):
+    answer = client.get(f"{shot}/meter", params={"time": 1} | asked)
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def test_examples_are_true_to_their_models():
+    for model, example in ((ExposureReadout, READOUT_EXAMPLE), (MeterReading, METER_EXAMPLE)):
+        assert model.model_validate(example).model_dump(by_alias=True, mode="json") == example
+
+
+def test_an_exposure_is_read_off_in_ev_stops_and_equivalents(client, shot):
+    expose(client, shot, exposureTimeS=1 / 50, iso=400, exposureFStop=4, neutralDensity=0.6, transmittance=0.81)
+    told = readout(client, shot)
+    assert told["ev100"] == pytest.approx(math.log2(100 * 16 * 50 / 400), abs=1e-5)
+    assert told["tStop"] == pytest.approx(4 / 0.9, rel=1e-6)
+    assert told["ndStops"] == pytest.approx(0.6 * math.log2(10))
+    worth = {same["exposureTimeS"] / same["fStop"] ** 2 for same in told["equivalents"]}
+    assert max(worth) == pytest.approx(min(worth))
+    assert [same["fStop"] for same in told["equivalents"]] == sorted(same["fStop"] for same in told["equivalents"])
+
+
+def test_the_iris_exposes_where_it_is_told_to(client, shot):
+    expose(client, shot, exposureStop="iris")
+    client.patch(f"{shot}/camera", json={"fStop": 2})
+    wide = readout(client, shot)
+    client.patch(f"{shot}/camera", json={"fStop": 4})
+    told = readout(client, shot)
+    assert (told["stop"], told["fStop"]) == ("iris", 4)
+    assert wide["exposureScale"] / told["exposureScale"] == pytest.approx(4)
+
+
+def test_a_meter_says_how_far_off_the_exposure_is(client, shot):
+    before = meter(client, shot, mode="average")
+    expose(client, shot, compensationStops=2)
+    after = meter(client, shot, mode="average")
+    assert after["luminanceNits"] == pytest.approx(before["luminanceNits"])
+    assert after["stops"] - before["stops"] == pytest.approx(2)
+    assert not after["decides"]
+    expose(client, shot, compensationStops=after["compensationStops"])
+    assert meter(client, shot, mode="average")["stops"] == pytest.approx(0, abs=1e-6)
+
+
+def test_a_spot_is_on_a_place_or_a_focus_point(client, shot):
+    card, dark = meter(client, shot, x=0.25, y=0.5), meter(client, shot, x=0.99, y=0.01)
+    assert card["place"] == pytest.approx([0.25, 0.5])
+    assert card["luminanceNits"] > 0
+    assert (dark["luminanceNits"], dark["stops"], dark["ev100"], dark["compensationStops"]) == (0, None, None, None)
+    point = {"target": ["/World/near"], "face": 0, "barycentric": [0.5, 0, 0.5], "name": "near"}
+    client.post(f"{shot}/focus-points", params={"time": 1}, json=point)
+    told = meter(client, shot, point="near")
+    assert (told["mode"], told["luminanceNits"]) == ("spot", pytest.approx(card["luminanceNits"], rel=0.02))
+
+
+def test_a_meter_that_decides_is_told_so(client, shot):
+    expose(client, shot, meteringMode="average", meteringCompensationStops=1)
+    told = meter(client, shot)
+    assert (told["decides"], told["mode"]) == (True, "average")
+    assert told["compensationStops"] == pytest.approx(1 - told["stops"], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"mode": "matrix"}, "mode"),
+        ({"x": 0.5}, "x and y"),
+        ({"x": 0.5, "y": 0.5, "point": "near"}, "x and y"),
+        ({"mode": "average", "point": "near"}, "average"),
+        ({"point": "nobody"}, "nobody"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_metered_is_told(client, shot, asked, words):
+    answer = client.get(f"{shot}/meter", params={"time": 1} | asked)
+    assert answer.status_code == 422, answer.text
+    assert words in answer.json()["detail"] + str(answer.json()["path"])

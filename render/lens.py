@@ -11,8 +11,10 @@ with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import Literal
+from itertools import pairwise
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +23,8 @@ from render.errors import SettingsError
 
 DoubleArray = NDArray[np.float64]
 
-LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription"]
-LENS_MODELS: tuple[LensModel, ...] = ("pinhole", "thin", "seidel", "spherical", "heightField", "prescription")
+LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
+LENS_MODELS: tuple[LensModel, ...] = get_args(LensModel)
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,80 @@ class SeidelErrors:
     reference_height_mm: float = 21.6
 
 
+@dataclass(frozen=True)
+class DataSheet:
+    """A lens known by what was measured of it: its errors against the height in the picture (Kyaw 2013, section 7.2).
+
+    A table has an entry for each height, or none where the error is not there (light: where it is even). In between they are
+    joined smoothly, and beyond the last height they stay.
+
+    Attributes:
+        heights_mm: image heights on the film, from 0 outward.
+        distortion: share by which the image is farther out than an ideal lens's: negative is barrel-shaped.
+        light: illumination of the film over that on the axis, from all causes together.
+        sagittal_blur_mm: standard deviation, across the radius, of the light of a point in the plane of focus: of all errors of
+            one colour together.
+        tangential_blur_mm: likewise along the radius.
+        spherical: share of the blur's spread that is spherical aberration, -1 to 1: positive gives the disc behind the focus a
+            bright edge, negative a bright middle. What is left of the blur favours neither side of the focus.
+        coma_mm: length of coma's flare along the radius, positive outward.
+        field_curvature_mm: how far before the film the sharp image lies.
+        lateral_color_mm: image height at 650 nm less that at 475 nm.
+        axial_color_mm: focus at 650 nm less focus at 475 nm, along the axis behind the lens.
+        f_stop: at which it was measured; 0 takes the tables as they are at any.
+    """
+
+    heights_mm: tuple[float, ...]
+    distortion: tuple[float, ...] = ()
+    light: tuple[float, ...] = ()
+    sagittal_blur_mm: tuple[float, ...] = ()
+    tangential_blur_mm: tuple[float, ...] = ()
+    spherical: tuple[float, ...] = ()
+    coma_mm: tuple[float, ...] = ()
+    field_curvature_mm: tuple[float, ...] = ()
+    lateral_color_mm: tuple[float, ...] = ()
+    axial_color_mm: tuple[float, ...] = ()
+    f_stop: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raises `SettingsError` where the tables do not belong together, or no lens has such errors."""
+        heights = self.heights_mm
+        if not heights or heights[0] != 0 or not all(a < b < math.inf for a, b in pairwise(heights)):
+            raise SettingsError(f"a data sheet's image heights must increase from 0, got {_listed(heights)}")
+        if not 0 <= self.f_stop < math.inf:
+            raise SettingsError(f"a data sheet's f-number must be 0 or more, got {self.f_stop:g}")
+        for name, (least, most, expected) in _TABLES.items():
+            values = getattr(self, name)
+            if len(values) not in (0, len(heights)):
+                raise SettingsError(f"a data sheet's {name} must have {len(heights)} entries, got {len(values)}")
+            if not all(least <= value <= most and math.isfinite(value) for value in values):
+                raise SettingsError(f"a data sheet's {name} must be {expected}, got {_listed(values)}")
+        if self.light and not self.light[0] > 0:
+            raise SettingsError(f"a data sheet's light must be above 0 on the axis, got {self.light[0]:g}")
+        ideal = [height / (1 + bend) for height, bend in zip(heights, self.distortion, strict=False)]
+        if not all(b > a for a, b in pairwise(ideal)):
+            raise SettingsError(
+                "a data sheet's distortion must not fold the picture: what is seen must lie farther out too"
+            )
+
+
+_TABLES = {
+    "distortion": (-0.95, 10.0, "from -0.95 to 10"),
+    "light": (0.0, 2.0, "from 0 to 2"),
+    "sagittal_blur_mm": (0.0, math.inf, "0 or more"),
+    "tangential_blur_mm": (0.0, math.inf, "0 or more"),
+    "spherical": (-1.0, 1.0, "from -1 to 1"),
+    "coma_mm": (-math.inf, math.inf, "finite"),
+    "field_curvature_mm": (-math.inf, math.inf, "finite"),
+    "lateral_color_mm": (-math.inf, math.inf, "finite"),
+    "axial_color_mm": (-math.inf, math.inf, "finite"),
+}
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{value:g}" for value in values[:8]) + (", …" if len(values) > 8 else "") or "none"
+
+
 @dataclass(frozen=True, eq=False)
 class HeightField:
     """Heights that are added to the two surfaces of a thick lens, over the square that circumscribes the clear aperture.
@@ -189,6 +265,7 @@ class Lens:
         prescription: of the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
             length, so that the field of view stays what the camera says.
         seidel: of the model seidel.
+        data_sheet: of the model dataSheet.
         height_field: of the model heightField.
         scales: factors on the errors of whatever model it is.
         squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
@@ -218,6 +295,14 @@ class Lens:
     expressive_blend: float = 0.0
     ghosts: float = 0.0
     star: float = 0.0
+    data_sheet: DataSheet | None = None
+
+    @property
+    def has_thin_errors(self) -> bool:
+        """Whether it is a thin lens with errors of its own, from wavefronts or from a data sheet."""
+        if self.model == "dataSheet":
+            return self.data_sheet is not None
+        return self.model == "seidel" and self.seidel is not None
 
 
 THIN_LENS = Lens()

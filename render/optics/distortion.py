@@ -11,7 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.lens import SeidelErrors
+from render.lens import DataSheet, SeidelErrors
+from render.optics.data_sheet import seen_slopes
 from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import has_surfaces, mounted
@@ -75,6 +76,8 @@ def chief_rays(camera: Camera) -> ChiefRays | None:
         rays = _through_surfaces(mounted(camera), focus_w(camera))
     elif camera.lens.model == "seidel" and camera.lens.seidel is not None and camera.f_stop > 0:
         rays = _through_thin_lens(camera.lens.seidel, camera.focal_length_mm)
+    elif camera.lens.model == "dataSheet" and camera.lens.data_sheet is not None and camera.f_stop > 0:
+        rays = _by_data_sheet(camera.lens.data_sheet, camera.focal_length_mm)
     else:
         return None
     seen = np.maximum.accumulate(rays.ideal + scale * (rays.seen - rays.ideal))
@@ -93,6 +96,12 @@ def _through_thin_lens(errors: SeidelErrors, focal_length_mm: float) -> ChiefRay
     reference_m = focal_length_mm / (2000 * errors.reference_f_stop)
     height = ideal * focal_length_mm / errors.reference_height_mm
     return ChiefRays(ideal, ideal + errors.w311 * height**3 * D_LINE_NM * 1e-9 / reference_m)
+
+
+def _by_data_sheet(sheet: DataSheet, focal_length_mm: float) -> ChiefRays:
+    last = sheet.heights_mm[-1] / focal_length_mm
+    ideal = np.append(np.linspace(0.0, last, _SAMPLES), [last + 4.0] if last else [4.0])
+    return ChiefRays(ideal, seen_slopes(sheet, ideal * focal_length_mm, focal_length_mm))
 
 
 def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:

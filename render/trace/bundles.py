@@ -14,6 +14,7 @@ from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.scene import Camera
+from render.trace.data_sheet_table import data_sheet_table
 from render.trace.drawn_power import drawn_thin_lens, with_drawn_power
 from render.trace.grid_table import grid_table
 from render.trace.lens_table import FRONT_RIM, PUPIL_T, SLOPE_T, GridTable, PolynomialTable
@@ -69,6 +70,7 @@ class BundleMaker:
             lens.model,
             lens.prescription,
             lens.seidel,
+            lens.data_sheet,
             lens.height_field,
             lens.scales,
             lens.pupil_power,
@@ -114,6 +116,15 @@ class BundleMaker:
                 last_slope=last_slope,
                 wavelengths_nm=light.wavelengths_nm,
             )
+        if lens.model == "dataSheet" and lens.data_sheet is not None:
+            return data_sheet_table(
+                lens.data_sheet,
+                scales,
+                focal_length_mm=camera.focal_length_mm,
+                pupil_radius_m=pupil_radius_m(camera),
+                last_slope=last_slope,
+                wavelengths_nm=light.wavelengths_nm,
+            )
         if lens.model == "heightField" and lens.height_field is not None:
             return grid_table(
                 self._tracer,
@@ -131,7 +142,7 @@ class BundleMaker:
 
 def _has_errors(camera: Camera) -> bool:
     """Whether the lens has errors of its own."""
-    return has_surfaces(camera) or camera.lens.model == "seidel"
+    return has_surfaces(camera) or camera.lens.has_thin_errors
 
 
 def corner_slope(view: PinholeView) -> float:

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.lens import AberrationScales, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
+from render.lens import AberrationScales, DataSheet, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
 from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law
 from render.optics.focusing import FocusedLens, focused
@@ -26,11 +26,11 @@ from render.optics.stop_rays import rays_from_film
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
 from render.scene import Camera
+from render.trace.data_sheet_table import data_sheet_table
 from render.trace.drawn_power import slope_errors
 from render.trace.lens_fit import NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import LIGHT, PolynomialTable
 from render.trace.prescription_table import MAX_SLOPE, chromatic, continued, region_of, scaled_rays
-from render.trace.seidel_table import HEIGHTS as SEIDEL_HEIGHTS
 from render.trace.seidel_table import seidel_table
 from render.trace.sharpness import least_spread, rays_of_heights
 
@@ -106,6 +106,7 @@ class _Errors:
     model: LensModel
     prescription: Prescription | None
     seidel: SeidelErrors | None
+    data_sheet: DataSheet | None
     scales: AberrationScales
     pupil_power: tuple[float, ...]
     expressive_blend: float
@@ -113,7 +114,8 @@ class _Errors:
     @classmethod
     def of(cls, lens: Lens) -> _Errors:
         seidel = lens.seidel if lens.model == "seidel" else None
-        return cls(lens.model, lens.prescription, seidel, lens.scales, lens.pupil_power, lens.expressive_blend)
+        sheet = lens.data_sheet if lens.model == "dataSheet" else None
+        return cls(lens.model, lens.prescription, seidel, sheet, lens.scales, lens.pupil_power, lens.expressive_blend)
 
     @property
     def lens(self) -> Lens:
@@ -121,6 +123,7 @@ class _Errors:
             self.model,
             prescription=self.prescription,
             seidel=self.seidel,
+            data_sheet=self.data_sheet,
             scales=self.scales,
             pupil_power=self.pupil_power,
             expressive_blend=self.expressive_blend,
@@ -143,8 +146,8 @@ class _FocusedAnywhere:
         self._errors, self._f_stop, self._reach = _Errors.of(camera.lens), camera.f_stop, 0.0
         self._focal_mm, self._scale = camera.focal_length_mm, 1.0
         self._is_glass = has_surfaces(camera)
-        seidel = camera.lens.model == "seidel" and camera.lens.seidel is not None
-        self.has_errors = camera.f_stop > 0 and (self._is_glass or seidel or is_drawn(camera.lens))
+        thin_errors = camera.lens.has_thin_errors
+        self.has_errors = camera.f_stop > 0 and (self._is_glass or thin_errors or is_drawn(camera.lens))
         self._kept: dict[int, FieldFocus] = {}
         if not self.has_errors:
             return
@@ -257,16 +260,18 @@ def _rays(
 @lru_cache(maxsize=256)
 def _of_thin(errors: _Errors, focal_length_mm: float, f_stop: float, reach: float) -> FieldFocus:
     """Of a thin lens, which is the same wherever it is focused."""
-    table = seidel_table(
-        errors.seidel or SeidelErrors(),
+    scales, wavelengths, radius_m = (
         own_scales(errors.lens),
-        focal_length_mm=focal_length_mm,
-        pupil_radius_m=focal_length_mm / (2000 * f_stop),
-        last_slope=reach,
-        wavelengths_nm=errors.wavelengths_nm[:1],
+        errors.wavelengths_nm[:1],
+        focal_length_mm / (2000 * f_stop),
     )
+    lens = {"focal_length_mm": focal_length_mm, "pupil_radius_m": radius_m, "last_slope": reach}
+    if errors.data_sheet is not None:
+        table = data_sheet_table(errors.data_sheet, scales, **lens, wavelengths_nm=wavelengths)
+    else:
+        table = seidel_table(errors.seidel or SeidelErrors(), scales, **lens, wavelengths_nm=wavelengths)
     camera = Camera(np.eye(4), focal_length_mm, f_stop=f_stop, lens=replace(errors.lens, scales=AberrationScales()))
-    chief, heights = chief_rays(camera), np.linspace(0.0, reach, SEIDEL_HEIGHTS)
+    chief, heights = chief_rays(camera), np.linspace(0.0, reach, table.rows.shape[1])
     seen = heights if chief is None else _stretched(heights, chief.ideal, chief.seen)
     return _told(errors, table, seen, focal_length_mm, focal_length_mm / (2 * f_stop))
 

@@ -12,7 +12,7 @@ import pytest
 from tests.bench.lens_gallery.__main__ import chosen_sections, main
 from usd_schemas import lens_names
 
-FEW = ("shot-planar_50", "model-pinhole", "coma-strong", "iris-mask")
+FEW = ("stock-tri_x_400", "long-no-filter", "shot-planar_50", "model-pinhole", "coma-strong", "iris-mask")
 
 
 def test_every_lens_of_the_library_has_its_pictures() -> None:
@@ -37,6 +37,25 @@ def test_the_page_shows_the_pictures_and_they_are_there(tmp_path: Path) -> None:
         assert (picture.spec().width, picture.spec().height) == ((32, 18) if "detail" in name else (64, 36))
         lightest = max(OpenImageIO.ImageBufAlgo.computePixelStats(picture).max)
         assert lightest > 0.2, f"{name} is black"
+    for words in ("Kodak Tri-X 400", "0.083 s, ND 0.0 stops", "EV 0.0"):
+        assert words in page
+    grey, bright, plain = (
+        OpenImageIO.ImageBuf(str(folder / f"{slug}.png")).get_pixels(OpenImageIO.FLOAT) for slug in FEW[:3]
+    )
+    assert (grey.max(axis=-1) - grey.min(axis=-1)).max() < 0.02 < (plain.max(axis=-1) - plain.min(axis=-1)).max()
+    assert bright.mean() > 1.3 * plain.mean()
+
+
+def test_the_camera_has_three_stocks_stops_and_lenses_motion_and_long_exposures() -> None:
+    sections = chosen_sections(None, camera_alone=True)
+    assert [section.title for section in sections] == [
+        "Three stocks",
+        "Three stops",
+        "Three lenses",
+        "Motion",
+        "Long exposures",
+    ]
+    assert all(len(section.entries) >= 3 for section in sections)
 
 
 def test_a_folder_that_takes_no_files_is_named_before_anything_is_drawn(tmp_path: Path) -> None:

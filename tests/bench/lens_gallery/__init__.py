@@ -1,1 +1,1 @@
-"""The lens gallery: every lens and aberration on the demo shot, side by side, as a page."""
+"""The gallery: every stock, shutter, lens and aberration on the demo shot, side by side, as a page."""

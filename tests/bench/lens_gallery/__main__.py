@@ -1,6 +1,8 @@
-"""Makes the lens gallery: a folder with a page and its pictures, which needs nothing else.
+"""Makes the gallery: a folder with a page and its pictures, which needs nothing else.
 
     scripts/gallery OUT_DIR                              the whole gallery
+    scripts/gallery OUT_DIR --camera                     stocks, stops, lenses, motion and long exposures, small
+    scripts/gallery OUT_DIR --camera --width 960         larger
     scripts/gallery OUT_DIR --size 320x180 --rays 36     quickly
     scripts/gallery OUT_DIR --only iris-5,coma-strong    some of it
 
@@ -23,6 +25,7 @@ from render.files import write_atomic
 from render.frame import FrameRenderer
 from render.shot import Shot
 from tests.bench.lens_gallery.aberrations import aberration_sections
+from tests.bench.lens_gallery.camera import camera_sections
 from tests.bench.lens_gallery.entries import Section
 from tests.bench.lens_gallery.glass import glass_sections
 from tests.bench.lens_gallery.library import library_sections
@@ -32,14 +35,18 @@ from tests.bench.lens_gallery.photographs import Photograph, Photographer, Size
 from tests.bench.lens_gallery.pupils import pupil_sections
 from tests.bench.lens_gallery.settings import setting_sections
 
+SMALL = Size(480, 270, 25)
+"""What the camera's part is made in: long exposures are many frames."""
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Make the gallery that the command line asks for; ``arguments`` are the process's own by default."""
     asked = _parser().parse_args(arguments)
     try:
-        sections = chosen_sections(None if asked.only is None else asked.only.split(","))
-        width, height = asked.size
-        make_gallery(asked.out, sections, Size(width, height, asked.rays))
+        sections = chosen_sections(None if asked.only is None else asked.only.split(","), camera_alone=asked.camera)
+        usual = SMALL if asked.camera else Size()
+        width, height = asked.size or (usual.width, usual.height)
+        make_gallery(asked.out, sections, Size(width, height, asked.rays or usual.rays))
     except (PullfocusError, OSError) as error:
         sys.exit(f"scripts/gallery: {error}")
 
@@ -47,21 +54,28 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _parser() -> argparse.ArgumentParser:
     usual = Size()
     parser = argparse.ArgumentParser(
-        prog="scripts/gallery", description="Make a page of every lens and aberration on the demo shot."
+        prog="scripts/gallery", description="Make a page of every lens, aberration, stock and shutter on the demo shot."
     )
     parser.add_argument("out", type=Path, metavar="OUT_DIR", help="folder for the page and its pictures; is made")
     parser.add_argument(
+        "--camera",
+        action="store_true",
+        help=f"stocks, stops, lenses, motion and long exposures alone, {SMALL.width}x{SMALL.height} and {SMALL.rays} rays "
+        "unless other sizes are asked for",
+    )
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument(
         "--size",
         type=_size,
-        default=(usual.width, usual.height),
         metavar="WxH",
         help=f"of the pictures in pixels (default: {usual.width}x{usual.height})",
     )
+    size.add_argument("--width", dest="size", type=_wide, metavar="PX", help="of the pictures, 16:9")
     parser.add_argument(
         "--rays",
         type=int,
-        default=usual.rays,
-        help=f"for each pixel (default: {usual.rays}); twice as many where small lights are much blurred",
+        help=f"for each pixel (default: {usual.rays}); twice as many where small lights are much blurred, a quarter for each "
+        "interval of a long exposure",
     )
     parser.add_argument("--only", metavar="LIST", help="these entries alone, by their files' names, commas between")
     return parser
@@ -75,13 +89,24 @@ def _size(text: str) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
-def chosen_sections(slugs: Sequence[str] | None) -> list[Section]:
+def _wide(text: str) -> tuple[int, int]:
+    """A width, and the height of the demo shot's gate."""
+    if not text.isdigit() or int(text) < 32:
+        raise argparse.ArgumentTypeError(f"expected 32 pixels or more, got {text!r}")
+    return int(text), round(int(text) * 9 / 16)
+
+
+def chosen_sections(slugs: Sequence[str] | None, *, camera_alone: bool = False) -> list[Section]:
     """All sections, or what of them has these names.
+
+    Args:
+        slugs: of entries; None for all.
+        camera_alone: whether the sections of lenses are left out.
 
     Raises:
         SettingsError: the gallery has no entry of such a name.
     """
-    sections = [
+    of_lenses = [
         *library_sections(),
         *model_sections(),
         *aberration_sections(),
@@ -89,6 +114,7 @@ def chosen_sections(slugs: Sequence[str] | None) -> list[Section]:
         *pupil_sections(),
         *setting_sections(),
     ]
+    sections = [*camera_sections(), *([] if camera_alone else of_lenses)]
     if slugs is None:
         return sections
     known = {entry.slug for section in sections for entry in section.entries}

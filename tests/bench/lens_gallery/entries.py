@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -88,6 +89,26 @@ class Entry:
     wavelengths: int = 3
 
 
+class Shown(Protocol):
+    """What the page needs to know of an entry."""
+
+    @property
+    def slug(self) -> str:
+        """Its files' name."""
+
+    @property
+    def title(self) -> str:
+        """Heading."""
+
+    @property
+    def note(self) -> str:
+        """What to look at."""
+
+    @property
+    def detail(self) -> tuple[float, float]:
+        """Centre of the enlarged detail, in shares of the picture's width and height from its upper left corner."""
+
+
 @dataclass(frozen=True, eq=False)
 class Section:
     """Entries that belong side by side.
@@ -100,4 +121,4 @@ class Section:
 
     title: str
     text: str
-    entries: tuple[Entry, ...]
+    entries: Sequence[Shown]

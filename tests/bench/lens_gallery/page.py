@@ -27,14 +27,15 @@ def page(sections: Sequence[tuple[Section, Sequence[Photograph]]], device: str) 
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Pullfocus: the lens gallery</title>
+<title>Pullfocus: the gallery</title>
 <style>
 {_STYLE.read_text()}</style>
 </head>
 <body>
 <header>
-<h1>The lens gallery</h1>
-<p>Every lens and aberration of Pullfocus on the demo shot. Beside each picture is a quarter of its width, enlarged twice.</p>
+<h1>The gallery</h1>
+<p>Stocks, stops and shutters, lenses and aberrations of Pullfocus on the demo shot.
+Beside each picture is a quarter of its width, enlarged twice.</p>
 <nav>{links}</nav>
 </header>
 <main>

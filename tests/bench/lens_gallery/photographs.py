@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ from render.optics.sampling import MAX_RAYS
 from render.output import FrameMetadata
 from render.output.encode import encode_png
 from render.scene import Camera, FloatArray
-from render.shot import Shot
+from render.shot import Shot, make_picture
 from render.shot.lens_choice import choose_lens
-from tests.bench.lens_gallery.entries import Entry
+from render.shot.long_exposure import LongExposure
+from tests.bench.lens_gallery.camera import CameraEntry
+from tests.bench.lens_gallery.entries import Entry, Shown
 
 DETAIL = 4
 """The detail is the picture's width and height over this."""
@@ -51,7 +54,7 @@ class Photograph:
         seconds: that the frame took.
     """
 
-    entry: Entry
+    entry: Shown
     picture: str
     detail: str
     caption: str
@@ -68,7 +71,7 @@ class Photographer:
         self._folder = folder
         self._unedited = shot.export_edits()
 
-    def take(self, entry: Entry) -> Photograph:
+    def take(self, entry: Shown) -> Photograph:
         """Render an entry, and write its picture and detail.
 
         Raises:
@@ -76,6 +79,20 @@ class Photographer:
             GraphicsError: the device refuses.
             OutputError: a file cannot be written.
         """
+        began = clock.perf_counter()
+        if isinstance(entry, CameraEntry):
+            graded, metadata, said = self._by_the_camera(entry)
+        else:
+            assert isinstance(entry, Entry)
+            graded, metadata, said = self._by_the_lens(entry)
+        seconds = clock.perf_counter() - began
+        names = f"{entry.slug}.png", f"{entry.slug}-detail.png"
+        for name, pixels in zip(names, (graded, detail_of(graded, entry.detail)), strict=True):
+            write_atomic(self._folder / name, encode_png(pixels, metadata))
+        return Photograph(entry, *names, said, seconds)
+
+    def _by_the_lens(self, entry: Entry) -> tuple[FloatArray, FrameMetadata, str]:
+        """A picture of what the lens does, on no film; what it is, and its caption."""
         camera = self._camera(entry)
         settings = FrameSettings(
             self._size.width,
@@ -83,16 +100,37 @@ class Photographer:
             rays=entry.rays or self._rays_for(entry),
             wavelengths=entry.wavelengths,
         )
-        scene = self._shot.scene_at(entry.view.frame)
-        began = clock.perf_counter()
-        frame = self._renderer.render(scene, camera, settings)
-        seconds = clock.perf_counter() - began
-        graded = develop(frame.color, camera.exposure_scale, Grade())
+        frame = self._renderer.render(self._shot.scene_at(entry.view.frame), camera, settings)
         metadata = FrameMetadata(camera=camera, time=entry.view.frame, grade=Grade(), stage=self._shot.path.name)
-        names = f"{entry.slug}.png", f"{entry.slug}-detail.png"
-        for name, pixels in zip(names, (graded, detail_of(graded, entry.detail)), strict=True):
-            write_atomic(self._folder / name, encode_png(pixels, metadata))
-        return Photograph(entry, *names, caption(camera, entry, settings), seconds)
+        return develop(frame.color, camera.exposure_scale, Grade()), metadata, caption(camera, entry, settings)
+
+    def _by_the_camera(self, entry: CameraEntry) -> tuple[FloatArray, FrameMetadata, str]:
+        """A picture as `pullfocus record` makes it."""
+        size, stock = self._size, entry.stock or None
+        settings = FrameSettings(size.width, size.height, rays=max(size.rays, entry.motion), motion=entry.motion)
+        try:
+            entry.prepare(self._shot)
+            exposure = self._shot.exposure(None, entry.frame)
+            if entry.opening is None:
+                picture = make_picture(self._renderer, self._shot, None, entry.frame, settings, stock=stock)
+                shutter = f"{math.degrees(exposure.shutter_angle_rad):.0f}° in {entry.motion} moments"
+            else:
+                few = replace(settings, rays=max(1, size.rays // 4))
+                taken = LongExposure(
+                    self._renderer, self._shot, None, entry.frame, few, nd_stops=entry.nd_stops, stock=stock
+                )
+                for begin, end in entry.opening.intervals():
+                    taken.expose(begin, end)
+                picture, state = taken.picture(), taken.state
+                shutter = f"{state.open_seconds:.2g} s, ND {state.nd_stops:.1f} stops"
+        finally:
+            self._shot.replace_edits(self._unedited)
+        lens = picture.camera
+        numbers = (
+            f"{lens.focal_length_mm:.4g} mm · f/{lens.f_stop:.3g} · EV {exposure.ev100:.1f} · {shutter}",
+            f"focus {lens.focus_distance_m:.3g} m · {settings.rays} rays · frame {entry.frame:g}",
+        )
+        return picture.graded, picture.metadata, " · ".join(numbers)
 
     def _rays_for(self, entry: Entry) -> int:
         """Many wavelengths are many rays as it is."""

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from importlib import metadata
 from typing import NoReturn
 
-from render.commands import bench, bodies, demo, films, focus_curve, inspect, lenses, record
+from render.commands import bench, bodies, demo, films, focus_curve, inspect, lenses, meter, record
 from render.commands.report import say
 from render.errors import PullfocusError, SettingsError, one_line
 from render.stage.opening import quiet_diagnostics
@@ -92,7 +92,7 @@ def _argument_tree(added: Sequence[str]) -> argparse.ArgumentParser:
     parser = _Parser(prog="pullfocus", description="See a USD shot through a real lens.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {metadata.version('pullfocus')}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (record, inspect, focus_curve, lenses, films, bodies, bench, demo):
+    for module in (record, inspect, focus_curve, meter, lenses, films, bodies, bench, demo):
         module.add_parser(commands)
     for name in added:
         commands.add_parser(name, help=f"pullfocus {name} --help says what it does")

@@ -23,6 +23,7 @@ from usd_schemas import (
     Halation,
     HeightField,
     LensCamera,
+    Metering,
     Prescription,
     PrintCurve,
     Seidel,
@@ -37,6 +38,7 @@ _HONOURED_WHOLE = (
     Prescription,
     Seidel,
     HeightField,
+    DataSheet,
     AberrationScales,
     ApertureData,
     SplitDiopter,
@@ -46,6 +48,7 @@ _HONOURED_WHOLE = (
     Halation,
     Sensor,
     Shutter,
+    Metering,
     GradeData,
 )
 _WHOLE = frozenset(
@@ -189,10 +192,6 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     if mode == "manual" and camera.focus_points():
         yield Finding(
             "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"
-        )
-    if camera.lens.read().model == "dataSheet":
-        yield Finding(
-            "lens_model", path, f"lens:model dataSheet of {path} is not honoured: its lens is shown as the thin lens"
         )
     yield from topology_findings(camera)
     for rule in (two_drivers, counting):

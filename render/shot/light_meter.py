@@ -11,13 +11,13 @@ made up for with what the camera is set to at the frame itself: a stop that is p
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast, get_args
 
 import numpy as np
 
-from render.errors import CameraError, InputError, SettingsError
+from render.errors import CameraError, SettingsError
 from render.frame_settings import FrameSettings
 from render.lens import Lens
 from render.optics.distortion import seen_at, shown_at
@@ -292,14 +292,6 @@ def _eye(camera: Camera) -> tuple[Hashable, ...]:
     offsets = camera.horizontal_offset_mm, camera.vertical_offset_mm
     breathes = camera.focus_distance_m if camera.breathing else None
     return camera.world_from_camera.tobytes(), gate, offsets, camera.near_m, camera.far_m, breathes
-
-
-def check_lit(said: Sequence[Metered]) -> None:
-    """Raise `InputError` where every frame is black."""
-    if all(math.isnan(one.compensation_stops) for one in said):
-        raise InputError(
-            "there is nothing to meter: every frame is black where the meter looks", code="nothing_to_meter"
-        )
 
 
 def _towards(camera: Camera, place: Place) -> Camera:

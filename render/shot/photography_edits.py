@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -11,7 +11,9 @@ from render.errors import PullfocusError, SettingsError
 from render.shot.camera_attributes import EXPOSURE_SETTINGS, FILM_SETTINGS, CameraAttribute, author_settings
 from render.shot.camera_edits import CameraEdits
 from render.shot.edits import schema_errors_as_settings
+from render.shot.exposure_keys import author_exposure, keyed_stops
 from render.shot.finish import finish_of
+from render.shot.light_meter import Metered
 from render.shot.view import checked_time
 from render.shutter import moments
 from usd_schemas import FilmData, LensCamera, LibraryBody, LibraryFilm, mount_body
@@ -60,6 +62,21 @@ class PhotographyEdits(CameraEdits):
         said = ", ".join(name.replace("_", " ") for name in settings)
         with self._edits.editing(f"set {said} of {camera.prim.GetName()}"):
             author_settings(camera, settings, time)
+
+    def key_exposure(self, camera_path: str | None, said: Sequence[Metered], *, held: bool = False) -> None:
+        """Expose a camera from now on by hand, as a light meter says.
+
+        Args:
+            camera_path: of a camera.
+            said: by the meter, in order of time.
+            held: one exposure for all of them, in place of a native spline.
+
+        Raises:
+            InputError: every frame is black.
+        """
+        camera, stops = self._editable(camera_path), keyed_stops(said, held=held)
+        with self._edits.editing(f"key the metered exposure of {camera.prim.GetName()}"):
+            author_exposure(camera, [one.time for one in said], stops)
 
     def mount_film(self, camera_path: str | None, stock: LibraryFilm | None) -> None:
         """Put a stock of the library in a camera, for all time: its process and its curves, rated as it is on the box.

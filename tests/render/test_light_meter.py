@@ -182,6 +182,23 @@ def test_what_was_read_is_kept_until_the_scene_changes(renderer: FrameRenderer, 
     assert exposed(renderer, shot, 24.0, PICTURE) == pytest.approx(MIDDLE_GREY, rel=1e-5)
 
 
+@pytest.mark.parametrize("held", [False, True])
+def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_path: Path, held: bool) -> None:
+    shot = open_shot(tmp_path, flickering(), film_metering_mode="average")
+    meter = LightMeter(renderer, shot, CAMERA)
+    said = [meter.metered(float(n)) for n in range(1, LAST + 1)]
+    shot.key_exposure(CAMERA, said, held=held)
+    assert meter.asked(1.0).mode == "manual"
+    attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("exposure")
+    keyed = [attribute.Get(one.time) for one in said]
+    wanted = [one.compensation_stops for one in said]
+    assert attribute.HasSpline() != held
+    assert keyed == pytest.approx([sum(wanted) / LAST] * LAST if held else wanted, abs=0.006)
+    assert len(shot.camera_keys(CAMERA, "compensation_stops")) < (1 if held else 16)
+    shot.undo()
+    assert meter.asked(1.0).mode == "average"
+
+
 def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_path: Path) -> None:
     lost = open_shot(tmp_path, film_metering_mode="spot", film_metering_focusPoint="lampe")
     with pytest.raises(CameraError, match="no focus point named 'lampe' to meter, it has: lamp, away"):

@@ -29,7 +29,9 @@ def add_parser(commands: Any) -> None:
     show = actions.add_parser("show", help="numbers of a lens, and with --out a sheet that draws it")
     show.set_defaults(run=run_show)
     show.add_argument(
-        "lens", metavar="NAME|FILE", help="of the library, or a .dat, .zmx, .seq or Optical Bench .txt file"
+        "lens",
+        metavar="NAME|FILE",
+        help="of the library, or a .dat, .zmx, .seq, Optical Bench .txt or data sheet .lens file",
     )
     show.add_argument(
         "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"

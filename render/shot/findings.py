@@ -18,6 +18,7 @@ from usd_schemas import (
     AberrationScales,
     ApertureData,
     CharacteristicCurve,
+    DataSheet,
     GradeData,
     Grain,
     Halation,

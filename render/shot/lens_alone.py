@@ -11,7 +11,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.lens import IrisShape, Lens
 from render.optics.completion import completed
-from render.optics.lens_files import read_lens_file
+from render.optics.lens_files import MeasuredLens, is_data_sheet, read_lens_file, read_measured_lens
 from render.optics.mounting import PRESCRIBED
 from render.optics.paraxial import first_order
 from render.scene import Camera
@@ -19,6 +19,8 @@ from render.shot.lens_choice import is_lens_file, library_entry
 from render.stage.lenses import iris_of, lens_of
 
 FULL_FRAME_MM = (36.0, 24.0)
+DEFAULT_F_STOP = 2.8
+"""Of a lens whose data sheet says none."""
 _NEAREST_M, _FARTHEST_M = 1e-6, 1e9  # nearer is as good as 0, farther is infinity
 
 
@@ -78,9 +80,25 @@ def lens_alone(name_or_file: str) -> LensAlone:
     """
     if not is_lens_file(name_or_file):
         return library_lens_alone(name_or_file)
+    if is_data_sheet(name_or_file):
+        return _measured(Path(name_or_file).stem, read_measured_lens(name_or_file))
     prescription = read_lens_file(name_or_file)
     lens = Lens("prescription", prescription.name, prescription)
     return _alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
+
+
+def _measured(name: str, measured: MeasuredLens) -> LensAlone:
+    wide_open = measured.f_stops[0] or measured.sheet.f_stop or DEFAULT_F_STOP
+    lens = Lens("dataSheet", measured.name, data_sheet=measured.sheet, close_focus_m=measured.close_focus_m)
+    return _alone(
+        name,
+        measured.name,
+        " ".join(measured.sources),
+        lens,
+        IrisShape(),
+        focal_length_mm=measured.focal_length_mm,
+        f_stop=wide_open,
+    )
 
 
 def library_lens_alone(name: str) -> LensAlone:

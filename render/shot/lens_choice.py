@@ -9,9 +9,17 @@ from pathlib import Path
 from render.errors import NotFoundError
 from render.lens import Prescription
 from render.optics.completion import completed
-from render.optics.lens_files import LENS_FILE_SUFFIXES, parse_lens_file, read_lens_file
+from render.optics.lens_files import (
+    LENS_FILE_SUFFIXES,
+    MeasuredLens,
+    is_data_sheet,
+    parse_lens_file,
+    parse_measured_lens,
+    read_lens_file,
+    read_measured_lens,
+)
 from render.optics.paraxial import first_order
-from render.stage.lens_data import lens_data
+from render.stage.lens_data import lens_data, measured_lens_data
 from usd_schemas import ApertureData, LensData, LibraryLens, SchemaError, library_lens
 
 
@@ -47,6 +55,8 @@ def choose_lens(name_or_file: str) -> LensChoice:
         NotFoundError: the library has no such lens; the message has the nearest names.
         InputError: the file cannot be read, or is no lens.
     """
+    if is_data_sheet(name_or_file):
+        return measured_choice(read_measured_lens(name_or_file))
     if is_lens_file(name_or_file):
         return lens_of_prescription(read_lens_file(name_or_file))
     return library_choice(name_or_file)
@@ -85,7 +95,14 @@ def file_choice(data: bytes, name: str) -> LensChoice:
     Raises:
         InputError: it is no lens file, or no lens.
     """
+    if is_data_sheet(name):
+        return measured_choice(parse_measured_lens(data, name))
     return lens_of_prescription(parse_lens_file(data, name))
+
+
+def measured_choice(lens: MeasuredLens) -> LensChoice:
+    """A lens by its data sheet, to be mounted."""
+    return LensChoice(lens.name, measured_lens_data(lens), lens.focal_length_mm, lens.f_stops[0], None, lens.sources)
 
 
 def lens_of_prescription(prescription: Prescription) -> LensChoice:

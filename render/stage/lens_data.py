@@ -1,4 +1,4 @@
-"""A prescription as LensAPI has it: the way back from `render.stage.lenses`."""
+"""A prescription or a data sheet as LensAPI has it: the way back from `render.stage.lenses`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from render.errors import InputError
 from render.lens import Prescription
-from usd_schemas import LensData
+from render.optics.lens_files import MeasuredLens
+from usd_schemas import DataSheet, LensData
 from usd_schemas import Prescription as PrescriptionData
 
 ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
@@ -53,6 +54,30 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
         name=name or prescription.name,
         f_stop_range=(prescription.f_stop, 0.0),
         prescription=data,
+    )
+
+
+def measured_lens_data(lens: MeasuredLens) -> LensData:
+    """What LensAPI says of a lens by its data sheet."""
+    sheet = lens.sheet
+    return LensData(
+        model="dataSheet",
+        name=lens.name,
+        close_focus=1000 * lens.close_focus_m,
+        f_stop_range=lens.f_stops,
+        data_sheet=DataSheet(
+            height=sheet.heights_mm,
+            distortion=sheet.distortion,
+            vignetting=sheet.light,
+            sagittal_blur=sheet.sagittal_blur_mm,
+            tangential_blur=sheet.tangential_blur_mm,
+            spherical_aberration=sheet.spherical,
+            coma=sheet.coma_mm,
+            field_curvature=sheet.field_curvature_mm,
+            lateral_color=sheet.lateral_color_mm,
+            axial_color=sheet.axial_color_mm,
+            f_stop=sheet.f_stop,
+        ),
     )
 
 

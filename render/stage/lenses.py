@@ -13,6 +13,7 @@ from render.errors import CameraError, SettingsError
 from render.lens import (
     AIR,
     AberrationScales,
+    DataSheet,
     DoubleArray,
     Glass,
     HeightField,
@@ -39,8 +40,6 @@ _SQUEEZES = 0.1, 10.0  # as the schema has it; lenses that are made squeeze by 1
 def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
     """The lens in front of the film.
 
-    A lens by data sheet is shown as the thin lens until its tables are honoured.
-
     Args:
         data: what LensAPI says.
         camera: prim path, for messages.
@@ -65,13 +64,14 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
     if not min(data.flare_ghosts, data.flare_star) >= 0:
         got = f"{data.flare_ghosts:g} and {data.flare_star:g}"
         raise _error(camera, "lens:flare:ghosts and lens:flare:star", "0 or more", got)
-    model: LensModel = "thin" if data.model == "dataSheet" else data.model
+    model: LensModel = data.model
     surfaces = _prescription(data, camera) if model in ("prescription", *_SURFACES) else None
     return Lens(
         model=model,
         name=data.name,
         prescription=surfaces,
         seidel=_seidel(data.seidel, camera) if model == "seidel" else None,
+        data_sheet=_data_sheet(data, camera) if model == "dataSheet" else None,
         height_field=_height_field(data, camera, confined_to) if model == "heightField" else None,
         scales=AberrationScales(*(getattr(data.aberration, item.name) for item in fields(AberrationScales))),
         squeeze=data.squeeze,
@@ -196,6 +196,26 @@ def _seidel(data: SeidelData, camera: str) -> SeidelErrors:
         reference_f_stop=data.reference_f_stop,
         reference_height_mm=data.reference_height,
     )
+
+
+def _data_sheet(data: LensData, camera: str) -> DataSheet:
+    table = data.data_sheet
+    try:
+        return DataSheet(
+            heights_mm=table.height,
+            distortion=table.distortion,
+            light=table.vignetting,
+            sagittal_blur_mm=table.sagittal_blur,
+            tangential_blur_mm=table.tangential_blur,
+            spherical=table.spherical_aberration,
+            coma_mm=table.coma,
+            field_curvature_mm=table.field_curvature,
+            lateral_color_mm=table.lateral_color,
+            axial_color_mm=table.axial_color,
+            f_stop=table.f_stop or max(data.f_stop_range[0], 0.0),
+        )
+    except SettingsError as error:
+        raise CameraError(f"lens:table of camera {camera}: {error.detail}", path=camera) from error
 
 
 def _height_field(data: LensData, camera: str, confined_to: Path | None) -> HeightField:

@@ -14,11 +14,14 @@ from stage_kit import new_stage, write_picture
 
 from render.errors import CameraError, InputError
 from render.lens import AIR, Glass, Prescription, Surface
+from render.lens import DataSheet as SheetTables
 from render.optics.completion import completed
 from render.optics.glass import refractive_index
+from render.optics.lens_files import MeasuredLens
 from render.optics.paraxial import first_order
 from render.scene import Camera
 from render.shot.findings import camera_findings
+from render.shot.lens_choice import measured_choice
 from render.stage import read_camera
 from render.stage.lens_data import lens_data
 from render.stage.lenses import iris_of, lens_of
@@ -289,6 +292,35 @@ def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, cam
         LensData(model="dataSheet", data_sheet=DataSheet(height=(0.0,), distortion=(0.0,)), flare_ghosts=1.0)
     )
     findings = {finding.path: finding.code for finding in camera_findings(stage, ["/cam"])}
-    assert findings["/cam"] == "lens_model"
-    assert findings["/cam.lens:flare:ghosts"] == findings["/cam.lens:table:height"] == "unsupported_camera_property"
-    assert _read(stage).lens.model == "thin"
+    assert findings == {"/cam.lens:flare:ghosts": "unsupported_camera_property"}
+    assert _read(stage).lens.data_sheet == SheetTables((0.0,), distortion=(0.0,))
+
+
+def test_a_data_sheet_goes_through_usd_and_back(stage: Usd.Stage, camera: LensCamera) -> None:
+    sheet = SheetTables(
+        (0.0, 10.0, 20.0),
+        distortion=(0.0, -0.01, -0.02),
+        light=(1.0, 0.8, 0.4),
+        sagittal_blur_mm=(0.01, 0.02, 0.03),
+        tangential_blur_mm=(0.01, 0.02, 0.04),
+        spherical=(0.1, 0.2, 0.3),
+        coma_mm=(0.0, 0.01, -0.01),
+        field_curvature_mm=(0.0, 0.1, 0.2),
+        lateral_color_mm=(0.0, 0.001, 0.002),
+        axial_color_mm=(0.03, 0.04, 0.05),
+        f_stop=1.4,
+    )
+    measured = MeasuredLens("Some 50/1.4", 50.0, sheet, (1.4, 16.0), 0.45, ("measured on a bench",))
+    choice = measured_choice(measured)
+    mount_lens(camera, choice.lens, focal_length_mm=choice.focal_length_mm, f_stop=choice.f_stop)
+    lens = _read(stage).lens
+    assert (lens.model, lens.data_sheet, lens.close_focus_m) == ("dataSheet", sheet, 0.45)
+    assert (choice.f_stop, choice.focal_length_mm, choice.notes) == (1.4, 50.0, ("measured on a bench",))
+    camera.lens.author(replace(choice.lens, data_sheet=replace(choice.lens.data_sheet, f_stop=0.0)))
+    assert _read(stage).lens.data_sheet == sheet  # the f-number wide open stands for one that is not said
+
+
+def test_a_data_sheet_that_no_lens_has_is_told(stage: Usd.Stage, camera: LensCamera) -> None:
+    camera.lens.author(LensData(model="dataSheet"))
+    with pytest.raises(CameraError, match=r"lens:table of camera /cam: .* must increase from 0, got none"):
+        _read(stage)

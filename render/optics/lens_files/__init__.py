@@ -1,4 +1,5 @@
-"""Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`.
+"""Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`; and
+data sheets from `.lens` files.
 
 What is read is as the file has it: `render.optics.completion.completed` solves for what is missing.
 """
@@ -12,6 +13,7 @@ from pathlib import Path
 from render.errors import InputError
 from render.lens import Prescription
 from render.optics.lens_files.code_v import read_code_v
+from render.optics.lens_files.data_sheet import SUFFIX, MeasuredLens, data_sheet_text, read_data_sheet
 from render.optics.lens_files.lens_text import MAX_BYTES, LensText, decode
 from render.optics.lens_files.optical_bench import read_optical_bench
 from render.optics.lens_files.pbrt import read_pbrt
@@ -19,7 +21,7 @@ from render.optics.lens_files.zemax import read_zemax
 
 Reader = Callable[[LensText], Prescription]
 
-LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt")
+LENS_FILE_SUFFIXES = (".dat", ".zmx", ".seq", ".txt", SUFFIX)
 _BY_SUFFIX: dict[str, Reader] = {".dat": read_pbrt, ".zmx": read_zemax, ".seq": read_code_v}
 _BY_CONTENT: tuple[tuple[str, Reader], ...] = (
     (r"^[ \t]*\[lens data\]", read_optical_bench),
@@ -39,16 +41,46 @@ def read_lens_file(path: str | Path) -> Prescription:
         InputError: there is no such file, it is no lens file, is cut off, or has what is not supported; the message names file,
             line and surface.
     """
+    return parse_lens_file(_content(path), Path(path).name)
+
+
+def read_measured_lens(path: str | Path) -> MeasuredLens:
+    """The lens of a `.lens` file.
+
+    Raises:
+        InputError: there is no such file, or it is none; the message names file and line.
+    """
+    return parse_measured_lens(_content(path), Path(path).name)
+
+
+def parse_measured_lens(data: bytes, name: str) -> MeasuredLens:
+    """The lens of a `.lens` file that is in memory.
+
+    Args:
+        data: all of the file.
+        name: of the file, for messages.
+
+    Raises:
+        InputError: as `read_measured_lens`.
+    """
+    return read_data_sheet(decode(data, name))
+
+
+def is_data_sheet(name: str | Path) -> bool:
+    """Whether a file is a lens by its data sheet and not by its surfaces, by its suffix."""
+    return Path(name).suffix.lower() == SUFFIX
+
+
+def _content(path: str | Path) -> bytes:
     path = Path(path)
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise ValueError("it is no file with an end, such as a pipe or a device")
         with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+            return file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"lens file {path} cannot be read: {why}", code="bad_lens_file", path=str(path)) from error
-    return parse_lens_file(data, path.name)
 
 
 def parse_lens_file(data: bytes, name: str) -> Prescription:
@@ -79,4 +111,13 @@ def _reader(text: LensText) -> Reader:
     )
 
 
-__all__ = ["LENS_FILE_SUFFIXES", "parse_lens_file", "read_lens_file"]
+__all__ = [
+    "LENS_FILE_SUFFIXES",
+    "MeasuredLens",
+    "data_sheet_text",
+    "is_data_sheet",
+    "parse_lens_file",
+    "parse_measured_lens",
+    "read_lens_file",
+    "read_measured_lens",
+]

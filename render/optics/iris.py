@@ -49,7 +49,7 @@ def transmission(iris: IrisShape, side: int = 256) -> DoubleArray:
     line = (np.arange(side * sub) + 0.5) / (side * sub) * 2 - 1
     x, y = np.meshgrid(line, -line)
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    relative = radius / _rim(angle - iris.rotation_rad, iris)
+    relative = radius / rim_radius(angle - iris.rotation_rad, iris)
     light = (relative <= 1).astype(np.float64)
     if iris.radial_weights:
         weights = np.asarray(iris.radial_weights, np.float64)
@@ -61,8 +61,8 @@ def transmission(iris: IrisShape, side: int = 256) -> DoubleArray:
     return np.asarray(light.reshape(side, sub, side, sub).mean(axis=(1, 3)))
 
 
-def _rim(angle: DoubleArray, iris: IrisShape) -> DoubleArray:
-    """Radius of the rim: a blend of the blades' chords and the circle."""
+def rim_radius(angle: DoubleArray, iris: IrisShape) -> DoubleArray:
+    """Radius of the rim at angles from the first blade's corner: a blend of the blades' chords and the circle."""
     if not iris.blades:
         return np.ones_like(angle)
     half = np.pi / iris.blades
@@ -84,7 +84,7 @@ def _bladed(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) -> tuple[D
     """Stretch the disc's sectors to the blades: equal shares of a sector's angle become equal shares of its area."""
     half = np.pi / iris.blades
     t = np.linspace(-half, half, _STEPS + 1)
-    rim = _rim(t + half, iris)
+    rim = rim_radius(t + half, iris)
     area = np.concatenate([[0.0], np.cumsum((rim[1:] ** 2 + rim[:-1] ** 2) / 2)])
     sector = np.floor(angle / (2 * half))
     share = angle / (2 * half) - sector

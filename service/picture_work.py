@@ -14,6 +14,8 @@ from service.store import ShotRecord
 
 if TYPE_CHECKING:
     from render.frame import FrameRenderer
+    from render.shot.live import LiveFinisher
+    from render.shot.long_exposure import LongExposure
 
 PICK_WIDTH = 2048
 """Pixels of the picture in which a place is looked up: finer than what anybody points at."""
@@ -28,6 +30,7 @@ class Darkroom:
 
     def __init__(self) -> None:
         self.opened = OpenedShots()
+        self.exposures: dict[str, LongExposure] = {}  # the oldest first
 
     @cached_property
     def renderer(self) -> FrameRenderer:
@@ -35,6 +38,13 @@ class Darkroom:
         from render.frame import FrameRenderer
 
         return FrameRenderer()
+
+    @cached_property
+    def live(self) -> LiveFinisher:
+        """Finishes pictures on the renderer's device. Raises `GraphicsError` where no context can be made."""
+        from render.shot.live import LiveFinisher
+
+        return LiveFinisher(self.renderer)
 
 
 @dataclass(frozen=True)
@@ -70,6 +80,7 @@ class RenderPicture:
         settings: the other fields of `render.frame.FrameSettings`.
         format: png, jpeg or exr.
         finish: film, display, view and look in place of the shot's; None for those that are the shot's.
+        live: whether it is finished on the device, as quick as can be.
     """
 
     record: ShotRecord
@@ -80,9 +91,10 @@ class RenderPicture:
     settings: dict[str, Any]
     format: str
     finish: dict[str, str | None]
+    live: bool = False
 
     def run(self, room: Darkroom) -> bytes:
-        """The encoded picture: the same that `pullfocus record` writes. Raises what `make_picture` raises."""
+        """The encoded picture: the same that `pullfocus record` writes, unless it is live. Raises what `make_picture` raises."""
         from render.film import GradeChoice
         from render.frame import FrameSettings
         from render.output import encode
@@ -102,6 +114,7 @@ class RenderPicture:
                 settings,
                 stock=said["film"],
                 choice=None if choice == GradeChoice() else choice,
+                live=room.live if self.live else None,
             )
             return encode(self.format, picture.frame, picture.graded, picture.metadata)
 

@@ -87,6 +87,12 @@ class FrameQuery(Model):
     format: Literal["png", "jpeg", "exr"] = Field(
         default="png", description="`exr` is scene-linear light, the others the graded picture.", examples=["png"]
     )
+    live: bool = Field(
+        default=False,
+        description="Film and grade on the graphics device: quicker, for somebody who waits for the picture. It may be one of "
+        "256 levels away from the file's; without it a picture is the one that the command line writes.",
+        examples=[False],
+    )
     client: str | None = Field(
         default=None,
         max_length=64,
@@ -131,9 +137,10 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
         hub.metrics.frames.labels("cache").inc()
         return cached
     finish = {"film", "display", "view", "look"}
-    settings = query.model_dump(exclude={"camera", "time", "height", "format", "client", *finish})
+    settings = query.model_dump(exclude={"camera", "time", "height", "format", "live", "client", *finish})
     asked = query.model_dump(include=finish)
-    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format, asked)
+    live = query.live and query.format != "exr"  # which holds light that is not finished
+    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format, asked, live)
     group = (query.client, record.id) if query.client else None
     picture = await hub.ask_picture(work, group)
     hub.frames.put(tag, picture)

@@ -41,6 +41,18 @@ def test_rest_and_the_command_line_give_the_same_bytes(client, room, room_file, 
     assert answer.content == out.read_bytes()
 
 
+@pytest.mark.parametrize("finish", [{}, {"film": "vision3_500t_5219"}, {"display": "Display P3 - Display"}])
+def test_a_live_picture_is_the_files_but_for_a_level(client, room, finish):
+    file, live = (pixels(frame(client, room, live=live, **finish)) for live in (False, True))
+    assert np.abs(file - live).max() <= 1
+    assert np.ptp(file) > 50
+
+
+def test_live_light_is_light(client, room):
+    file, live = (frame(client, room, live=live, format="exr").content for live in (False, True))
+    assert file == live
+
+
 def test_edited_over_rest_and_rendered_by_the_command_line_it_is_the_same(client, room, room_file, tmp_path):
     client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
     edits = tmp_path / "edits.usda"

@@ -8188,6 +8188,8 @@ export interface operations {
                 readonly height?: number | null;
                 /** @description Layers peeled at most. */
                 readonly layers?: number;
+                /** @description Film and grade on the graphics device: quicker, for somebody who waits for the picture. It may be one of 256 levels away from the file's; without it a picture is the one that the command line writes. */
+                readonly live?: boolean;
                 /** @description Looks of the configuration with commas between, in place of the shot's; empty for none. */
                 readonly look?: string | null;
                 /** @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion. */

@@ -24,6 +24,7 @@ from service.routes import (
     frames,
     lenses,
     libraries,
+    long_exposure,
     metering,
     photography,
     shots,
@@ -60,6 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
                 await _ensure_demo(hub)
             yield
         finally:
+            hub.exposures.close()
             await run_in_threadpool(hub.close)
 
     app = FastAPI(
@@ -72,7 +74,8 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(GuardMiddleware, settings=settings)
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
-    for routes in (shots, edits, cameras, photography, metering, lenses, libraries, frames, focus, solving, curves):
+    lens = (cameras, photography, metering, lenses, libraries)
+    for routes in (shots, edits, *lens, frames, long_exposure, focus, solving, curves):
         app.include_router(routes.router, prefix="/v1")
     app.include_router(system.router)
     install_page(app, settings.static)

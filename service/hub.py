@@ -7,11 +7,13 @@ import secrets
 from collections.abc import Hashable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, TypeVar
 
 from fastapi import Depends, Request
 
 from service.errors import ServiceError
+from service.exposing import Exposures
 from service.frame_cache import FrameCache
 from service.lane import Lane
 from service.metrics import Metrics
@@ -68,6 +70,11 @@ class Hub:
         )
         frames = FrameCache(settings.frame_cache_mb * MEBIBYTE)
         return cls(settings, store, stages, pictures, frames, Metrics(lanes=(stages, pictures)))
+
+    @cached_property
+    def exposures(self) -> Exposures:
+        """The long exposures that go on."""
+        return Exposures(self.ask_picture)
 
     def close(self) -> None:
         """End the workers and let go of the data folder."""

@@ -13,6 +13,7 @@ from render.shot.contact_axes import Axis, Choice, Value
 from render.shot.exposure_reading import ExposureReadout
 from render.shot.finish import finish_of
 from render.shot.lens_choice import LensChoice
+from render.shot.light_meter import auto_exposed
 from render.shot.picture import light_on_film, picture_of
 from render.shot.readout import Readout
 from render.shot.shot import Shot
@@ -148,6 +149,7 @@ class _Maker:
         time = _number(wanted.get("frame", self._time))
         self._set(wanted, time)
         lens = shot.camera_at(self._camera, time, settings.width, settings.height)
+        lens = auto_exposed(self._renderer, shot, lens, time, settings.shading)
         stock = str(wanted["stock"]) if "stock" in wanted else self._stock
         finish = finish_of(shot.stage, lens, time, None, stock, self._choice)
         if "push" in wanted and (finish.film is None or finish.film.stock is None):

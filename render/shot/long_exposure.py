@@ -14,6 +14,7 @@ from render.film.gathering import GatheredLight
 from render.optics.sampling import MAX_RAYS
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import finish_of
+from render.shot.light_meter import auto_exposed
 from render.shot.picture import Picture, light_on_film, picture_of
 from render.shot.shot import Shot
 from render.shot.travel import farthest_travel_px, moment_of
@@ -60,7 +61,10 @@ class LongExposure:
     **Exposure.** The light is the mean over the time that the shutter was open, as if a neutral density filter took as many stops
     as the time is longer than a single frame's own opening. So what stands still is as bright as in a single frame, whenever one
     stops. With a filter of a given density the picture gets brighter for as long as the shutter is open, as it does on film. An
-    exposure that is keyed counts as it is in each interval.
+    exposure that is keyed counts as it is in each interval; a camera that meters does so once, before its shutter opens.
+
+    Attributes:
+        shot: which goes on; whoever opens it anew may put it in the place of the old one.
     """
 
     def __init__(
@@ -98,10 +102,12 @@ class LongExposure:
             raise SettingsError("a long exposure has colour alone: nothing is at one depth while it moves")
         if nd_stops is not None and not math.isfinite(nd_stops):
             raise SettingsError(f"the neutral density of a long exposure must be a number of stops, got {nd_stops:g}")
-        self._renderer, self._shot, self._camera, self._settings = renderer, shot, camera, settings
+        self.shot = shot
+        self._renderer, self._camera, self._settings = renderer, camera, settings
         self._begin, self._nd_stops = begin, nd_stops
         self._lens = shot.camera_at(camera, begin, settings.width, settings.height)
         self._finish = finish_of(shot.stage, self._lens, begin, grade, stock, choice)
+        self._metered = auto_exposed(renderer, shot, self._lens, begin, settings.shading)
         self._light = GatheredLight()
         self._prim_paths: tuple[str, ...] = ()
         self._last: tuple[float, Moment] | None = None
@@ -135,7 +141,7 @@ class LongExposure:
         seed = (settings.seed + round(begin * 1000)) % _SEEDS
         frame = light_on_film(
             self._renderer,
-            self._shot,
+            self.shot,
             self._camera,
             opened,
             begin,
@@ -143,7 +149,8 @@ class LongExposure:
             on_progress,
         )
         self._prim_paths = frame.prim_paths
-        self._light.add(_exposed_alike(frame.color, lens, self._lens), end - begin)
+        keyed = self._metered is self._lens
+        self._light.add(_exposed_alike(frame.color, lens, self._lens) if keyed else frame.color, end - begin)
 
     @property
     def state(self) -> LongExposureState:
@@ -152,7 +159,7 @@ class LongExposure:
         own = self._lens.shutter_close - self._lens.shutter_open
         gained = math.log2(frames / (own if own > 0 else 1.0)) if frames else 0.0
         nd_stops = gained if self._nd_stops is None else self._nd_stops
-        seconds = frames / self._shot.stage.GetTimeCodesPerSecond()
+        seconds = frames / self.shot.stage.GetTimeCodesPerSecond()
         return LongExposureState(frames, seconds, self._light.intervals, nd_stops, 2.0 ** (gained - nd_stops))
 
     def picture(self) -> Picture:
@@ -166,15 +173,15 @@ class LongExposure:
         state = self.state
         light = self._light.light
         light[..., :3] *= np.float32(state.gain)
-        lens = replace(self._lens, shutter_open=0.0, shutter_close=state.open_frames, shutter=GLOBAL_SHUTTER)
+        lens = replace(self._metered, shutter_open=0.0, shutter_close=state.open_frames, shutter=GLOBAL_SHUTTER)
         said = {"longExposureSeconds": state.open_seconds, "ndStops": state.nd_stops, "intervals": state.intervals}
         picture = picture_of(
-            self._shot, Frame(light, {}, self._prim_paths), lens, self._begin, self._settings, self._finish
+            self.shot, Frame(light, {}, self._prim_paths), lens, self._begin, self._settings, self._finish
         )
         return replace(picture, metadata=replace(picture.metadata, settings={**picture.metadata.settings, **said}))
 
     def _at(self, time: float) -> Camera:
-        return self._shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
+        return self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
 
     def _moments_of(self, begin: float, end: float) -> int:
         """As many as pixels that what moves fastest moves by."""
@@ -185,7 +192,7 @@ class LongExposure:
         return min(max(math.ceil(travel), 2), MOST_MOMENTS)
 
     def _moment(self, time: float) -> Moment:
-        return moment_of(self._shot.scene_at(time), self._at(time))
+        return moment_of(self.shot.scene_at(time), self._at(time))
 
 
 def _exposed_alike(color: FloatArray, lens: Camera, first: Camera) -> FloatArray:

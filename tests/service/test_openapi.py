@@ -38,6 +38,8 @@ PUT /v1/shots/{shot}/camera/exposure/keys/{attribute}, DELETE /v1/shots/{shot}/c
 GET /v1/shots/{shot}/camera/film, PATCH /v1/shots/{shot}/camera/film,
 PUT /v1/shots/{shot}/camera/film/keys/{attribute}, DELETE /v1/shots/{shot}/camera/film/keys/{attribute},
 GET /v1/shots/{shot}/camera/grades, GET /v1/shots/{shot}/readout/exposure, GET /v1/shots/{shot}/meter,
+POST /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure, PATCH /v1/shots/{shot}/long-exposure,
+DELETE /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure/picture,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

@@ -744,6 +744,59 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/long-exposure": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Long Exposure
+         * @description How far it is.
+         */
+        readonly get: operations["getLongExposure"];
+        readonly put?: never;
+        /**
+         * Begin Long Exposure
+         * @description Open the shutter, in place of the long exposure that the shot had. It is exposed with the edits as they are now, an
+         *     interval at a time between the pictures that others ask for, and kept for as long as the service runs.
+         */
+        readonly post: operations["beginLongExposure"];
+        /**
+         * Delete Long Exposure
+         * @description Close the shutter and throw the film away; none there is no error.
+         */
+        readonly delete: operations["deleteLongExposure"];
+        readonly options?: never;
+        readonly head?: never;
+        /**
+         * Edit Long Exposure
+         * @description Close the shutter, or open it again and go on where it was closed: the picture is the same as in one go.
+         */
+        readonly patch: operations["editLongExposure"];
+        readonly trace?: never;
+    };
+    readonly "/v1/shots/{shot}/long-exposure/picture": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Get Long Exposure Picture
+         * @description What is on the film so far, as bright as a single frame; the exposure goes on.
+         */
+        readonly get: operations["getLongExposurePicture"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/meter": {
         readonly parameters: {
             readonly query?: never;
@@ -4278,6 +4331,200 @@ export interface components {
              * @description To the next surface; of the last one to the film, 0 to be solved for.
              */
             readonly thicknessMm: number;
+        };
+        /**
+         * LongExposureBegin
+         * @description What is exposed, and how finely.
+         * @example {
+         *       "first": 40,
+         *       "last": 88,
+         *       "rays": 16,
+         *       "step": 2,
+         *       "width": 480
+         *     }
+         */
+        readonly LongExposureBegin: {
+            /**
+             * Camera
+             * @description Prim path; the shot's default camera when left out.
+             */
+            readonly camera?: string | null;
+            /**
+             * Engine
+             * @description As for a frame.
+             * @default lens
+             * @enum {string}
+             */
+            readonly engine?: "lens" | "accumulation" | "pinhole";
+            /**
+             * Film
+             * @description A stock of the film library; the shot's when left out.
+             */
+            readonly film?: string | null;
+            /**
+             * First
+             * @description USD time code at which the shutter opens.
+             */
+            readonly first: number;
+            /**
+             * Height
+             * @description px; from the camera's film gate when left out.
+             */
+            readonly height?: number | null;
+            /**
+             * Last
+             * @description At which it closes, unless it is closed before.
+             */
+            readonly last: number;
+            /**
+             * Layers
+             * @description Layers peeled at most.
+             * @default 4
+             */
+            readonly layers?: number;
+            /**
+             * Motion
+             * @description Moments of each interval; 1 takes as many as it needs for trails without gaps.
+             * @default 1
+             */
+            readonly motion?: number;
+            /**
+             * Ndstops
+             * @description Of a neutral density filter; one that keeps the exposure of a single frame when left out.
+             */
+            readonly ndStops?: number | null;
+            /**
+             * Rays
+             * @description Lens rays for each pixel, in each interval.
+             * @default 16
+             */
+            readonly rays?: number;
+            /**
+             * Seed
+             * @description Of the sampling pattern.
+             * @default 0
+             */
+            readonly seed?: number;
+            /**
+             * Shading
+             * @description `unlit`: base colour as radiance.
+             * @default lit
+             * @enum {string}
+             */
+            readonly shading?: "lit" | "unlit";
+            /**
+             * Step
+             * @description Frames that are exposed at once.
+             * @default 1
+             */
+            readonly step?: number;
+            /**
+             * Supersample
+             * @description Layer pixels for each picture pixel.
+             * @default 2
+             */
+            readonly supersample?: number;
+            /**
+             * Wavelengths
+             * @description Of light, as for a frame.
+             * @default 3
+             */
+            readonly wavelengths?: number;
+            /**
+             * Width
+             * @description px
+             * @default 480
+             */
+            readonly width?: number;
+        };
+        /**
+         * LongExposureEdit
+         * @description The hand on the shutter.
+         * @example {
+         *       "shutter": "closed"
+         *     }
+         */
+        readonly LongExposureEdit: {
+            /**
+             * Shutter
+             * @description `closed` ends the exposure after the interval that is at work; `open` goes on where it was closed.
+             * @enum {string}
+             */
+            readonly shutter: "open" | "closed";
+        };
+        /**
+         * LongExposureState
+         * @description How far it is.
+         * @example {
+         *       "camera": "/World/Camera",
+         *       "first": 40,
+         *       "intervalCount": 24,
+         *       "intervals": 6,
+         *       "last": 88,
+         *       "ndStops": 4.585,
+         *       "openFrames": 12,
+         *       "openSeconds": 0.5,
+         *       "shutter": "open",
+         *       "time": 52
+         *     }
+         */
+        readonly LongExposureState: {
+            /**
+             * Camera
+             * @description Prim path; null for the shot's default camera.
+             */
+            readonly camera: string | null;
+            /**
+             * First
+             * @description USD time code at which the shutter opened.
+             */
+            readonly first: number;
+            /**
+             * Intervalcount
+             * @description That there are till the last frame.
+             */
+            readonly intervalCount: number;
+            /**
+             * Intervals
+             * @description That are exposed.
+             */
+            readonly intervals: number;
+            /**
+             * Last
+             * @description At which it closes by itself.
+             */
+            readonly last: number;
+            /**
+             * Ndstops
+             * @description Of the neutral density filter that the picture is exposed through.
+             */
+            readonly ndStops: number;
+            /**
+             * Openframes
+             * @description For how long the shutter was open, in frames.
+             */
+            readonly openFrames: number;
+            /**
+             * Openseconds
+             * @description Likewise, in seconds.
+             */
+            readonly openSeconds: number;
+            /**
+             * Problem
+             * @description Why it failed, in one sentence.
+             */
+            readonly problem?: string | null;
+            /**
+             * Shutter
+             * @description `done` when the last frame is reached; `failed` says why in `problem`.
+             * @enum {string}
+             */
+            readonly shutter: "open" | "closed" | "done" | "failed";
+            /**
+             * Time
+             * @description To which the picture is exposed.
+             */
+            readonly time: number;
         };
         /**
          * MeterReading
@@ -8306,6 +8553,258 @@ export interface operations {
                 };
                 content: {
                     readonly "application/json": components["schemas"]["Inspection"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getLongExposure: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["LongExposureState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly beginLongExposure: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["LongExposureBegin"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 201: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["LongExposureState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly deleteLongExposure: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 204: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly editLongExposure: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["LongExposureEdit"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["LongExposureState"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly getLongExposurePicture: {
+        readonly parameters: {
+            readonly query?: {
+                /** @description `exr` is scene-linear light, the others the graded picture. */
+                readonly format?: "png" | "jpeg" | "exr";
+            };
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description The picture so far. */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "image/jpeg": string;
+                    readonly "image/png": string;
+                    readonly "image/x-exr": string;
                 };
             };
             /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */

@@ -1,0 +1,101 @@
+"""A long exposure: how it is begun, and how far it is."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic.config import JsonDict
+
+from render.frame_settings import MAX_MOTION
+from service.models.base import Model, PrimPath, TimeCode, shown_as
+
+BEGIN_EXAMPLE: JsonDict = {"first": 40.0, "last": 88.0, "step": 2.0, "width": 480, "rays": 16}
+STATE_EXAMPLE: JsonDict = {
+    "shutter": "open",
+    "camera": "/World/Camera",
+    "first": 40.0,
+    "last": 88.0,
+    "time": 52.0,
+    "intervals": 6,
+    "intervalCount": 24,
+    "openFrames": 12.0,
+    "openSeconds": 0.5,
+    "ndStops": 4.585,
+    "problem": None,
+}
+
+
+class LongExposureBegin(Model):
+    """What is exposed, and how finely."""
+
+    model_config = shown_as(BEGIN_EXAMPLE)
+
+    camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
+    first: TimeCode = Field(description="USD time code at which the shutter opens.")
+    last: TimeCode = Field(description="At which it closes, unless it is closed before.")
+    step: float = Field(default=1.0, gt=0, le=1e6, description="Frames that are exposed at once.")
+    nd_stops: float | None = Field(
+        default=None,
+        ge=-40,
+        le=40,
+        description="Of a neutral density filter; one that keeps the exposure of a single frame when left out.",
+    )
+    width: int = Field(default=480, ge=1, le=8192, description="px")
+    height: int | None = Field(
+        default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
+    )
+    engine: Literal["lens", "accumulation", "pinhole"] = Field(default="lens", description="As for a frame.")
+    rays: int = Field(default=16, ge=1, description="Lens rays for each pixel, in each interval.")
+    layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
+    supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")
+    wavelengths: int = Field(default=3, ge=1, le=64, description="Of light, as for a frame.")
+    motion: int = Field(
+        default=1,
+        ge=1,
+        le=MAX_MOTION,
+        description="Moments of each interval; 1 takes as many as it needs for trails without gaps.",
+    )
+    shading: Literal["lit", "unlit"] = Field(default="lit", description="`unlit`: base colour as radiance.")
+    seed: int = Field(default=0, ge=0, description="Of the sampling pattern.")
+    film: str | None = Field(
+        default=None, max_length=80, description="A stock of the film library; the shot's when left out."
+    )
+
+    @model_validator(mode="after")
+    def _some_time(self) -> Self:
+        if not self.last > self.first:
+            raise ValueError(
+                f"a shutter cannot close before it opens: it opens at {self.first:g} and closes at {self.last:g}"
+            )
+        return self
+
+
+class LongExposureEdit(Model):
+    """The hand on the shutter."""
+
+    model_config = shown_as({"shutter": "closed"})
+
+    shutter: Literal["open", "closed"] = Field(
+        description="`closed` ends the exposure after the interval that is at work; `open` goes on where it was closed."
+    )
+
+
+class LongExposureState(Model):
+    """How far it is."""
+
+    model_config = shown_as(STATE_EXAMPLE)
+
+    shutter: Literal["open", "closed", "done", "failed"] = Field(
+        description="`done` when the last frame is reached; `failed` says why in `problem`."
+    )
+    camera: PrimPath | None = Field(description="Prim path; null for the shot's default camera.")
+    first: float = Field(description="USD time code at which the shutter opened.")
+    last: float = Field(description="At which it closes by itself.")
+    time: float = Field(description="To which the picture is exposed.")
+    intervals: int = Field(description="That are exposed.")
+    interval_count: int = Field(description="That there are till the last frame.")
+    open_frames: float = Field(description="For how long the shutter was open, in frames.")
+    open_seconds: float = Field(description="Likewise, in seconds.")
+    nd_stops: float = Field(description="Of the neutral density filter that the picture is exposed through.")
+    problem: str | None = Field(default=None, description="Why it failed, in one sentence.")

@@ -12,7 +12,8 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
-from render.commands import contact_sheet_options, grade_options, long_exposure_options
+from render.commands import camera_options, contact_sheet_options, grade_options, long_exposure_options
+from render.commands.camera_options import AskedCamera
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
 from render.film import GradeChoice
@@ -48,6 +49,7 @@ def add_parser(commands: Any) -> None:
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
     _add_picture_options(parser)
+    camera_options.add_arguments(parser)
     grade_options.add_arguments(parser)
     long_exposure_options.add_arguments(parser)
     contact_sheet_options.add_arguments(parser)
@@ -127,6 +129,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.film is not None:
         library_stock(arguments.film)
     grade = grade_options.asked_grade(arguments)
+    body = camera_options.asked_camera(arguments)
     long = long_exposure_options.asked_long_exposure(arguments)
     lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
@@ -137,6 +140,7 @@ def run(arguments: argparse.Namespace) -> None:
         shot.check_not_own(file)
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
+    body.set_on(shot, camera)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
     if axes is not None:
         written = contact_sheet_options.record_contact_sheet(
@@ -147,7 +151,7 @@ def run(arguments: argparse.Namespace) -> None:
             shot, camera, long, files[0], settings, arguments.film, grade
         )
     else:
-        written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade)
+        written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade, body)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
@@ -233,6 +237,7 @@ def _record(
     settings: FrameSettings,
     stock: str | None,
     grade: GradeChoice | None,
+    body: AskedCamera,
 ) -> list[dict[str, Any]]:
     """Render and write each frame of the plan; what was written, for --json."""
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
@@ -245,7 +250,7 @@ def _record(
             picture = make_picture(
                 renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock, choice=grade
             )
-            write_frame(file, picture.frame, picture.graded, picture.metadata)
+            write_frame(file, picture.frame, body.viewed(picture.graded, picture.camera), picture.metadata)
             seconds = clock.perf_counter() - began
             progress.finish(str(file), seconds)
             written.append({"time": time, "file": str(file), "seconds": round(seconds, 3)})

@@ -1,0 +1,168 @@
+"""Options of `pullfocus record` that set the camera for one run: its body, stop, exposure and light meter; and framing guides."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from render.commands import arguments as shared
+from render.commands.report import say
+from render.errors import SettingsError
+from render.output import format_of
+from render.scene import Camera, FloatArray
+from render.shot import Shot
+from usd_schemas import LibraryBody, SchemaError, library_body
+
+if TYPE_CHECKING:  # matplotlib takes a second, and few ask for guides
+    from render.drawing.guides import Guide
+
+STOPS = ("exposure", "iris")
+METERING = ("manual", "spot", "center", "average")
+
+
+@dataclass(frozen=True)
+class AskedCamera:
+    """What is asked of the camera for one run.
+
+    Attributes:
+        body: of the library; None keeps the shot's.
+        f_stop: of the iris; None keeps the shot's.
+        settings: of its exposure, by the names that `Shot.set_photography` has.
+        compensation_stops: by how much brighter, than it is set to or than the meter says; None keeps the shot's.
+        guides: drawn over graded pictures.
+    """
+
+    body: LibraryBody | None = None
+    f_stop: float | None = None
+    settings: dict[str, Any] = field(default_factory=dict)
+    compensation_stops: float | None = None
+    guides: tuple[Guide, ...] = ()
+
+    def set_on(self, shot: Shot, camera: str | None) -> None:
+        """Set the camera for this run alone, and say what that changed.
+
+        Args:
+            shot: the shot.
+            camera: prim path; None for a camera that frames the whole stage.
+
+        Raises:
+            InputError: there is no camera to set.
+            SettingsError: a value is out of range.
+        """
+        if self.body is not None:
+            shot.mount_body(camera, self.body)
+            width, height = self.body.gate_mm
+            say(f"body: {self.body.title} (gate {width:g} × {height:g} mm)")
+        if self.f_stop is not None:
+            shot.set_camera(camera, f_stop=self.f_stop)
+        if self.settings:
+            shot.set_photography(camera, **self.settings)
+        if self.compensation_stops is not None:
+            is_metered = shot.photography(camera, shot.frame_range.start)["metering_mode"] != "manual"
+            name = "metering_compensation" if is_metered else "compensation_stops"
+            shot.set_photography(camera, **{name: self.compensation_stops})
+
+    def viewed(self, graded: FloatArray, camera: Camera) -> FloatArray:
+        """A graded picture as it is looked at: with the guides over it.
+
+        Args:
+            graded: ``(height, width, 3)``.
+            camera: that took it.
+        """
+        if not self.guides:
+            return graded
+        from render.drawing.guides import with_guides  # imports matplotlib, which takes a second
+
+        return with_guides(graded, camera, self.guides)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options, for `asked_camera`."""
+    group = parser.add_argument_group("the camera, for this run alone")
+    group.add_argument("--body", metavar="NAME", help="another camera body (pullfocus bodies): its gate, not its lens")
+    group.add_argument("--stop", type=float, metavar="N", help="f-number of the iris; 0 is a pinhole")
+    group.add_argument("--exposure-time", metavar="TIME", help="seconds such as 0.02 or 1/50, for exposure:time")
+    group.add_argument(
+        "--exposure-stop", type=float, metavar="N", help="for exposure:fStop, which need not be the iris's"
+    )
+    group.add_argument("--iso", type=float, metavar="N", help="for exposure:iso")
+    group.add_argument(
+        "--compensation", type=float, metavar="STOPS", help="brighter by so much; with a meter, than it says"
+    )
+    group.add_argument("--filter", type=float, metavar="ND", help="neutral filter in front: 0.3 takes a stop")
+    group.add_argument(
+        "--expose-by",
+        choices=STOPS,
+        help="which stop exposes: exposure:fStop as USD has it, or the iris's, so that stopping down darkens the picture",
+    )
+    group.add_argument(
+        "--natural-vignetting",
+        action="store_true",
+        help="have ideal lenses darken the corners by cos⁴, as real ones do",
+    )
+    group.add_argument("--metering", choices=METERING, help="expose by a light meter; see pullfocus meter")
+    group.add_argument(
+        "--guides",
+        metavar="LIST",
+        help="draw frames over graded pictures: shapes such as 2.39:1,1.85:1, and safe, thirds, center",
+    )
+
+
+def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
+    """What the options ask for.
+
+    Args:
+        arguments: as `add_arguments` declares them, and ``out``.
+
+    Raises:
+        SettingsError: the library has no such body, there is no such guide, or it cannot be drawn on such a file.
+    """
+    asked = {
+        "exposure_time_s": None if arguments.exposure_time is None else _seconds(arguments.exposure_time),
+        "exposure_f_stop": arguments.exposure_stop,
+        "iso": arguments.iso,
+        "neutral_density": arguments.filter,
+        "exposure_stop": arguments.expose_by,
+        "natural_vignetting": True if arguments.natural_vignetting else None,
+        "metering_mode": arguments.metering,
+    }
+    return AskedCamera(
+        body=_body(arguments.body),
+        f_stop=arguments.stop,
+        settings={name: value for name, value in asked.items() if value is not None},
+        compensation_stops=arguments.compensation,
+        guides=_guides(arguments),
+    )
+
+
+def _body(name: str | None) -> LibraryBody | None:
+    try:
+        return None if name is None else library_body(name)
+    except SchemaError as error:
+        raise SettingsError(f"--body: {error}", code="unknown_body") from error
+
+
+def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
+    if arguments.guides is None:
+        return ()
+    if arguments.contact_sheet or arguments.long_exposure:
+        raise SettingsError("--guides are for frames, not for contact sheets and long exposures")
+    if format_of(arguments.out) == "exr":
+        raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg), got {arguments.out}")
+    from render.drawing.guides import guides_of  # imports matplotlib, which takes a second
+
+    return guides_of(shared.split_words(arguments.guides))
+
+
+def _seconds(typed: str) -> float:
+    """Seconds, or a fraction of them."""
+    over, _, under = typed.partition("/")
+    try:
+        seconds = float(over) / float(under or 1)
+    except (ValueError, ZeroDivisionError):
+        seconds = math.nan
+    if not (seconds > 0 and math.isfinite(seconds)):
+        raise SettingsError(f"--exposure-time takes seconds such as 0.02 or 1/50, got {typed!r}")
+    return seconds

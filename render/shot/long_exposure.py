@@ -178,7 +178,12 @@ class LongExposure:
         picture = picture_of(
             self.shot, Frame(light, {}, self._prim_paths), lens, self._begin, self._settings, self._finish
         )
-        return replace(picture, metadata=replace(picture.metadata, settings={**picture.metadata.settings, **said}))
+        metadata = replace(
+            picture.metadata,
+            settings={**picture.metadata.settings, **said},
+            exposure_time_s=state.open_seconds,
+        )
+        return replace(picture, metadata=metadata)
 
     def _at(self, time: float) -> Camera:
         return self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)

@@ -20,6 +20,7 @@ from render.frame import FrameRenderer, FrameSettings
 from render.openings import Opening, parse_openings
 from render.shot import Shot, make_picture
 from render.shot.long_exposure import LongExposure
+from render.shot.travel import farthest_travel_px, moment_of
 
 WIDTH, HEIGHT = 240, 24
 SETTINGS = FrameSettings(WIDTH, HEIGHT, engine="pinhole", shading="unlit", rays=16, supersample=4)
@@ -152,6 +153,21 @@ def test_without_a_filter_each_doubling_of_the_time_is_a_stop(renderer: FrameRen
     assert line_of(exposed(renderer, shot, "1:9", nd_stops=3.0))[20] == pytest.approx(2 * single, rel=1e-6)
 
 
+@pytest.mark.parametrize(("frames", "pixels"), [(1, 160 / 240), (24, 16.0), (0, 0.0)])
+def test_how_far_things_go_is_known(shot: Shot, frames: float, pixels: float) -> None:
+    before, after = (moment_of(shot.scene_at(t), shot.camera_at("/cam", t, WIDTH, HEIGHT)) for t in (1.0, 1.0 + frames))
+    assert farthest_travel_px(before, after, WIDTH, HEIGHT) == pytest.approx(pixels, rel=1e-5)
+
+
+def test_what_is_out_of_the_picture_or_behind_the_camera_goes_nowhere(shot: Shot) -> None:
+    own = shot.camera_at("/cam", 1.0, WIDTH, HEIGHT)
+    turned, aside = np.diag([-1.0, 1.0, -1.0, 1.0]), np.eye(4)
+    aside[0, 3] = 20.0
+    for camera in (replace(own, world_from_camera=pose) for pose in (turned, aside)):
+        before, after = (moment_of(shot.scene_at(t), camera) for t in (1.0, 25.0))
+        assert farthest_travel_px(before, after, WIDTH, HEIGHT) == 0
+
+
 def test_a_keyed_exposure_counts_as_it_is_in_each_interval(renderer: FrameRenderer, tmp_path: Path) -> None:
     shot = Shot.open(write_lights(tmp_path / "keyed.usda", keyed_exposure=True))
     assert line_of(exposed(renderer, shot, "1:4"))[20] == pytest.approx((1 + 2 + 4) / 3, rel=1e-6)
@@ -162,6 +178,7 @@ def test_the_file_says_what_was_exposed(renderer: FrameRenderer, shot: Shot) -> 
     said = {name: value for name, _, value in metadata.exr_attributes(WIDTH, HEIGHT)}
     assert said["pullfocus:longExposureSeconds"] == pytest.approx(0.25)
     assert said["pullfocus:intervals"] == 2
+    assert said["expTime"] == pytest.approx(0.25)
     assert said["shutterAngle"] == pytest.approx(6 * 360)
 
 

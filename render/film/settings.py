@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import get_args
 
 from render.errors import SettingsError
+from render.film.balance import balance_gains
+from render.film.halation import halation_shares
 from render.film.sensor import SensorSettings
 from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
+from render.near_names import hint
 from usd_schemas import FilmData
 from usd_schemas.data import FilmProcess
 
 DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
 MAX_PUSH = 5.0
+PROCESSES: tuple[str, ...] = get_args(FilmProcess)
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,8 @@ class FilmSettings:
             raise SettingsError(
                 f"grain needs an amount and a size from 0 up, got {self.grain.amount:g} and {self.grain.size_um:g}"
             )
+        balance_gains(self.white_balance_k, self.tint)
+        halation_shares(self.halation.amount, self.halation.radius_mm, self.halation.color)
         if self.process not in ("none", "digital"):
             self._check_stocks()
 
@@ -127,6 +134,8 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
         curve, own_print = replace(data.curve, source="stock"), entry.film.print_stock
         data = replace(data, process=entry.film.process, stock=name, print_stock=own_print, curve=curve, speed=0.0)
     process = data.process
+    if process not in PROCESSES:
+        raise SettingsError(f"there is no film process '{process}': {hint(process, PROCESSES)}", code="unknown_process")
     settings = FilmSettings(
         push=data.push,
         white_balance_k=data.white_balance,

@@ -10,6 +10,7 @@ from pxr import UsdGeom
 
 from render.errors import PullfocusError, StageError
 from render.scene import Scene
+from render.shot.finish_findings import finish_findings
 from render.shot.readout import Readout
 from render.shot.shot import Shot
 from render.stage import CameraChoice, Finding, FrameRange
@@ -60,7 +61,8 @@ def inspect_shot(shot: Shot) -> Inspection:
     first = shot.frame_range.start
     scene = shot.scene_at(first)
     readouts, unusable = _read_lenses(shot, first)
-    notes = (*shot.findings(), *unusable)
+    problems = validate(shot.stage)
+    notes = (*shot.findings(), *unusable, *finish_findings(shot, first, problems))
     told = {note.message for note in notes}
     return Inspection(
         frame_range=shot.frame_range,
@@ -73,7 +75,7 @@ def inspect_shot(shot: Shot) -> Inspection:
         triangle_count=scene.triangle_count,
         light_count=len(scene.lights) + (scene.dome is not None),
         notes=notes,
-        validation=tuple(problem for problem in validate(shot.stage) if problem.message not in told),
+        validation=tuple(problem for problem in problems if problem.message not in told),
     )
 
 

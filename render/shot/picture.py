@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
+from render.errors import CameraError, SettingsError
 from render.film import Grade, GradeChoice
 from render.optics.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import Finish, finish_of
+from render.shot.flare import flared
 from render.shot.light_meter import auto_exposed
 from render.shot.shot import Shot
 from render.shutter import moments, shares
@@ -145,8 +147,7 @@ def light_on_film(
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
-        SettingsError: the shutter closes before it opens.
-        CameraError: the camera has impossible numbers at one of the moments.
+        CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
     if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
@@ -158,7 +159,7 @@ def light_on_film(
     light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
     if light is not None:
         frame.color[..., :3] *= light[..., None]
-    return frame
+    return flared(renderer, shot.scene_at(time), lens, settings, frame)
 
 
 def _moments(
@@ -166,7 +167,10 @@ def _moments(
 ) -> Callable[[int], Moment]:
     """The shot while the camera's shutter is open, moment by moment."""
     opens, closes, count = lens.shutter_open, lens.shutter_close, settings.motion
-    offsets = moments(opens, closes, lens.shutter, count)
+    try:
+        offsets = moments(opens, closes, lens.shutter, count)
+    except SettingsError as error:
+        raise CameraError(f"camera {lens.path}: {error.detail}", code=error.code, path=lens.path) from error
     parts = shares(opens, closes, lens.shutter, count, settings.width, settings.height).astype(np.float32)
 
     def at(index: int) -> Moment:

@@ -35,7 +35,7 @@ from tests.bench.lens_gallery.photographs import Photograph, Photographer, Size
 from tests.bench.lens_gallery.pupils import pupil_sections
 from tests.bench.lens_gallery.settings import setting_sections
 
-SMALL = Size(480, 270, 25)
+SMALL = Size(320, 180, 25)
 """What the camera's part is made in: long exposures are many frames."""
 
 

@@ -137,7 +137,7 @@ def _lenses() -> Section:
 
 
 def _motion() -> Section:
-    def moving(slug: str, title: str, note: str, *, motion: int = 24, **photography: object) -> CameraEntry:
+    def moving(slug: str, title: str, note: str, *, motion: int = 8, **photography: object) -> CameraEntry:
         return CameraEntry(f"motion-{slug}", title, note, motion=motion, photography=photography)
 
     whole = {"shutter_open": -0.5, "shutter_close": 0.5}
@@ -174,13 +174,13 @@ def _long_exposures() -> Section:
         (
             CameraEntry("long-none", "One frame", "Frame 72, stopped: to hold the others against."),
             long(
-                "hand", "Two seconds by hand", "The camera moves in: every light leaves its trail.", Opening(40, 88, 2)
+                "hand", "A second by hand", "The camera moves in: every light leaves its trail.", Opening(64, 88, 2)
             ),
             long(
                 "tripod",
-                "Two seconds on a tripod",
+                "A second on a tripod",
                 "What stands still is sharp and as bright as in one frame; who moves fades.",
-                Opening(40, 88, 2),
+                Opening(64, 88, 2),
                 tripod=True,
             ),
             long(

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import moderngl
 
+from render.errors import GraphicsError
+
 _LANES = 64  # of the shaders that work along a line
 
 
 def groups(threads: int) -> int:
     """How many work groups of a line's shader do so many places."""
     return -(-threads // _LANES)
+
+
+class TooLargeError(GraphicsError):
+    """A picture needs more of the device at once than that gives."""
 
 
 class Scratch:
@@ -21,7 +27,12 @@ class Scratch:
         self._textures: dict[str, moderngl.Texture] = {}
 
     def buffer(self, name: str, size: int) -> moderngl.Buffer:
-        """A buffer of so many bytes, with whatever is in it."""
+        """A buffer of so many bytes, with whatever is in it. Raises `TooLargeError` where shaders cannot read so many."""
+        most = self._ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]
+        if size > most:
+            raise TooLargeError(
+                f"a picture needs a buffer of {size} bytes, and the device's shaders read {most} at most"
+            )
         kept = self._buffers.get(name)
         if kept is None or kept.size != size:
             if kept is not None:

@@ -53,9 +53,9 @@ float table_at(int row, float place)
 {
     int last = textureSize(tables, 0).x - 1;
     place = clamp(place, 0.0, float(last));
-    int step = min(int(place), last - 1);
-    float here = texelFetch(tables, ivec2(step, row), 0).r, there = texelFetch(tables, ivec2(step + 1, row), 0).r;
-    return here + (place - float(step)) * (there - here);
+    int left = min(int(place), last - 1);
+    float here = texelFetch(tables, ivec2(left, row), 0).r, there = texelFetch(tables, ivec2(left + 1, row), 0).r;
+    return here + (place - float(left)) * (there - here);
 }
 
 vec3 film_light(ivec2 pixel, int width)

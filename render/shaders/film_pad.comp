@@ -12,7 +12,7 @@ uniform ivec2 reach;  // how far the picture's corner lies within it
 
 ivec2 mirrored(ivec2 place, ivec2 period)
 {
-    ivec2 folded = place - period * ivec2(floor(vec2(place) / vec2(period)));
+    ivec2 folded = (place + period * (reach / period + 1)) % period;  // of a number from 0 up: % knows no others
     return min(folded, period - 1 - folded);
 }
 

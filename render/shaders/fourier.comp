@@ -32,11 +32,12 @@ void main()
     int first = line * (AXIS == 0 ? size.x : 1);
 
     int place = j % done;
-    float angle = direction * 6.28318530718 * float(place) / float(done * RADIX);
     vec4 value[RADIX];
     for (int r = 0; r < RADIX; ++r) {
         int from = first + stride * (j + r * part);
-        value[r] = times(source[from], vec2(cos(float(r) * angle), sin(float(r) * angle)));
+        float turn = float(r * place) / float(done * RADIX);
+        float angle = direction * 6.28318530718 * (turn - round(turn));
+        value[r] = times(source[from], vec2(cos(angle), sin(angle)));
 #ifdef SPECTRUM
         value[r] *= spectrum[from];
 #endif

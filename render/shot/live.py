@@ -13,7 +13,7 @@ import numpy as np
 from render.errors import GraphicsError, SettingsError
 from render.film import print_space
 from render.film.gpu import Exposure, FilmPass
-from render.film.gpu_scratch import Scratch
+from render.film.gpu_scratch import Scratch, TooLargeError
 from render.film.ocio_gpu import DisplayPass
 from render.gl.context import GraphicsContext
 from render.gl.held import Held
@@ -52,7 +52,7 @@ class LiveFinisher:
         self._passes: _Passes | None = None
 
     def picture(self, finish: Finish, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
-        """As `Finish.picture`, in 256 levels.
+        """As `Finish.picture`, in 256 levels. A picture that is too large for the device is finished by the processor.
 
         Args:
             finish: how.
@@ -72,6 +72,8 @@ class LiveFinisher:
             return _finished(
                 passes, finish, radiance, Exposure(camera.exposure_scale, frame_number(time), gate_mm(camera), seed)
             )
+        except TooLargeError:
+            return finish.picture(radiance, camera, time=time, seed=seed)
         except moderngl.Error as error:
             self.release()
             raise GraphicsError(f"{passes.graphics.renderer} could not finish the picture: {error}") from error

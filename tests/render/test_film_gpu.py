@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import moderngl
 import numpy as np
 import pytest
 
-from render.errors import SettingsError
+from render.errors import GraphicsError, SettingsError
 from render.film import FilmSettings, Grade, develop_on_film, film_settings
 from render.film.develop import expose
 from render.film.gpu import Exposure, FilmPass
@@ -206,6 +207,67 @@ def test_a_context_that_was_made_anew_is_finished_on_anew(own_context: GraphicsC
         finisher.release()
 
     np.testing.assert_array_equal(first, again)
+
+
+class SmallDevice:
+    """A context whose shaders read few bytes."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self.info = ctx.info | {"GL_MAX_SHADER_STORAGE_BLOCK_SIZE": 4096}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ctx, name)
+
+
+def test_a_picture_that_the_device_has_no_room_for_is_finished_by_the_processor(
+    own_context: GraphicsContext,
+) -> None:
+    device = Device(own_context)
+    device.graphics.ctx = SmallDevice(own_context.ctx)  # type: ignore[assignment]
+    light, [_, printed, *_] = small_scene(30), finishes()
+
+    live = LiveFinisher(device).picture(printed, light, camera(), time=3, seed=0)  # type: ignore[arg-type]
+
+    np.testing.assert_array_equal(live, printed.picture(light, camera(), time=3, seed=0))
+
+
+class FillingDevice:
+    """A context that makes some textures and buffers, and then no more."""
+
+    def __init__(self, ctx: moderngl.Context, left: int) -> None:
+        self._ctx, self.left = ctx, left
+
+    def __getattr__(self, name: str) -> Any:
+        made = getattr(self._ctx, name)
+        if name not in ("texture", "texture3d", "buffer"):
+            return made
+
+        def counted(*arguments: Any, **named: Any) -> Any:
+            if not self.left:
+                raise moderngl.Error("the device is full")
+            self.left -= 1
+            return made(*arguments, **named)
+
+        return counted
+
+
+def test_a_picture_that_fails_half_way_leaves_nothing_on_the_device(own_context: GraphicsContext) -> None:
+    light, [_, printed, *_] = small_scene(30), finishes()
+    device, ctx = Device(own_context), own_context.ctx
+    finisher = LiveFinisher(device)  # type: ignore[arg-type]
+    device.graphics.ctx = filling = FillingDevice(ctx, 60)  # type: ignore[assignment]
+    finisher.picture(printed, light, camera(), time=1, seed=0)
+    finisher.release()
+    needed, before = 60 - filling.left, living()
+    for left in range(needed):
+        device.graphics.ctx = FillingDevice(ctx, left)  # type: ignore[assignment]
+        with pytest.raises(GraphicsError, match="the device is full"):
+            finisher.picture(printed, light, camera(), time=1, seed=0)
+        assert living() == before
+    own_context.ctx = ctx
+
+    assert needed > 5
 
 
 def test_light_of_a_strange_shape_is_refused(renderer: FrameRenderer) -> None:

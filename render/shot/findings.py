@@ -102,8 +102,11 @@ _HONOURED = _WHOLE | frozenset(
         "film:whiteBalance",
         "film:tint",
         "film:body",
+        "film:resolution",
         "lens:expressive:pupilPower",
         "lens:expressive:blend",
+        "lens:flare:ghosts",
+        "lens:flare:star",
     }
 )
 """Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""

@@ -39,11 +39,23 @@ def is_picture(path: Path) -> bool:
 def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     tour = commands("pullfocus")
-    assert {words[1] for words in tour} == {"demo", "inspect", "record", "focus-curve", "lenses", "films", "bodies"}
+    assert {words[1] for words in tour} == {
+        "demo",
+        "inspect",
+        "record",
+        "focus-curve",
+        "meter",
+        "lenses",
+        "films",
+        "bodies",
+    }
     for words in tour:
         assert main([*words[1:], *(QUICK if words[1] == "record" else ())]) == 0, shlex.join(words)
     rack = sorted(Path().glob("rack.*.jpg"))
-    written = [*map(Path, ("frame.png", "frame.exr", "planar.png", "swirl.png", "5219.png", "slide.png")), *rack]
+    written = [
+        *map(Path, ("frame.png", "frame.exr", "planar.png", "swirl.png", "5219.png", "slide.png", "framed.png")),
+        *rack,
+    ]
     assert [str(path) for path in rack] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]
     assert all(is_picture(path) for path in written)
     assert Path("focus.csv").read_text().count("\n") == 97

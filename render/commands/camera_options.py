@@ -98,6 +98,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="which stop exposes: exposure:fStop as USD has it, or the iris's, so that stopping down darkens the picture",
     )
     group.add_argument(
+        "--stops-are", choices=("f", "t"), help="f-numbers, or T-stops, which have in them what the glass takes"
+    )
+    group.add_argument(
         "--natural-vignetting",
         action="store_true",
         help="have ideal lenses darken the corners by cos⁴, as real ones do",
@@ -125,6 +128,7 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
         "iso": arguments.iso,
         "neutral_density": arguments.filter,
         "exposure_stop": arguments.expose_by,
+        "stop_marking": arguments.stops_are,
         "natural_vignetting": True if arguments.natural_vignetting else None,
         "metering_mode": arguments.metering,
     }

@@ -159,6 +159,8 @@ def light_on_film(
     light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
     if light is not None:
         frame.color[..., :3] *= light[..., None]
+    if settings.engine == "accumulation":  # whose views are of an empty pupil
+        frame.color[..., :3] *= np.float32(lens.lens.transmittance)
     return flared(renderer, shot.scene_at(time), lens, settings, frame)
 
 

@@ -121,6 +121,15 @@ def test_glass_takes_light_through_f_numbers_and_none_through_t_stops_and_filter
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("engine", ["pinhole", "accumulation"])
+def test_every_engine_has_the_lens_s_light(renderer: FrameRenderer, tmp_path: Path, engine: str) -> None:
+    values = {"lens:transmittance": 0.8, "lens:neutralDensity": 0.3, "lens:naturalVignetting": True}
+    other = replace(SMALL, engine=engine)
+    expected = exposed(renderer, tmp_path, **values)
+    np.testing.assert_allclose(exposed(renderer, tmp_path, other, **values), expected, rtol=1e-4)
+
+
+@pytest.mark.gl
 def test_a_lens_that_breathes_loses_light_close_by(renderer: FrameRenderer, tmp_path: Path) -> None:
     """Of 28 mm at 140 mm: m = 28 / (140 - 28) = 1/4, so the film is 5/4 as far away as at infinity."""
     still, breathing = exposed(renderer, tmp_path), exposed(renderer, tmp_path, **{"lens:breathing": True})

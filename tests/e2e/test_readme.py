@@ -25,7 +25,8 @@ QUICK = ("--imageWidth", "64", "--rays", "4", "--supersample", "1")
 
 def commands(name: str) -> list[list[str]]:
     """The README's shell lines that call a program, in their order, as words."""
-    blocks = re.findall(r"```sh\n(.*?)```", README.read_text(), re.DOTALL)
+    text = README.read_text().replace("\\\n", "")  # lines that go on
+    blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
     lines = [line for block in blocks for line in block.splitlines() if line and not line.startswith("#")]
     assert all(line.startswith(("pullfocus ", "curl ")) for line in lines), "the test knows how to run these two"
     return [shlex.split(line) for line in lines if line.startswith(f"{name} ")]
@@ -53,7 +54,9 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         assert main([*words[1:], *(QUICK if words[1] == "record" else ())]) == 0, shlex.join(words)
     rack = sorted(Path().glob("rack.*.jpg"))
     written = [
-        *map(Path, ("frame.png", "frame.exr", "planar.png", "swirl.png", "5219.png", "slide.png", "framed.png")),
+        *map(
+            Path, ("frame.png", "frame.exr", "planar.png", "swirl.png", "5219.png", "slide.png", "p3.png", "framed.png")
+        ),
         *rack,
     ]
     assert [str(path) for path in rack] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]

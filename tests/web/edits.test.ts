@@ -79,7 +79,11 @@ describe("how the focus is found", () => {
     swingDeg: 0,
     drivenByPoints: true,
     maxAngleDeg: 15,
-    keyed: new Set(["maxAngleDeg"]),
+    offScreen: "ignore",
+    occluded: "keep",
+    maxSpeedDegS: 0,
+    circleOfConfusionMm: 0,
+    keys: { maxAngleDeg: [{ time: 1, value: 10, interpolation: "linear" }] },
   };
 
   it("what is keyed gets a key at the time, the rest changes for the whole shot", () => {

@@ -2,7 +2,7 @@ import { grouped, mountedLens, type LensSummary } from "@/model/lens";
 import { toLens, toReadout } from "@/net/convert";
 
 function lens(name: string, model: string): LensSummary {
-  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "", section: "" };
+  return { name, title: `${name} 50 mm`, model, focalLengthMm: 50, fStop: 2, description: "", section: "", sheet: "" };
 }
 
 const READOUT = toReadout({

@@ -39,7 +39,7 @@ describe("what the service says", () => {
 
   it("nothing under a click is null, not an error", async () => {
     answering(200, { hit: false });
-    const quality = { width: 64, height: 36, rays: 1, layers: 1, supersample: 1, format: "png" } as const;
+    const quality = { width: 64, height: 36, rays: 1, layers: 1, supersample: 1, motion: 1, format: "png" } as const;
     expect(await new HttpService("http://host").pick(view, 1, [0.5, 0.5], quality)).toBeNull();
   });
 

@@ -2,11 +2,18 @@
 
 import { signal } from "@preact/signals";
 import type { LensSummary } from "../model/lens";
+import { NO_LIBRARIES, type Libraries } from "../model/photography";
 import { complaintOf, isAbort, type Complaint } from "../net/errors";
 import type { Download, Service } from "../net/service";
 import { Library } from "./library";
 import { Remembered } from "./remembered";
 import { Session } from "./session";
+
+/** A drawing about something of a library. */
+export interface Sheet {
+  readonly title: string;
+  readonly address: string;
+}
 
 export class Editor {
   readonly library: Library;
@@ -14,6 +21,10 @@ export class Editor {
   readonly session = signal<Session | null>(null);
   /** The lens library; empty until it is there. */
   readonly lenses = signal<readonly LensSummary[]>([]);
+  /** The libraries of films and bodies; empty until they are there. */
+  readonly libraries = signal<Libraries>(NO_LIBRARIES);
+  /** A sheet about a lens or a film that is looked at. */
+  readonly sheet = signal<Sheet | null>(null);
   /** The shot that is being opened. */
   readonly opening = signal<string | null>(null);
   readonly complaint = signal<Complaint | null>(null);
@@ -35,7 +46,7 @@ export class Editor {
 
   /** Lists the shots and opens one: the asked, else the first. */
   async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
-    void this.#readLenses();
+    void this.#readLibraries();
     await this.library.refresh();
     const shots = this.library.shots.value ?? [];
     const chosen = shots.find((candidate) => candidate.id === shot) ?? shots[0];
@@ -88,9 +99,10 @@ export class Editor {
     if (next) await this.open(next.id);
   }
 
-  async #readLenses(): Promise<void> {
+  async #readLibraries(): Promise<void> {
     try {
       this.lenses.value = await this.service.lenses();
+      this.libraries.value = await this.service.libraries();
     } catch (error) {
       this.fail(error);
     }

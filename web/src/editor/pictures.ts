@@ -148,7 +148,7 @@ export class Pictures {
     const kept = request.revision === this.#keptRevision ? this.#kept.get(request.time.toString()) : undefined;
     if (!kept) return false;
     return request.best
-      ? kept.best && kept.quality.width === request.quality.width
+      ? kept.best && kept.quality.width === request.quality.width && kept.quality.motion === request.quality.motion
       : kept.quality.width >= 0.65 * request.quality.width;
   }
 

@@ -6,16 +6,29 @@ import type { LengthUnit } from "../model/distance";
 export const SURROUNDS = ["grey", "dark", "black"] as const;
 export type Surround = (typeof SURROUNDS)[number];
 
+export const PANELS = ["focus", "camera"] as const;
+export type Panel = (typeof PANELS)[number];
+
 export class Remembered {
   readonly unit = remembered<LengthUnit>("unit", "m", ["m", "ft"]);
   /** What stands around the picture. */
   readonly surround = remembered<Surround>("surround", "grey", SURROUNDS);
   /** Whether focus points are drawn on the picture. */
   readonly markers = remembered<"on" | "off">("markers", "on", ["on", "off"]);
+  /** Which part of the panel on the right is open. */
+  readonly panel = remembered<Panel>("panel", "focus", PANELS);
+  /** Whether pictures at rest have motion blur. */
+  readonly motion = remembered<"on" | "off">("motion", "off", ["on", "off"]);
+  /** Shape of the framing guide; empty for none. */
+  readonly guide = remembered<string>("guide", "", null);
 }
 
-/** A choice that is kept in the browser; private windows that keep nothing get the default each time. */
-function remembered<Choice extends string>(name: string, standard: Choice, choices: readonly Choice[]): Signal<Choice> {
+/** A choice (or with `choices` null any words) that is kept in the browser; private windows that keep nothing get the default each time. */
+function remembered<Choice extends string>(
+  name: string,
+  standard: Choice,
+  choices: readonly Choice[] | null,
+): Signal<Choice> {
   const key = `pullfocus.${name}`;
   let kept: string | null = null;
   try {
@@ -23,7 +36,8 @@ function remembered<Choice extends string>(name: string, standard: Choice, choic
   } catch {
     // Storage is blocked: the page works without.
   }
-  const value = signal(choices.find((choice) => choice === kept) ?? standard);
+  const known = choices === null ? (kept as Choice | null) : choices.find((choice) => choice === kept);
+  const value = signal(known ?? standard);
   effect(() => {
     try {
       localStorage.setItem(key, value.value);

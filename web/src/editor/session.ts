@@ -9,10 +9,14 @@ import {
   setKind,
   setLens,
   toggleKey,
+  toggleSettingKey,
   type Change,
+  type FocusChange,
+  type SettingsKind,
   type SimpleAttribute,
 } from "../model/command";
 import type { LensSummary } from "../model/lens";
+import type { BodySummary, Keyed } from "../model/photography";
 import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
 import {
@@ -37,6 +41,7 @@ import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
+import { CameraPhotography } from "./photography";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 
@@ -58,9 +63,12 @@ export class Session {
   readonly document: ShotDocument;
   readonly playhead: Playhead;
   readonly pictures: Pictures;
+  readonly photography: CameraPhotography;
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point. */
   readonly selected = signal<string | null>(null);
+  /** Moments of the shutter's opening that pictures at rest are made of. */
+  readonly motion = signal(1);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
   /** Where a click is being looked up, in the picture. */
@@ -78,6 +86,7 @@ export class Session {
     this.playhead = new Playhead(shot.range, time, () => this.pictures.free);
     this.document = new ShotDocument(service, shot, camera, this.playhead.time, fail);
     this.pictures = new Pictures(service, this.document, fail);
+    this.photography = new CameraPhotography(service, this.document, () => this.playhead.time.value, fail);
     this.#stop = this.#follow();
   }
 
@@ -87,7 +96,8 @@ export class Session {
 
   /** Width over height of the picture. */
   get aspect(): number {
-    return this.shot.cameras.find((camera) => camera.path === this.camera)?.aspect ?? 16 / 9;
+    const film = this.photography.said.value?.film;
+    return film?.aspect ?? this.shot.cameras.find((camera) => camera.path === this.camera)?.aspect ?? 16 / 9;
   }
 
   readonly moving = computed(
@@ -170,6 +180,10 @@ export class Session {
     void this.document.edit(label, setFocus({ [name]: on }, this.playhead.time.value, before));
   }
 
+  setFocus(label: string, change: FocusChange, before: FocusSettings): void {
+    void this.document.edit(label, setFocus(change, this.playhead.time.value, before));
+  }
+
   dragFocus(label: string, name: FocusNumber, before: FocusSettings): Drag<number> {
     const time = this.playhead.time.value;
     return this.document.drag(label, (value: number) => setFocus({ [name]: value }, time, before));
@@ -234,6 +248,21 @@ export class Session {
     void this.document.edit(`Mount ${lens?.title ?? "the thin lens"}`, [{ do: "mountLens", lens: lens?.name ?? null }]);
   }
 
+  mountBody(body: BodySummary): void {
+    void this.document.edit(`Mount the ${body.title}`, [{ do: "mountBody", body: body.name }]);
+  }
+
+  /** Gives the camera the focus curve of a file; it is focused by hand then. */
+  importCurve(file: File): void {
+    void this.document.edit(`Import ${file.name}`, [{ do: "importCurve", file }]);
+  }
+
+  /** Sets or removes a key of a setting at this time. */
+  toggleSettingKey(of: SettingsKind, setting: string, value: number, keys: Keyed): void {
+    const change = toggleSettingKey(of, setting, value, this.playhead.time.value, keys);
+    void this.document.edit(`Key of ${setting}`, change);
+  }
+
   mountLensFile(file: File): void {
     void this.document.edit(`Mount ${file.name}`, [{ do: "mountLensFile", file }]);
   }
@@ -248,7 +277,7 @@ export class Session {
 
   /** The frame at this time, as large as a delivery: not as the viewer happens to be. */
   downloadFrame(format: PictureFormat): Promise<Download> {
-    const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect);
+    const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect, this.motion.value);
     return this.#service.downloadFrame(this.document.view, this.playhead.time.value, quality, format);
   }
 
@@ -256,6 +285,7 @@ export class Session {
     this.#stop();
     this.playhead.pause();
     this.document.close();
+    this.photography.close();
     this.pictures.close();
   }
 
@@ -268,8 +298,11 @@ export class Session {
       }),
       effect(() => {
         const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
-        const moving = this.moving.value;
-        if (box) this.pictures.want({ time, revision, quality: restQuality(box.width, box.height) }, moving);
+        const [moving, motion] = [this.moving.value, this.motion.value];
+        if (box) this.pictures.want({ time, revision, quality: restQuality(box.width, box.height, motion) }, moving);
+      }),
+      effect(() => {
+        this.photography.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
       }),
       effect(() => {
         // Not at each step of a drag: the next step would wait for it.

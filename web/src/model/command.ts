@@ -1,6 +1,7 @@
 /** Everything that can be asked of the service to change a shot, as data; an edit is a row of these. */
 
 import type { Curve } from "./curve";
+import type { ExposureChange, ExposureSettings, FilmChange, FilmSettings, Keyed } from "./photography";
 import {
   keysOf,
   type Anchor,
@@ -16,7 +17,7 @@ import {
 } from "./shot";
 import { sameTime } from "./time";
 
-export type FocusChange = Partial<Omit<FocusSettings, "keyed">>;
+export type FocusChange = Partial<Omit<FocusSettings, "keys">>;
 export type PointChange = Partial<PointSettings & { readonly anchor: Anchor }>;
 
 export type Command =
@@ -32,7 +33,25 @@ export type Command =
   | { readonly do: "removeKey"; readonly name: string; readonly attribute: KeyedAttribute; readonly time: number }
   /** A lens of the library by its name, or null for the thin lens. */
   | { readonly do: "mountLens"; readonly lens: string | null }
-  | { readonly do: "mountLensFile"; readonly file: File };
+  | { readonly do: "mountLensFile"; readonly file: File }
+  /** As `setLens`. */
+  | { readonly do: "setExposure"; readonly change: ExposureChange; readonly time: number | null }
+  /** As `setLens`; a stock goes in for the whole shot. */
+  | { readonly do: "setFilm"; readonly change: FilmChange; readonly time: number | null }
+  /** A body of the library by its name. */
+  | { readonly do: "mountBody"; readonly body: string }
+  | { readonly do: "importCurve"; readonly file: File }
+  /** A key of how the focus is found, of the exposure or of the film; null removes the one at the time. */
+  | {
+      readonly do: "keySetting";
+      readonly of: SettingsKind;
+      readonly setting: string;
+      readonly time: number;
+      readonly key: Key | null;
+    };
+
+/** What has settings that take keys. */
+export type SettingsKind = "focus" | "exposure" | "film";
 
 /** An edit, done from the first to the last; all of it is one step of undo. */
 export type Change = readonly Command[];
@@ -97,8 +116,37 @@ export function setFocusMode(mode: FocusMode, before: FocusMode): Change {
 
 /** Sets one thing of how the focus is found: what is keyed gets a key at the time, else it holds for the whole shot. */
 export function setFocus(change: FocusChange, time: number, before: FocusSettings): Change {
-  const isKeyed = Object.keys(change).some((name) => before.keyed.has(name));
-  return [{ do: "setFocus", change, time: isKeyed ? time : null }];
+  return [{ do: "setFocus", change, time: isKeyed(change, before.keys) ? time : null }];
+}
+
+/** As `setFocus`. */
+export function setExposure(change: ExposureChange, time: number, before: ExposureSettings): Change {
+  return [{ do: "setExposure", change, time: isKeyed(change, before.keys) ? time : null }];
+}
+
+/** As `setFocus`. */
+export function setFilm(change: FilmChange, time: number, before: FilmSettings): Change {
+  return [{ do: "setFilm", change, time: isKeyed(change, before.keys) ? time : null }];
+}
+
+/** A shutter that is set by its angle has its keys where it closes. */
+function isKeyed(change: object, keys: Keyed): boolean {
+  return Object.keys(change).some(
+    (name) => (keys[name === "shutterAngleDeg" ? "shutterClose" : name] ?? []).length > 0,
+  );
+}
+
+/** The key of a setting at a time. */
+export function settingKeyAt(keys: Keyed, setting: string, time: number): Key | null {
+  return keys[setting]?.find((key) => sameTime(key.time, time)) ?? null;
+}
+
+/** Removes the key of a setting if there is one at the time, else sets one with the value that it has there. */
+export function toggleSettingKey(of: SettingsKind, setting: string, value: number, time: number, keys: Keyed): Change {
+  const there = settingKeyAt(keys, setting, time);
+  const isSwitch = setting === "solveStop" || setting === "drivenByPoints";
+  const key: Key = { time, value, interpolation: isSwitch ? "held" : "auto" };
+  return [{ do: "keySetting", of, setting, time: there?.time ?? time, key: there ? null : key }];
 }
 
 /** Blur of a point that becomes soft and has none: enough to be seen. */

@@ -15,6 +15,8 @@ export interface LensSummary {
   readonly description: string;
   /** Address of a small picture of it. */
   readonly section: string;
+  /** Address of a sheet about it. */
+  readonly sheet: string;
 }
 
 /** What stands on the camera: a lens of the library, the thin lens, or another that the shot or a file brought. */

@@ -81,3 +81,22 @@ export const EXPONENTS = linearScale(2, 4, 0.1);
 export const BLURS_MM = linearScale(0, 1, 0.01);
 export const EXTENTS = linearScale(0, 4, 0.1);
 export const FALLOFFS = linearScale(0, 1, 0.05);
+
+/** ISO speeds are in thirds of a stop, and called by the numbers on the dial. */
+const ISO_DIAL = [100, 125, 160, 200, 250, 320, 400, 500, 640, 800];
+function onIsoDial(iso: number): number {
+  const eightfold = 8 ** Math.floor(Math.log(iso / 100) / Math.log(8));
+  const near = ISO_DIAL.map((speed) => speed * eightfold);
+  return near.reduce((a, b) => (Math.abs(Math.log(b / iso)) < Math.abs(Math.log(a / iso)) ? b : a));
+}
+
+export const ISOS = logScale(12.5, 51_200, 2 ** (1 / 3), onIsoDial);
+export const SHUTTER_ANGLES_DEG = linearScale(0, 360, 7.5);
+export const DENSITIES = linearScale(0, 3, 0.3);
+export const COMPENSATIONS = linearScale(-6, 6, 1 / 3);
+export const PUSHES = linearScale(-2, 3, 0.5);
+export const TEMPERATURES_K = linearScale(2000, 10_000, 100);
+export const AMOUNTS = linearScale(0, 2, 0.1);
+export const HALATIONS = linearScale(0, 0.1, 0.005);
+export const RING_SPEEDS_DEG_S = linearScale(0, 720, 15);
+export const CIRCLES_MM = linearScale(0, 0.1, 0.001);

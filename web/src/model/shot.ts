@@ -1,5 +1,6 @@
 /** What the page knows of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
 
+import type { Keyed } from "./photography";
 import type { FrameRange } from "./time";
 
 export interface ShotSummary {
@@ -72,12 +73,24 @@ export interface FocusSettings {
   readonly drivenByPoints: boolean;
   /** How far they may. */
   readonly maxAngleDeg: number;
-  /** Names of the settings that have keys. */
-  readonly keyed: ReadonlySet<string>;
+  /** Whether points outside the frame count. */
+  readonly offScreen: OffScreen;
+  /** Whether points count that something stands before. */
+  readonly occluded: Occluded;
+  /** How fast the focus ring may turn; 0 sets no bound. */
+  readonly maxSpeedDegS: number;
+  /** Circle of confusion that counts as sharp, a diameter on the film; 0 takes the gate's usual one. */
+  readonly circleOfConfusionMm: number;
+  /** Of the settings that have any, and of the lens. */
+  readonly keys: Keyed;
 }
 
+export const OFF_SCREEN = ["ignore", "keep"] as const;
+export type OffScreen = (typeof OFF_SCREEN)[number];
+export const OCCLUDED = ["keep", "fade", "ignore"] as const;
+export type Occluded = (typeof OCCLUDED)[number];
 export type FocusSwitch = "solveStop" | "drivenByPoints";
-export type FocusNumber = Exclude<keyof FocusSettings, FocusSwitch | "mode" | "keyed">;
+export type FocusNumber = Exclude<keyof FocusSettings, FocusSwitch | "mode" | "keys" | "offScreen" | "occluded">;
 
 /** The lens at one time, and what it makes sharp; distances may be infinite. */
 export interface LensSample extends Lens {

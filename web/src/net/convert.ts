@@ -3,6 +3,7 @@
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
+import type { FilmSummary, Keyed, MeterReading, Photography } from "../model/photography";
 import {
   KEYED_ATTRIBUTES,
   type Anchor,
@@ -53,14 +54,47 @@ export function toFocusSettings(json: Json["FocusSettings"]): FocusSettings {
   const { mode, solveStop, smoothingS, lagS, deadZoneMm, nearPriority } = json;
   const { surfaceExponent, expressive, tiltDeg, swingDeg, drivenByPoints, maxAngleDeg } = json;
   const follow = { smoothingS, lagS, deadZoneMm, nearPriority };
+  const { offScreen, occluded, maxSpeedDegS, circleOfConfusionMm } = json;
   const tilt = { tiltDeg, swingDeg, drivenByPoints, maxAngleDeg };
-  return { mode, solveStop, ...follow, surfaceExponent, expressive, ...tilt, keyed: new Set(Object.keys(json.keys)) };
+  const which = { offScreen, occluded, maxSpeedDegS, circleOfConfusionMm };
+  return { mode, solveStop, ...follow, surfaceExponent, expressive, ...tilt, ...which, keys: toKeyed(json.keys) };
+}
+
+export function toPhotography(
+  exposure: Json["ExposureSettings"],
+  film: Json["FilmSettings"],
+  readout: Json["ExposureReadout"],
+): Photography {
+  return {
+    exposure: { ...exposure, keys: toKeyed(exposure.keys) },
+    film: { ...film, aspect: film.gateMm[0] / film.gateMm[1], keys: toKeyed(film.keys) },
+    readout: {
+      ...readout,
+      effectiveTStop: distance(readout.effectiveTStop),
+      greyNits: distance(readout.greyNits),
+    },
+  };
+}
+
+export function toReading(json: Json["MeterReading"]): MeterReading {
+  return { ...json, ev100: json.ev100 ?? -Infinity, stops: json.stops ?? -Infinity };
+}
+
+export function toFilm(json: Json["FilmSummary"], base: string): FilmSummary {
+  const { name, title, kind, process, speed, balanceK, description } = json;
+  const sheet = `${base}/v1/films/${encodeURIComponent(name)}/sheet.png`;
+  return { name, title, kind, process, speed, balanceK, description, sheet };
+}
+
+function toKeyed(keys: Readonly<Record<string, readonly Json["Key"][]>>): Keyed {
+  return Object.fromEntries(Object.entries(keys).map(([name, found]) => [name, toKeys(found)]));
 }
 
 export function toLens(json: Json["LensSummary"], base: string): LensSummary {
   const { name, title, model, focalLengthMm, fStop, description } = json;
-  const section = `${base}/v1/lenses/${encodeURIComponent(name)}/section.svg`;
-  return { name, title, model, focalLengthMm, fStop, description, section };
+  const address = `${base}/v1/lenses/${encodeURIComponent(name)}`;
+  const [section, sheet] = [`${address}/section.svg`, `${address}/sheet.png`];
+  return { name, title, model, focalLengthMm, fStop, description, section, sheet };
 }
 
 function toLensSample(json: Json["Readout"] | Json["CurveSample"]): LensSample {
@@ -115,8 +149,10 @@ export function toPick(json: Json["Pick"]): Pick | null {
 }
 
 /** Without those that the shot says no finite value for. */
-function toKeys(json: Json["FocusPoint"]["keys"][string] = []): Key[] {
-  return json.flatMap(({ time, value, interpolation }) => (value === null ? [] : [{ time, value, interpolation }]));
+function toKeys(json: readonly Json["Key"][] = []): Key[] {
+  return json.flatMap(({ time, value, interpolation = "linear" }) =>
+    value === null ? [] : [{ time, value, interpolation }],
+  );
 }
 
 function toAnchor(json: Json["Anchor"] | Json["FocusPoint"]): Anchor {

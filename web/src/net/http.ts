@@ -5,15 +5,19 @@ import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
+import type { GradeChoices, Libraries, MeterMode, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import {
   toCurve,
+  toFilm,
   toFocusSettings,
   toHistory,
   toLens,
+  toPhotography,
   toPick,
   toPoint,
+  toReading,
   toReadout,
   toShot,
   toSummary,
@@ -63,6 +67,37 @@ export class HttpService implements Service {
     return lenses.map((lens) => toLens(lens, this.#base));
   }
 
+  async libraries(): Promise<Libraries> {
+    const [{ films }, { bodies, shapes }] = await Promise.all([
+      result(this.#client.GET("/v1/films")),
+      result(this.#client.GET("/v1/bodies")),
+    ]);
+    return { films: films.map((film) => toFilm(film, this.#base)), bodies, shapes };
+  }
+
+  async photography(view: View, time: number, signal?: AbortSignal): Promise<Photography> {
+    const read = this.#tagsOf(view).reading();
+    const asked = { ...at(view, { time }), ...abortable(signal) };
+    const [exposure, film, readout] = await Promise.all([
+      result(this.#client.GET("/v1/shots/{shot}/camera/exposure", asked)),
+      result(this.#client.GET("/v1/shots/{shot}/camera/film", asked)),
+      result(this.#client.GET("/v1/shots/{shot}/readout/exposure", asked)),
+    ]);
+    if (exposure.etag === film.etag) read(CAMERA, film.etag);
+    return toPhotography(exposure, film, readout);
+  }
+
+  async meter(view: View, time: number, mode: MeterMode | null, signal?: AbortSignal): Promise<MeterReading> {
+    const query = { time, ...(mode === null ? {} : { mode }) };
+    return toReading(
+      await result(this.#client.GET("/v1/shots/{shot}/meter", { ...at(view, query), ...abortable(signal) })),
+    );
+  }
+
+  async grades(view: View, time: number): Promise<GradeChoices> {
+    return result(this.#client.GET("/v1/shots/{shot}/camera/grades", at(view, { time })));
+  }
+
   async history(shot: string): Promise<EditHistory> {
     const asked = this.#client.GET("/v1/shots/{shot}/edits/history", { params: { path: { shot } } });
     return toHistory(await result(asked));
@@ -90,7 +125,7 @@ export class HttpService implements Service {
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
-    return this.#picture(view, { ...pictureOf(time, quality), format: quality.format }, signal);
+    return this.#picture(view, { ...pictureOf(time, quality), format: quality.format, live: true }, signal);
   }
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
@@ -200,8 +235,8 @@ function ifStill(
 
 type PictureQuery = paths["/v1/shots/{shot}/frame"]["get"]["parameters"]["query"];
 
-function pictureOf(time: number, { width, height, rays, layers, supersample }: Quality): PictureQuery {
-  return { time, width, height, rays, layers, supersample };
+function pictureOf(time: number, { width, height, rays, layers, supersample, motion }: Quality): PictureQuery {
+  return { time, width, height, rays, layers, supersample, motion };
 }
 
 function at<Query extends object>(

@@ -67,6 +67,49 @@ export function send(client: Client<paths>, view: View, command: Command, terms:
       // The document has the file as text; what travels is the form.
       return client.PUT("/v1/shots/{shot}/camera/lens", { params, body: body as unknown as { file: string } });
     }
+    case "mountBody":
+      return client.PATCH(CAMERA_ADDRESS, { params, body: { body: command.body } });
+    case "setExposure":
+      return client.PATCH(`${CAMERA_ADDRESS}/exposure`, { params, body: { ...command.change, ...timeOf(command) } });
+    case "setFilm":
+      return client.PATCH(`${CAMERA_ADDRESS}/film`, { params, body: { ...command.change, ...timeOf(command) } });
+    case "importCurve": {
+      const body = new FormData();
+      body.append("file", command.file);
+      const filled = { ...params, query: { ...query, gaps: "interpolate" as const } };
+      return client.PUT("/v1/shots/{shot}/focus-curve", { params: filled, body: body as unknown as { file: string } });
+    }
+    case "keySetting":
+      return sendSettingKey(client, view, command, terms);
+  }
+}
+
+/** The three kinds of settings have their keys at addresses of their own. */
+function sendSettingKey(
+  client: Client<paths>,
+  view: View,
+  { of, setting, time, key }: Extract<Command, { readonly do: "keySetting" }>,
+  terms: Terms,
+): Promise<Answer<unknown>> {
+  const query = { ...cameraOf(view), gesture: terms.gesture };
+  const path = { shot: view.shot, attribute: setting as never };
+  const [set, remove] = [
+    { params: { path, query, header: headerOf(terms) } },
+    { params: { path, query: { ...query, time }, header: headerOf(terms) } },
+  ];
+  switch (of) {
+    case "focus":
+      return key
+        ? client.PUT(`${CAMERA_ADDRESS}/keys/{attribute}`, { ...set, body: key })
+        : client.DELETE(`${CAMERA_ADDRESS}/keys/{attribute}`, remove);
+    case "exposure":
+      return key
+        ? client.PUT(`${CAMERA_ADDRESS}/exposure/keys/{attribute}`, { ...set, body: key })
+        : client.DELETE(`${CAMERA_ADDRESS}/exposure/keys/{attribute}`, remove);
+    case "film":
+      return key
+        ? client.PUT(`${CAMERA_ADDRESS}/film/keys/{attribute}`, { ...set, body: key })
+        : client.DELETE(`${CAMERA_ADDRESS}/film/keys/{attribute}`, remove);
   }
 }
 

@@ -4,6 +4,7 @@ import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
+import type { GradeChoices, Libraries, MeterMode, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 
@@ -28,6 +29,8 @@ export interface Service {
   open(shot: string): Promise<Shot>;
   /** The lens library. */
   lenses(): Promise<readonly LensSummary[]>;
+  /** The libraries of films and bodies. */
+  libraries(): Promise<Libraries>;
   /** What of the shot's edits can be undone. */
   history(shot: string): Promise<EditHistory>;
   /** Takes back the last edit if it is the one that came to `revision`, else fails. */
@@ -42,6 +45,12 @@ export interface Service {
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;
   focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings>;
   readout(view: View, time: number, signal?: AbortSignal): Promise<Readout>;
+  /** Exposure, shutter, film and grade of a camera. */
+  photography(view: View, time: number, signal?: AbortSignal): Promise<Photography>;
+  /** What a light meter says; null looks at what the camera's own does. */
+  meter(view: View, time: number, mode: MeterMode | null, signal?: AbortSignal): Promise<MeterReading>;
+  /** What the camera's picture can be graded by. */
+  grades(view: View, time: number): Promise<GradeChoices>;
   curve(view: View, signal?: AbortSignal): Promise<Curve>;
   /** What is seen at a place of the picture (0 to 1 from its top left), or null for nothing. */
   pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;

@@ -5,6 +5,7 @@ import { useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import { Help } from "./Help";
 import { Inspector } from "./Inspector";
+import { SheetDialog } from "./SheetDialog";
 import { Shots } from "./Shots";
 import { Timeline } from "./Timeline";
 import { TopBar } from "./TopBar";
@@ -20,6 +21,7 @@ export function App({ editor }: { editor: Editor }): JSX.Element {
       <Inspector editor={editor} />
       <Timeline editor={editor} />
       <Help editor={editor} />
+      <SheetDialog editor={editor} />
     </DropTarget>
   );
 }

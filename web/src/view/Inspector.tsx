@@ -1,7 +1,9 @@
-/** The panel on the right: the lens, what it holds sharp, how its focus is found, and the focus points. */
+/** The panel on the right: the lens, what it holds sharp, how its focus is found, and the focus points; or the camera. */
 
 import type { JSX } from "preact";
 import type { Editor } from "../editor/editor";
+import { PANELS, type Panel } from "../editor/remembered";
+import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";
 import { LensPanel } from "./LensPanel";
@@ -10,7 +12,7 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;
   const unit = editor.remembered.unit.value;
   return (
-    <aside class="inspector panel" aria-label="Lens and focus points">
+    <aside class="inspector panel" aria-label="Lens, focus and camera">
       {session && !session.document.hasLens ? (
         <p class="muted pad-all">
           This shot has no camera, so one was made to frame it. Add a camera to the shot to set its lens and pull its
@@ -18,13 +20,53 @@ export function Inspector({ editor }: { editor: Editor }): JSX.Element {
         </p>
       ) : session ? (
         <>
-          <LensPanel session={session} unit={unit} lenses={editor.lenses.value} />
-          <FocusPanel session={session} />
-          <FocusPoints session={session} unit={unit} />
+          <Tabs editor={editor} />
+          {editor.remembered.panel.value === "camera" ? (
+            <div role="tabpanel" id="panel-camera" aria-labelledby="tab-camera">
+              <CameraPanel editor={editor} session={session} key={session.shot.id} />
+            </div>
+          ) : (
+            <div role="tabpanel" id="panel-focus" aria-labelledby="tab-focus">
+              <LensPanel editor={editor} session={session} unit={unit} />
+              <FocusPanel session={session} />
+              <FocusPoints session={session} unit={unit} />
+            </div>
+          )}
         </>
       ) : (
         <p class="muted pad-all">The lens and the focus points of a shot show here.</p>
       )}
     </aside>
+  );
+}
+
+const PANEL_NAMES: Readonly<Record<Panel, string>> = { focus: "Lens & focus", camera: "Camera & film" };
+
+function Tabs({ editor }: { editor: Editor }): JSX.Element {
+  const { panel } = editor.remembered;
+  return (
+    <div class="tabs" role="tablist" aria-label="What is set here">
+      {PANELS.map((name) => (
+        <button
+          key={name}
+          type="button"
+          role="tab"
+          id={`tab-${name}`}
+          aria-selected={panel.value === name}
+          aria-controls={`panel-${name}`}
+          tabIndex={panel.value === name ? 0 : -1}
+          title={`${PANEL_NAMES[name]} (C)`}
+          onClick={() => (panel.value = name)}
+          onKeyDown={(event) => {
+            if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+            event.preventDefault();
+            panel.value = name === "focus" ? "camera" : "focus";
+            document.getElementById(`tab-${panel.value}`)?.focus();
+          }}
+        >
+          {PANEL_NAMES[name]}
+        </button>
+      ))}
+    </div>
   );
 }

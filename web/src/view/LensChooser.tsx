@@ -2,6 +2,7 @@
 
 import type { JSX } from "preact";
 import { useRef, useState } from "preact/hooks";
+import type { Editor } from "../editor/editor";
 import type { Session } from "../editor/session";
 import { grouped, mountedLens, type LensSummary, type MountedLens } from "../model/lens";
 import type { Readout } from "../model/shot";
@@ -10,12 +11,13 @@ const THIN = "";
 const OTHER = "*";
 
 interface LensChooserProps {
+  readonly editor: Editor;
   readonly session: Session;
   readonly readout: Readout;
-  readonly lenses: readonly LensSummary[];
 }
 
-export function LensChooser({ session, readout, lenses }: LensChooserProps): JSX.Element {
+export function LensChooser({ editor, session, readout }: LensChooserProps): JSX.Element {
+  const lenses = editor.lenses.value;
   const mounted = mountedLens(readout, lenses);
   const file = useRef<HTMLInputElement>(null);
   return (
@@ -60,26 +62,33 @@ export function LensChooser({ session, readout, lenses }: LensChooserProps): JSX
         }}
       />
       <p class="muted">{descriptionOf(mounted)}</p>
-      {mounted.kind === "library" && <LensSection key={mounted.lens.section} lens={mounted.lens} />}
+      {mounted.kind === "library" && (
+        <LensSection
+          key={mounted.lens.section}
+          lens={mounted.lens}
+          onOpen={() => (editor.sheet.value = { title: mounted.lens.title, address: mounted.lens.sheet })}
+        />
+      )}
     </div>
   );
 }
 
 /** The lens cut along its axis; nothing where the picture does not come. */
-function LensSection({ lens }: { lens: LensSummary }): JSX.Element | null {
+function LensSection({ lens, onOpen }: { lens: LensSummary; onOpen: () => void }): JSX.Element | null {
   const [lost, setLost] = useState(false);
   if (lost) return null;
   return (
-    <img
-      class="lens-section"
-      src={lens.section}
-      alt={`${lens.title}, cut along its axis, with rays to the film on the right`}
-      width={346}
-      height={144}
-      onError={() => {
-        setLost(true);
-      }}
-    />
+    <button type="button" class="lens-section" title={`All about ${lens.title}, on a sheet`} onClick={onOpen}>
+      <img
+        src={lens.section}
+        alt={`${lens.title}, cut along its axis, with rays to the film on the right`}
+        width={346}
+        height={144}
+        onError={() => {
+          setLost(true);
+        }}
+      />
+    </button>
   );
 }
 

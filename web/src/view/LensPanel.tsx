@@ -1,9 +1,9 @@
 /** f-number, focal length and focus distance, and the depth of field that they give. */
 
 import type { JSX } from "preact";
+import type { Editor } from "../editor/editor";
 import type { Session } from "../editor/session";
 import { formatDistance, parseDistance, type LengthUnit } from "../model/distance";
-import type { LensSummary } from "../model/lens";
 import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../model/scale";
 import type { Readout } from "../model/shot";
 import { DepthStrip } from "./DepthStrip";
@@ -12,12 +12,12 @@ import { LensChooser } from "./LensChooser";
 import { trim } from "./numbers";
 
 interface LensPanelProps {
+  readonly editor: Editor;
   readonly session: Session;
   readonly unit: LengthUnit;
-  readonly lenses: readonly LensSummary[];
 }
 
-export function LensPanel({ session, unit, lenses }: LensPanelProps): JSX.Element {
+export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Element {
   const readout = session.document.readout.value;
   return (
     <section aria-labelledby="lens-title">
@@ -26,7 +26,7 @@ export function LensPanel({ session, unit, lenses }: LensPanelProps): JSX.Elemen
       </div>
       {readout ? (
         <>
-          <LensChooser session={session} readout={readout} lenses={lenses} />
+          <LensChooser editor={editor} session={session} readout={readout} />
           <LensFields session={session} readout={readout} unit={unit} />
           <DepthOfField session={session} readout={readout} unit={unit} />
         </>

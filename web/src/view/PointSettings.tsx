@@ -7,6 +7,7 @@ import { keyAt, valueOf, type SimpleAttribute } from "../model/command";
 import { BLURS_MM, EXTENTS, FALLOFFS } from "../model/scale";
 import { EASES, keysOf, type Ease, type FocusPoint } from "../model/shot";
 import { Field, type FieldProps } from "./Field";
+import { KeyDiamond } from "./KeyDiamond";
 import { parseQuantity, trim } from "./numbers";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
@@ -176,7 +177,6 @@ function RackTo({ session, point }: { session: Session; point: FocusPoint }): JS
   );
 }
 
-/** A diamond, as in animation tools: hollow where nothing is keyed, filled where this frame has a key. */
 export function KeyButton({
   session,
   point,
@@ -188,21 +188,16 @@ export function KeyButton({
 }): JSX.Element {
   const key = keyAt(point, attribute, session.playhead.time.value);
   const keyed = keysOf(point, attribute).length > 0;
-  const does = key ? "Remove the key" : "Set a key";
   return (
-    <button
-      type="button"
-      class={`key${keyed ? " keyed" : ""}`}
-      aria-pressed={key !== null}
-      aria-label={`Key of ${point.name}, ${attribute}`}
-      title={`${does} of ${attribute} at this frame${attribute === "weight" ? " (K)" : ""}`}
-      onClick={() => {
+    <KeyDiamond
+      label={`${point.name}, ${attribute}`}
+      what={attribute}
+      keyed={keyed}
+      now={key !== null}
+      shortcut={attribute === "weight" ? " (K)" : ""}
+      onToggle={() => {
         session.toggleKey(point, attribute);
       }}
-    >
-      <svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true">
-        <path d="M0 -4.5L4.5 0L0 4.5L-4.5 0Z" />
-      </svg>
-    </button>
+    />
   );
 }

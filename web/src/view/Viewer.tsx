@@ -5,8 +5,9 @@ import type { JSX } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../editor/editor";
 import type { ClickIntent, Session } from "../editor/session";
-import { letterbox } from "../model/quality";
+import { letterbox, MOTION_MOMENTS } from "../model/quality";
 import { formatFrame } from "../model/time";
+import { Guides } from "./Guides";
 import { usePixelRatio, useSize } from "./hooks";
 import { Icon } from "./icons";
 import { Markers, Picking } from "./Markers";
@@ -50,11 +51,16 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
     if (width > 0 && height > 0)
       session.box.value = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
   }, [session, width, height, ratio]);
+  const motion = editor.remembered.motion.value === "on" ? MOTION_MOMENTS : 1;
+  useLayoutEffect(() => {
+    session.motion.value = motion;
+  }, [session, motion]);
   const style = { left: `${box.left}px`, top: `${box.top}px`, width: `${width}px`, height: `${height}px` };
   return (
     <div class="surround" ref={surround}>
       <div class="picture" style={style}>
         <Canvas session={session} />
+        <Guides editor={editor} session={session} />
         {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
         <Picking session={session} />
       </div>
@@ -157,7 +163,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
       </span>
       <span class="numbers" aria-live="off">
         {shown &&
-          `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.best ? "" : " · draft"}`}
+          `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.quality.motion > 1 ? ` · ${shown.quality.motion} moments` : ""}${shown.best ? "" : " · draft"}`}
       </span>
     </footer>
   );

@@ -26,6 +26,8 @@ export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },
+  { keys: "C", does: "Go between lens & focus and camera & film" },
+  { keys: "G", does: "Go to the next framing guide" },
   { keys: "?", does: "This help" },
 ];
 
@@ -55,6 +57,16 @@ function plainKeys(event: KeyboardEvent, editor: Editor, session: Session | null
   }
   if (event.key.toLowerCase() === "m") {
     editor.remembered.markers.value = editor.remembered.markers.value === "on" ? "off" : "on";
+    return true;
+  }
+  if (event.key.toLowerCase() === "c") {
+    editor.remembered.panel.value = editor.remembered.panel.value === "camera" ? "focus" : "camera";
+    return true;
+  }
+  if (event.key.toLowerCase() === "g") {
+    const names = ["", ...editor.libraries.value.shapes.map(({ name }) => name)];
+    const { guide } = editor.remembered;
+    guide.value = names[(names.indexOf(guide.value) + 1) % names.length] ?? "";
     return true;
   }
   return session !== null && (timeKeys(event, session) || pointKeys(event, session));

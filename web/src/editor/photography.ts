@@ -1,0 +1,130 @@
+/** How the camera of an open shot takes the picture, kept up with its time and its edits; and the edits of that. */
+
+import { computed, signal } from "@preact/signals";
+import {
+  matchShutter,
+  setExposureStop,
+  setShutter,
+  type ExposureChange,
+  type ExposureNumber,
+  type ExposureSettings,
+  type FilmChange,
+  type FilmNumber,
+  type FilmSettings,
+  type GradeChoices,
+  type MeterMode,
+  type MeterReading,
+  type Photography,
+} from "../model/photography";
+import { setExposure, setFilm, type Change } from "../model/command";
+import { NewestWins } from "../net/newest";
+import type { Service } from "../net/service";
+import type { Drag, ShotDocument } from "./document";
+
+interface At {
+  readonly time: number;
+  readonly revision: number;
+}
+
+export class CameraPhotography {
+  /** What the camera says, as the service last said. */
+  readonly said = signal<(Photography & At) | null>(null);
+  readonly meter = signal<(MeterReading & At) | null>(null);
+  readonly grades = signal<GradeChoices | null>(null);
+  /** What the meter looks at where it decides nothing. */
+  readonly meterMode = signal<MeterMode>("center");
+
+  readonly #document: ShotDocument;
+  readonly #time: () => number;
+  readonly #follow: NewestWins<At, Photography>;
+  readonly #followMeter: NewestWins<At & { mode: MeterMode | null }, MeterReading>;
+  readonly #service: Service;
+  readonly #fail: (error: unknown) => void;
+
+  constructor(service: Service, document: ShotDocument, time: () => number, fail: (error: unknown) => void) {
+    this.#service = service;
+    this.#document = document;
+    this.#time = time;
+    this.#fail = fail;
+    this.#follow = new NewestWins({
+      load: (at, signal) => service.photography(document.view, at.time, signal),
+      onResult: (value, at) => (this.said.value = { ...value, ...at }),
+      onError: fail,
+      mostInFlight: 1,
+    });
+    this.#followMeter = new NewestWins({
+      load: ({ time, mode }, signal) => service.meter(document.view, time, mode, signal),
+      onResult: (value, { time, revision }) => (this.meter.value = { ...value, time, revision }),
+      onError: fail,
+      mostInFlight: 1,
+    });
+  }
+
+  /** Whether `said` is what the service has now. */
+  readonly fresh = computed(
+    () => this.#document.pending.value === 0 && this.said.value?.revision === this.#document.revision.value,
+  );
+
+  follow(time: number, moving: boolean, revision: number): void {
+    if (!this.#document.hasLens || (moving && !this.#document.dragging.peek())) return;
+    this.#follow.want({ request: { time, revision } });
+  }
+
+  /** Meters the light; the device that draws pictures does it, so it is asked last. */
+  measure(time: number, revision: number, mode: MeterMode): void {
+    if (!this.#document.hasLens) return;
+    const decides = this.said.peek()?.exposure.meteringMode !== "manual";
+    this.#followMeter.want({ request: { time, revision, mode: decides ? null : mode } });
+  }
+
+  /** Fetches what the picture can be graded by, once. */
+  readGrades(): void {
+    if (!this.#document.hasLens || this.grades.peek()) return;
+    this.#service
+      .grades(this.#document.view, this.#time())
+      .then((grades) => (this.grades.value = grades))
+      .catch(this.#fail);
+  }
+
+  setExposure(label: string, change: ExposureChange, before: ExposureSettings): void {
+    void this.#document.edit(label, setExposure(change, this.#time(), before));
+  }
+
+  dragExposure(label: string, name: ExposureNumber, before: ExposureSettings): Drag<number> {
+    const time = this.#time();
+    return this.#document.drag(label, (value: number) => setExposure({ [name]: value }, time, before));
+  }
+
+  dragShutter(before: ExposureSettings): Drag<number> {
+    const time = this.#time();
+    return this.#document.drag("shutter", (value: number) => setExposure(setShutter(value, before), time, before));
+  }
+
+  /** Exposes for as long as the shutter is open. */
+  matchShutter({ exposure, readout }: Photography): void {
+    this.setExposure("Expose for the shutter’s time", matchShutter(exposure, readout), exposure);
+  }
+
+  setExposureStop(stop: ExposureSettings["exposureStop"], before: ExposureSettings, irisFStop: number): void {
+    const label = stop === "iris" ? "Expose by the iris" : "Expose by a stop of its own";
+    this.setExposure(label, setExposureStop(stop, before, irisFStop), before);
+  }
+
+  setFilm(label: string, change: FilmChange, before: FilmSettings): void {
+    void this.#document.edit(label, setFilm(change, this.#time(), before));
+  }
+
+  dragFilm(label: string, name: FilmNumber, before: FilmSettings): Drag<number> {
+    const time = this.#time();
+    return this.#document.drag(label, (value: number) => setFilm({ [name]: value }, time, before));
+  }
+
+  edit(label: string, change: Change): void {
+    void this.#document.edit(label, change);
+  }
+
+  close(): void {
+    this.#follow.clear();
+    this.#followMeter.clear();
+  }
+}

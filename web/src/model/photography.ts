@@ -1,0 +1,232 @@
+/** How a camera takes the picture: its exposure, shutter, film and grade, and what a light meter says. */
+
+import type { Key } from "./shot";
+
+/** Keys of settings by their names; those that are not keyed are not there. */
+export type Keyed = Readonly<Record<string, readonly Key[]>>;
+
+export interface ExposureSettings {
+  readonly exposureTimeS: number;
+  readonly iso: number;
+  readonly exposureFStop: number;
+  /** Whether the exposure goes by `exposureFStop`, or by the iris, so that stopping down darkens the picture. */
+  readonly exposureStop: "exposure" | "iris";
+  /** Whether the stops on the barrel are f-numbers or T-stops. */
+  readonly stopMarking: "f" | "t";
+  readonly compensationStops: number;
+  readonly neutralDensity: number;
+  /** Of the shutter that motion is seen through; 0 is open for a moment. */
+  readonly shutterAngleDeg: number;
+  readonly shutterType: ShutterType;
+  readonly shutterTravelS: number;
+  readonly meteringMode: MeteringMode;
+  /** What a meter that decides adds to middle grey. */
+  readonly meteringCompensationStops: number;
+  readonly keys: Keyed;
+}
+
+export interface FilmSettings {
+  /** What the body is called; may be empty. */
+  readonly body: string;
+  /** Width over height of the picture. */
+  readonly aspect: number;
+  readonly gateMm: readonly [number, number];
+  readonly process: FilmProcess;
+  readonly stock: string;
+  readonly printStock: string;
+  readonly curveSource: "stock" | "knots" | "parametric";
+  readonly push: number;
+  /** 0 leaves the light as it is. */
+  readonly whiteBalanceK: number;
+  readonly tint: number;
+  readonly grainAmount: number;
+  readonly halationAmount: number;
+  readonly display: string;
+  readonly view: string;
+  readonly look: string;
+  readonly keys: Keyed;
+}
+
+export type ExposureNumber = NumbersOf<ExposureSettings>;
+export type FilmNumber = NumbersOf<FilmSettings>;
+type NumbersOf<Settings> = { [Name in keyof Settings]: Settings[Name] extends number ? Name : never }[keyof Settings];
+
+export type ExposureChange = Partial<Omit<ExposureSettings, "keys">>;
+export type FilmChange = Partial<Omit<FilmSettings, "keys" | "body" | "aspect" | "gateMm" | "stock">> & {
+  /** A stock of the library, null for no film. */
+  readonly stock?: string | null;
+};
+
+export const SHUTTER_TYPES = ["global", "rolling", "focalPlane", "leaf"] as const;
+export type ShutterType = (typeof SHUTTER_TYPES)[number];
+export const METERING_MODES = ["manual", "center", "average", "spot"] as const;
+export type MeteringMode = (typeof METERING_MODES)[number];
+export type MeterMode = Exclude<MeteringMode, "manual">;
+export type FilmProcess = "none" | "negative" | "reversal" | "monochrome" | "digital";
+
+/** What the exposure is worth. */
+export interface ExposureReadout {
+  /** The stop that is exposed by. */
+  readonly fStop: number;
+  /** With what the glass takes and the bellows factor. */
+  readonly effectiveTStop: number;
+  readonly bellowsFactor: number;
+  readonly ev100: number;
+  readonly ndStops: number;
+  readonly shutterTimeS: number;
+  /** Luminance that comes out as middle grey. */
+  readonly greyNits: number;
+}
+
+export interface MeterReading {
+  readonly mode: MeterMode;
+  /** Of a spot, in the picture. */
+  readonly place: readonly [number, number] | null;
+  readonly luminanceNits: number;
+  /** Minus infinity for black, as `stops` is. */
+  readonly ev100: number;
+  readonly incidentLux: number;
+  /** Over (or, negative, under) middle grey, as the camera is set. */
+  readonly stops: number;
+  /** In place of the camera's; null for black. */
+  readonly compensationStops: number | null;
+  /** Whether the meter decides, so that `stops` is made up for. */
+  readonly decides: boolean;
+}
+
+/** All that is read of a camera's photography at one time. */
+export interface Photography {
+  readonly exposure: ExposureSettings;
+  readonly film: FilmSettings;
+  readonly readout: ExposureReadout;
+}
+
+export interface FilmSummary {
+  readonly name: string;
+  readonly title: string;
+  readonly kind: "camera" | "print";
+  readonly process: FilmProcess;
+  /** ISO; null for a print stock. */
+  readonly speed: number | null;
+  readonly balanceK: number | null;
+  readonly description: string;
+  /** Address of a sheet about it. */
+  readonly sheet: string;
+}
+
+export interface BodySummary {
+  readonly name: string;
+  readonly title: string;
+  readonly kind: "film" | "digital";
+  readonly gateMm: readonly [number, number];
+  readonly squeeze: number;
+  readonly description: string;
+}
+
+/** A shape that pictures are delivered in. */
+export interface Shape {
+  readonly name: string;
+  readonly aspect: number;
+}
+
+/** What there is to choose from. */
+export interface Libraries {
+  readonly films: readonly FilmSummary[];
+  readonly bodies: readonly BodySummary[];
+  readonly shapes: readonly Shape[];
+}
+
+export const NO_LIBRARIES: Libraries = { films: [], bodies: [], shapes: [] };
+
+export interface GradeChoices {
+  readonly displays: readonly {
+    readonly name: string;
+    readonly views: readonly string[];
+    readonly defaultView: string;
+  }[];
+  readonly defaultDisplay: string;
+  readonly looks: readonly string[];
+}
+
+/** Whether the exposure is made for as long as the shutter is open. */
+export function agrees(exposure: ExposureSettings, readout: ExposureReadout): boolean {
+  return readout.shutterTimeS === 0 || Math.abs(exposure.exposureTimeS / readout.shutterTimeS - 1) < 0.005;
+}
+
+/** The shutter that a person sets: it blurs for longer and exposes for longer by the same factor. */
+export function setShutter(angleDeg: number, before: ExposureSettings): ExposureChange {
+  const was = before.shutterAngleDeg;
+  const factor = was > 0 && angleDeg > 0 ? angleDeg / was : 1;
+  return { shutterAngleDeg: angleDeg, exposureTimeS: before.exposureTimeS * factor };
+}
+
+/** Exposes for as long as the shutter is open; compensation keeps the picture as bright. */
+export function matchShutter(exposure: ExposureSettings, readout: ExposureReadout): ExposureChange {
+  const stops = Math.log2(exposure.exposureTimeS / readout.shutterTimeS);
+  return { exposureTimeS: readout.shutterTimeS, compensationStops: exposure.compensationStops + stops };
+}
+
+/** Exposes by the iris, or by a stop of its own; compensation keeps the picture as bright. */
+export function setExposureStop(
+  stop: ExposureSettings["exposureStop"],
+  exposure: ExposureSettings,
+  irisFStop: number,
+): ExposureChange {
+  if (stop === "exposure")
+    return { exposureStop: stop, exposureFStop: irisFStop > 0 ? irisFStop : exposure.exposureFStop };
+  const stops = irisFStop > 0 ? 2 * Math.log2(irisFStop / exposure.exposureFStop) : 0;
+  return { exposureStop: stop, compensationStops: exposure.compensationStops + stops };
+}
+
+/** The largest frame of a shape within a picture, in its middle: 0 to 1. */
+export function guideIn(
+  pictureAspect: number,
+  shape: number,
+): { readonly left: number; readonly top: number; readonly width: number; readonly height: number } {
+  const width = Math.min(1, shape / pictureAspect);
+  const height = Math.min(1, pictureAspect / shape);
+  return { left: (1 - width) / 2, top: (1 - height) / 2, width, height };
+}
+
+const PROCESS_NAMES: Readonly<Record<Exclude<FilmProcess, "none" | "digital">, string>> = {
+  negative: "Colour negative",
+  reversal: "Reversal",
+  monochrome: "Black and white",
+};
+
+/** Stocks for the camera as a list shows them. */
+export function groupedFilms(films: readonly FilmSummary[]): readonly (readonly [string, readonly FilmSummary[]])[] {
+  return Object.entries(PROCESS_NAMES).map(([process, label]) => [
+    label,
+    films.filter((film) => film.kind === "camera" && film.process === process),
+  ]);
+}
+
+/** A time that a shutter is open, as photographers say it. */
+export function formatTime(seconds: number): string {
+  if (seconds <= 0) return "a moment";
+  if (seconds >= 0.3) return `${Number(seconds.toFixed(seconds < 10 ? 1 : 0)).toString()} s`;
+  const parts = 1 / seconds;
+  return `1/${Number(parts.toFixed(parts < 10 ? 1 : 0)).toString()} s`;
+}
+
+/** The angle of a shutter that a person typed as degrees, or as a time of seconds; null for what is neither. */
+export function parseShutter(text: string, framesPerSecond: number): number | null {
+  const typed = text.trim().replace(",", ".");
+  const asTime = /^(?:([\d.]+)\s*\/\s*)?([\d.]+)\s*s?$/.exec(typed);
+  const isTime = typed.includes("/") || typed.endsWith("s");
+  if (isTime && asTime) {
+    const seconds = asTime[1] === undefined ? Number(asTime[2]) : Number(asTime[1]) / Number(asTime[2]);
+    return Number.isFinite(seconds) ? 360 * seconds * framesPerSecond : null;
+  }
+  const degrees = Number(/^([\d.]+)\s*°?$/.exec(typed)?.[1] ?? NaN);
+  return Number.isFinite(degrees) ? degrees : null;
+}
+
+const [DIGITS, MINUS] = [1, "−"];
+
+/** Stops with their sign, as a meter says them. */
+export function formatStops(stops: number): string {
+  const rounded = Number(stops.toFixed(DIGITS)) + 0;
+  return `${rounded > 0 ? "+" : rounded < 0 ? MINUS : "±"}${Math.abs(rounded).toString()}`;
+}

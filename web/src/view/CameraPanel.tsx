@@ -1,0 +1,130 @@
+/** The camera: its body and framing, how it sees motion, its exposure, its film and its grade. */
+
+import type { JSX } from "preact";
+import { useSignalEffect } from "@preact/signals";
+import type { Editor } from "../editor/editor";
+import type { Session } from "../editor/session";
+import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } from "../model/photography";
+import { Choice, Options } from "./Choice";
+import { ExposurePanel } from "./ExposurePanel";
+import { FilmPanel, GradePanel } from "./FilmPanel";
+import { trim } from "./numbers";
+
+export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
+  const said = session.photography.said.value;
+  useSignalEffect(() => {
+    // Last of all, since what draws pictures does it.
+    if (!session.settled.value) return;
+    session.photography.measure(
+      session.playhead.time.value,
+      session.document.revision.value,
+      session.photography.meterMode.value,
+    );
+  });
+  if (!said) return <p class="muted pad-all">Reading the camera…</p>;
+  return (
+    <>
+      <ExposurePanel session={session} said={said} />
+      <FilmPanel editor={editor} session={session} film={said.film} />
+      <GradePanel session={session} film={said.film} />
+      <Body editor={editor} session={session} film={said.film} />
+      <Motion editor={editor} session={session} said={said} />
+    </>
+  );
+}
+
+const OTHER = "*";
+
+function Body({ editor, session, film }: { editor: Editor; session: Session; film: FilmSettings }): JSX.Element {
+  const { bodies, shapes } = editor.libraries.value;
+  const mounted = bodies.find(({ title }) => title === film.body);
+  const [width, height] = film.gateMm;
+  const { guide } = editor.remembered;
+  return (
+    <section class="body" aria-labelledby="body-title">
+      <div class="panel-head">
+        <h2 id="body-title">Body</h2>
+        <span class="muted">
+          {trim(width, 2)} × {trim(height, 2)} mm
+        </span>
+      </div>
+      <div class="fields">
+        <Choice
+          label="Body"
+          value={mounted?.name ?? OTHER}
+          hint={mounted?.description}
+          onChoose={(name) => {
+            const body = bodies.find((one) => one.name === name);
+            if (body) session.mountBody(body);
+          }}
+        >
+          {!mounted && <option value={OTHER}>{film.body || "The shot’s own gate"}</option>}
+          {(["film", "digital"] as const).map((kind) => (
+            <optgroup key={kind} label={kind === "film" ? "Film formats" : "Digital"}>
+              {bodies
+                .filter((body) => body.kind === kind)
+                .map(({ name, title }) => (
+                  <option key={name} value={name}>
+                    {title}
+                  </option>
+                ))}
+            </optgroup>
+          ))}
+        </Choice>
+        <Choice
+          label="Guides"
+          value={guide.value}
+          hint="The frame of a delivery, drawn on the picture and nowhere else (G)"
+          onChoose={(name) => (guide.value = name)}
+        >
+          <option value="">None</option>
+          <Options values={shapes.map(({ name }) => name)} />
+        </Choice>
+      </div>
+    </section>
+  );
+}
+
+const SHUTTER_NAMES: Readonly<Record<ShutterType, string>> = {
+  global: "All at once",
+  rolling: "Rolling, line by line",
+  focalPlane: "Focal plane, a slit",
+  leaf: "Leaf, in the lens",
+};
+
+function Motion({ editor, session, said }: { editor: Editor; session: Session; said: Photography }): JSX.Element {
+  const { motion } = editor.remembered;
+  const still = said.exposure.shutterAngleDeg === 0;
+  return (
+    <section class="motion" aria-labelledby="motion-title">
+      <div class="panel-head">
+        <h2 id="motion-title">Motion</h2>
+      </div>
+      <div class="fields">
+        <label
+          class="switch-row"
+          title="Looks at the shot at several moments while the shutter is open; the picture takes longer"
+        >
+          <input
+            type="checkbox"
+            class="switch"
+            checked={motion.value === "on"}
+            onChange={({ currentTarget: { checked } }) => (motion.value = checked ? "on" : "off")}
+          />
+          Show motion blur
+          {still && motion.value === "on" && <span class="aside muted">the shutter is still</span>}
+        </label>
+        <Choice
+          label="Shutter"
+          value={said.exposure.shutterType}
+          onChoose={(chosen) => {
+            const shutterType = SHUTTER_TYPES.find((type) => type === chosen) ?? "global";
+            session.photography.setExposure("Shutter type", { shutterType }, said.exposure);
+          }}
+        >
+          <Options values={SHUTTER_TYPES} names={SHUTTER_NAMES} />
+        </Choice>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,268 @@
+/** What the light falls on, how it is developed, and for which display it is graded. */
+
+import type { JSX } from "preact";
+import { useEffect } from "preact/hooks";
+import type { Editor } from "../editor/editor";
+import type { Session } from "../editor/session";
+import { formatStops, groupedFilms, type FilmNumber, type FilmSettings, type FilmSummary } from "../model/photography";
+import { AMOUNTS, HALATIONS, PUSHES, TEMPERATURES_K, type Scale } from "../model/scale";
+import { Choice, Options } from "./Choice";
+import { parseQuantity, trim } from "./numbers";
+import { Setting } from "./Setting";
+
+const [NO_FILM, SENSOR, DRAWN] = ["", "*digital", "*drawn"];
+
+interface PartProps {
+  readonly session: Session;
+  readonly film: FilmSettings;
+}
+
+export function FilmPanel({ editor, session, film }: PartProps & { readonly editor: Editor }): JSX.Element {
+  const { films } = editor.libraries.value;
+  const stock = films.find(({ name }) => name === film.stock);
+  const inCamera = film.process !== "none" && film.process !== "digital";
+  return (
+    <section class="film" aria-labelledby="film-title">
+      <div class="panel-head">
+        <h2 id="film-title">Film</h2>
+        {stock && inCamera && (
+          <button
+            type="button"
+            class="button small"
+            title={`Curves, greys, colours and grain of ${stock.title}`}
+            onClick={() => (editor.sheet.value = { title: stock.title, address: stock.sheet })}
+          >
+            Sheet
+          </button>
+        )}
+      </div>
+      <div class="fields">
+        <StockChoice session={session} film={film} films={films} />
+        <p class="reason">{descriptionOf(film, stock)}</p>
+        {inCamera && film.process !== "reversal" && <PrintChoice session={session} film={film} films={films} />}
+        <Balance session={session} film={film} stock={stock} />
+        {inCamera && (
+          <>
+            <Number session={session} film={film} row={PUSH} />
+            <Number session={session} film={film} row={GRAIN} />
+            <Number session={session} film={film} row={HALATION} />
+          </>
+        )}
+      </div>
+    </section>
+  );
+}
+
+function StockChoice({ session, film, films }: PartProps & { readonly films: readonly FilmSummary[] }): JSX.Element {
+  const drawn = film.process !== "none" && film.process !== "digital" && film.curveSource !== "stock";
+  const other = !drawn && film.stock !== "" && !films.some(({ name }) => name === film.stock);
+  const value = film.process === "none" ? NO_FILM : film.process === "digital" ? SENSOR : drawn ? DRAWN : film.stock;
+  return (
+    <Choice
+      label="Stock"
+      value={value}
+      onChoose={(chosen) => {
+        const stock = films.find(({ name }) => name === chosen);
+        if (stock) session.photography.setFilm(`Load ${stock.title}`, { stock: stock.name }, film);
+        else if (chosen === SENSOR)
+          session.photography.setFilm("A digital sensor", { stock: null, process: "digital" }, film);
+        else if (chosen === NO_FILM) session.photography.setFilm("No film", { stock: null }, film);
+      }}
+    >
+      <option value={NO_FILM}>None: light as it is</option>
+      <option value={SENSOR}>Digital sensor</option>
+      {drawn && <option value={DRAWN}>Drawn in the shot</option>}
+      {other && <option value={film.stock}>{film.stock}</option>}
+      {groupedFilms(films).map(([label, members]) => (
+        <optgroup key={label} label={label}>
+          {members.map(({ name, title }) => (
+            <option key={name} value={name}>
+              {title}
+            </option>
+          ))}
+        </optgroup>
+      ))}
+    </Choice>
+  );
+}
+
+function PrintChoice({ session, film, films }: PartProps & { readonly films: readonly FilmSummary[] }): JSX.Element {
+  const prints = films.filter(({ kind, process }) => kind === "print" && process === film.process);
+  const known = prints.some(({ name }) => name === film.printStock);
+  return (
+    <Choice
+      label="Print"
+      value={film.printStock}
+      onChoose={(printStock) => {
+        session.photography.setFilm("Print stock", { printStock }, film);
+      }}
+    >
+      {!known && <option value={film.printStock}>{film.printStock || "The usual one"}</option>}
+      {prints.map(({ name, title }) => (
+        <option key={name} value={name}>
+          {title}
+        </option>
+      ))}
+    </Choice>
+  );
+}
+
+function descriptionOf({ process }: FilmSettings, stock: FilmSummary | undefined): string {
+  if (process === "none") return "Scene light goes to the display as it is.";
+  if (process === "digital") return "Linear, with a clip; noise from photons and readout.";
+  if (!stock) return "A stock of the shot’s own.";
+  const speed = stock.speed === null ? "" : `ISO ${stock.speed.toString()}. `;
+  return `${speed}${stock.description}`;
+}
+
+interface Row {
+  readonly name: FilmNumber;
+  readonly label: string;
+  readonly hint: string;
+  readonly scale: Scale;
+  readonly example: string;
+  readonly format: (value: number) => string;
+  readonly parse: (text: string) => number | null;
+}
+
+const PUSH: Row = {
+  name: "push",
+  label: "Push",
+  hint: "Developed longer, or (below 0) pulled",
+  scale: PUSHES,
+  example: "+1",
+  format: (stops) => (stops === 0 ? "none" : `${formatStops(stops)} stops`),
+  parse: (text) => (text.trim() === "none" ? 0 : parseQuantity(text, "stops")),
+};
+const GRAIN: Row = {
+  name: "grainAmount",
+  label: "Grain",
+  hint: "1 is as much as the stock has on this format",
+  scale: AMOUNTS,
+  example: "1",
+  format: (amount) => `${trim(amount, 2)}×`,
+  parse: (text) => parseQuantity(text, "×"),
+};
+const HALATION: Row = {
+  name: "halationAmount",
+  label: "Halation",
+  hint: "Light that the base throws back around what is bright",
+  scale: HALATIONS,
+  example: "1 %",
+  format: (share) => `${trim(100 * share, 1)} %`,
+  parse: (text) => {
+    const percent = parseQuantity(text, "%");
+    return percent === null ? null : percent / 100;
+  },
+};
+const BALANCE: Row = {
+  name: "whiteBalanceK",
+  label: "Balance",
+  hint: "Colour temperature that looks neutral",
+  scale: TEMPERATURES_K,
+  example: "3200 K",
+  format: (kelvin) => (kelvin === 0 ? "as lit" : `${trim(kelvin, 0)} K`),
+  parse: (text) => (text.trim() === "as lit" ? 0 : parseQuantity(text, "K")),
+};
+
+function Number({ session, film, row: { name, ...row } }: PartProps & { readonly row: Row }): JSX.Element {
+  return (
+    <Setting
+      {...row}
+      session={session}
+      of="film"
+      setting={name}
+      keys={film.keys}
+      value={film[name]}
+      fresh={session.photography.fresh.value}
+      startDrag={() => session.photography.dragFilm(row.label, name, film)}
+    />
+  );
+}
+
+const LIGHTS: readonly (readonly [name: string, kelvin: number])[] = [
+  ["As lit", 0],
+  ["Tungsten", 3200],
+  ["Daylight", 5600],
+];
+
+function Balance({ session, film, stock }: PartProps & { readonly stock: FilmSummary | undefined }): JSX.Element {
+  return (
+    <>
+      <Number session={session} film={film} row={BALANCE} />
+      <div class="group presets" role="group" aria-label="Light that looks neutral">
+        {LIGHTS.map(([name, kelvin]) => (
+          <button
+            key={name}
+            type="button"
+            class="button small"
+            aria-pressed={film.whiteBalanceK === kelvin}
+            title={
+              stock?.balanceK === kelvin && kelvin > 0
+                ? "What the stock is made for"
+                : kelvin === 0
+                  ? "Leaves the light as it is"
+                  : `${kelvin.toString()} K`
+            }
+            onClick={() => {
+              session.photography.setFilm(`Balance: ${name}`, { whiteBalanceK: kelvin }, film);
+            }}
+          >
+            {name}
+          </button>
+        ))}
+      </div>
+    </>
+  );
+}
+
+export function GradePanel({ session, film }: PartProps): JSX.Element | null {
+  useEffect(() => {
+    session.photography.readGrades();
+  }, [session]);
+  const grades = session.photography.grades.value;
+  if (!grades) return null;
+  const display = grades.displays.find(({ name }) => name === (film.display || grades.defaultDisplay));
+  const set = (label: string, change: Parameters<typeof session.photography.setFilm>[1]): void => {
+    session.photography.setFilm(label, change, film);
+  };
+  return (
+    <section class="grade" aria-labelledby="grade-title">
+      <div class="panel-head">
+        <h2 id="grade-title">Grade</h2>
+      </div>
+      <div class="fields">
+        <Choice
+          label="Display"
+          value={display?.name ?? film.display}
+          onChoose={(name) => {
+            const kept = grades.displays.find((one) => one.name === name)?.views.includes(film.view);
+            set("Display", { display: name, ...(kept ? {} : { view: "" }) });
+          }}
+        >
+          <Options values={grades.displays.map(({ name }) => name)} />
+        </Choice>
+        <Choice
+          label="View"
+          value={film.view || (display?.defaultView ?? "")}
+          onChoose={(view) => {
+            set("View", { display: display?.name ?? "", view });
+          }}
+        >
+          <Options values={display?.views ?? []} />
+        </Choice>
+        <Choice
+          label="Look"
+          value={film.look}
+          onChoose={(look) => {
+            set("Look", { look });
+          }}
+        >
+          <option value="">None</option>
+          {film.look !== "" && !grades.looks.includes(film.look) && <option value={film.look}>{film.look}</option>}
+          <Options values={grades.looks} />
+        </Choice>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,251 @@
+/** The settings by which the focus is found: those that its mode uses, and no more. */
+
+import type { ComponentChildren, JSX } from "preact";
+import {
+  CIRCLES_MM,
+  DEAD_ZONES_MM,
+  EXPONENTS,
+  FOCUS_ANGLES_DEG,
+  FOLLOW_S,
+  NEAR_PRIORITIES,
+  RING_SPEEDS_DEG_S,
+  SHARES,
+  TILTS_DEG,
+} from "../model/scale";
+import { OCCLUDED, OFF_SCREEN, type FocusSettings, type Occluded, type OffScreen, type Readout } from "../model/shot";
+import { Choice, Options } from "./Choice";
+import { Amount, Switch, type FocusSettingsProps } from "./FocusAmount";
+import { trim } from "./numbers";
+
+/** What the mode uses, and no more. */
+export function ModeSettings({
+  session,
+  readout,
+  settings,
+}: FocusSettingsProps & { readonly readout: Readout }): JSX.Element {
+  const props = { session, settings };
+  const mode = readout.focusMode;
+  if (mode === "manual")
+    return (
+      <More name="Tilt" said={saidOfTilt(readout)}>
+        <Tilt {...props} />
+      </More>
+    );
+  return (
+    <>
+      {mode === "tiltPlane" && <TiltPlane {...props} readout={readout} />}
+      {mode === "surface" && <Surface {...props} />}
+      <Switch
+        {...props}
+        name="solveStop"
+        label="Points set the f-number"
+        hint="As wide open as holds all points sharp"
+        onEdit={(on) => (on ? "Points set the f-number" : "The f-number by hand")}
+      />
+      <More name="Follow" said={saidOfFollow(settings)}>
+        <Follow {...props} />
+      </More>
+      <More name="Which points count" said={saidOfCounting(settings)}>
+        <Counting {...props} />
+      </More>
+    </>
+  );
+}
+
+function TiltPlane({ session, settings, readout }: FocusSettingsProps & { readonly readout: Readout }): JSX.Element {
+  const props = { session, settings };
+  return (
+    <>
+      <Switch
+        {...props}
+        name="drivenByPoints"
+        label="Points tilt the lens"
+        hint="Off, the angles are yours to set"
+        onEdit={(on) => (on ? "Points tilt the lens" : "Tilt by hand")}
+      />
+      {settings.drivenByPoints ? (
+        <>
+          <Amount {...props} name="maxAngleDeg" label="Largest angle" scale={FOCUS_ANGLES_DEG} unit="°" />
+          <dl class="readout">
+            <div>
+              <dt>Tilt</dt>
+              <dd data-reading="tilt">{degrees(readout.tiltDeg)}</dd>
+            </div>
+            <div>
+              <dt>Swing</dt>
+              <dd data-reading="swing">{degrees(readout.swingDeg)}</dd>
+            </div>
+          </dl>
+        </>
+      ) : (
+        <Tilt {...props} />
+      )}
+    </>
+  );
+}
+
+function Tilt(props: FocusSettingsProps): JSX.Element {
+  return (
+    <>
+      <Amount {...props} name="tiltDeg" label="Tilt" hint="Above 0 the lens looks up" scale={TILTS_DEG} unit="°" />
+      <Amount {...props} name="swingDeg" label="Swing" hint="Above 0 it looks left" scale={TILTS_DEG} unit="°" />
+    </>
+  );
+}
+
+function Surface(props: FocusSettingsProps): JSX.Element {
+  return (
+    <>
+      <Amount
+        {...props}
+        name="expressive"
+        label="Expressive"
+        hint="From what a lens does (0 %) to the whole surface (100 %)"
+        scale={SHARES}
+        unit=" %"
+        per={0.01}
+      />
+      <Amount
+        {...props}
+        name="surfaceExponent"
+        label="Locality"
+        hint="How near to itself each point rules: from 2, wide and soft, to 4, close"
+        scale={EXPONENTS}
+        unit=""
+        places={1}
+      />
+    </>
+  );
+}
+
+/** An assistant's hand. */
+function Follow(props: FocusSettingsProps): JSX.Element {
+  return (
+    <>
+      <Amount
+        {...props}
+        name="smoothingS"
+        label="Smoothing"
+        hint="Time over which focus is smoothed; exact at keys"
+        scale={FOLLOW_S}
+        unit=" s"
+        places={2}
+      />
+      <Amount {...props} name="lagS" label="Lag" hint="How late focus follows" scale={FOLLOW_S} unit=" s" places={2} />
+      <Amount
+        {...props}
+        name="deadZoneMm"
+        label="Dead zone"
+        hint="Blur on the film that a point may get before the focus moves"
+        scale={DEAD_ZONES_MM}
+        unit=" mm"
+        places={3}
+      />
+      <Amount
+        {...props}
+        name="nearPriority"
+        label="Near priority"
+        hint="How much nearer points count more; 0 not at all"
+        scale={NEAR_PRIORITIES}
+        unit=""
+        places={1}
+      />
+      <Amount
+        {...props}
+        name="maxSpeedDegS"
+        label="Ring speed"
+        hint="How fast the hand may turn the focus ring"
+        scale={RING_SPEEDS_DEG_S}
+        unit=" °/s"
+        zero="any"
+      />
+    </>
+  );
+}
+
+const OFF_SCREEN_NAMES: Readonly<Record<OffScreen, string>> = { ignore: "do not count", keep: "count" };
+const OCCLUDED_NAMES: Readonly<Record<Occluded, string>> = {
+  keep: "count",
+  fade: "fade out",
+  ignore: "do not count",
+};
+
+/** Which points have a say, and what counts as sharp. */
+function Counting({ session, settings }: FocusSettingsProps): JSX.Element {
+  return (
+    <>
+      <Choice
+        label="Out of frame"
+        value={settings.offScreen}
+        onChoose={(chosen) => {
+          const offScreen = OFF_SCREEN.find((one) => one === chosen) ?? "ignore";
+          session.setFocus("Points out of frame", { offScreen }, settings);
+        }}
+      >
+        <Options values={OFF_SCREEN} names={OFF_SCREEN_NAMES} />
+      </Choice>
+      <Choice
+        label="Hidden"
+        hint="Points that something stands before"
+        value={settings.occluded}
+        onChoose={(chosen) => {
+          const occluded = OCCLUDED.find((one) => one === chosen) ?? "keep";
+          session.setFocus("Hidden points", { occluded }, settings);
+        }}
+      >
+        <Options values={OCCLUDED} names={OCCLUDED_NAMES} />
+      </Choice>
+      <Amount
+        session={session}
+        settings={settings}
+        name="circleOfConfusionMm"
+        label="Sharp up to"
+        hint="Circle of confusion on the film that still counts as sharp"
+        scale={CIRCLES_MM}
+        unit=" mm"
+        places={3}
+        zero="usual"
+      />
+    </>
+  );
+}
+
+/** Settings that are seldom touched, folded away; what they say now is read without opening them. */
+function More({ name, said, children }: { name: string; said: string; children: ComponentChildren }): JSX.Element {
+  return (
+    <details class="more">
+      <summary>
+        {name} <span class="muted">{said}</span>
+      </summary>
+      {children}
+    </details>
+  );
+}
+
+function saidOfFollow({ smoothingS, lagS, deadZoneMm, nearPriority }: FocusSettings): string {
+  const said = [
+    smoothingS > 0 && `smoothed over ${trim(smoothingS, 2)} s`,
+    lagS > 0 && `${trim(lagS, 2)} s late`,
+    deadZoneMm > 0 && `dead zone ${trim(deadZoneMm, 3)} mm`,
+    nearPriority > 0 && "near first",
+  ].filter((part) => part !== false);
+  return said.join(", ") || "at once";
+}
+
+function saidOfCounting({ offScreen, occluded, circleOfConfusionMm }: FocusSettings): string {
+  const said = [
+    offScreen === "keep" && "out of frame too",
+    occluded === "fade" && "hidden ones fade",
+    occluded === "ignore" && "hidden ones do not",
+    circleOfConfusionMm > 0 && `sharp to ${trim(circleOfConfusionMm, 3)} mm`,
+  ].filter((part) => part !== false);
+  return said.join(", ") || "those in frame";
+}
+
+function saidOfTilt({ tiltDeg, swingDeg }: Readout): string {
+  return tiltDeg === 0 && swingDeg === 0 ? "none" : `${degrees(tiltDeg)}, swing ${degrees(swingDeg)}`;
+}
+
+function degrees(angle: number): string {
+  return `${trim(angle, 1)}°`.replace("-", "−");
+}

@@ -1,0 +1,182 @@
+/** A light meter: how far over or under the exposure is, and what light it saw. */
+
+import type { JSX } from "preact";
+import type { Session } from "../editor/session";
+import { formatStops, type ExposureSettings, type MeterMode, type MeterReading } from "../model/photography";
+import { parseQuantity, trim } from "./numbers";
+import { Setting } from "./Setting";
+import { COMPENSATIONS } from "../model/scale";
+
+const REACH = 4;
+const [WIDTH, HEIGHT, MARGIN] = [264, 40, 14];
+const MODES: readonly MeterMode[] = ["center", "average", "spot"];
+const MODE_NAMES: Readonly<Record<MeterMode, string>> = { center: "Centre", average: "Average", spot: "Spot" };
+const LOOKS_AT: Readonly<Record<MeterMode, string>> = {
+  center: "The whole picture, its middle most",
+  average: "The whole picture alike",
+  spot: "One degree, at the selected focus point or in the middle",
+};
+
+interface MeterProps {
+  readonly session: Session;
+  readonly exposure: ExposureSettings;
+}
+
+export function LightMeter({ session, exposure }: MeterProps): JSX.Element {
+  const meter = session.photography.meter.value;
+  const decides = exposure.meteringMode !== "manual";
+  const stops = decides ? exposure.meteringCompensationStops : meter?.stops;
+  return (
+    <div class="meter">
+      <Head session={session} exposure={exposure} />
+      <Scale stops={meter ? (stops ?? null) : null} />
+      <Readings meter={meter} />
+      {decides ? (
+        <Aim session={session} exposure={exposure} />
+      ) : (
+        <SetToMeter session={session} exposure={exposure} meter={meter} />
+      )}
+    </div>
+  );
+}
+
+/** What it looks at, and whether it decides. */
+function Head({ session: { photography }, exposure }: MeterProps): JSX.Element {
+  const decides = exposure.meteringMode !== "manual";
+  const mode = exposure.meteringMode === "manual" ? photography.meterMode.value : exposure.meteringMode;
+  return (
+    <div class="meter-head">
+      <div class="group" role="radiogroup" aria-label="What the meter looks at">
+        {MODES.map((choice) => (
+          <button
+            key={choice}
+            type="button"
+            class="button small"
+            role="radio"
+            aria-checked={mode === choice}
+            title={LOOKS_AT[choice]}
+            onClick={() => {
+              photography.meterMode.value = choice;
+              if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, { meteringMode: choice }, exposure);
+            }}
+          >
+            {MODE_NAMES[choice]}
+          </button>
+        ))}
+      </div>
+      <label class="switch-row" title="The meter exposes each frame, smoothed over time so that nothing flickers">
+        <input
+          type="checkbox"
+          class="switch"
+          checked={decides}
+          onChange={({ currentTarget: { checked } }) => {
+            const label = checked ? "Expose by the meter" : "Expose by hand";
+            photography.setExposure(label, { meteringMode: checked ? mode : "manual" }, exposure);
+          }}
+        />
+        Auto
+      </label>
+    </div>
+  );
+}
+
+/** How much over middle grey a meter that decides exposes. */
+function Aim({ session, exposure }: MeterProps): JSX.Element {
+  return (
+    <Setting
+      session={session}
+      of="exposure"
+      setting="meteringCompensationStops"
+      keys={exposure.keys}
+      label="Brighter"
+      hint="How much over middle grey the metered light shall be"
+      value={exposure.meteringCompensationStops}
+      scale={COMPENSATIONS}
+      fresh={session.photography.fresh.value}
+      example="+1"
+      format={(stops) => `${formatStops(stops)} stops`}
+      parse={(text) => parseQuantity(text.replace("±", ""), "stops")}
+      startDrag={() => session.photography.dragExposure("meter’s compensation", "meteringCompensationStops", exposure)}
+    />
+  );
+}
+
+function SetToMeter({ session, exposure, meter }: MeterProps & { readonly meter: MeterReading | null }): JSX.Element {
+  const compensationStops = meter?.compensationStops ?? null;
+  return (
+    <button
+      type="button"
+      class="button small"
+      disabled={compensationStops === null || Math.abs(compensationStops - exposure.compensationStops) < 0.005}
+      title="Sets the compensation so that what is metered becomes middle grey"
+      onClick={() => {
+        if (compensationStops !== null)
+          session.photography.setExposure("Set to the meter", { compensationStops }, exposure);
+      }}
+    >
+      Set to meter
+    </button>
+  );
+}
+
+/** A needle over stops, as in a viewfinder. */
+function Scale({ stops }: { stops: number | null }): JSX.Element {
+  const x = (value: number): number => WIDTH / 2 + (value / REACH) * (WIDTH / 2 - MARGIN);
+  const marks = Array.from({ length: 2 * REACH + 1 }, (_, at) => at - REACH);
+  const thirds = marks.slice(0, -1).flatMap((mark) => [mark + 1 / 3, mark + 2 / 3]);
+  const said = stops === null ? "Metering…" : saidOf(stops);
+  const at = stops === null ? null : x(Math.min(Math.max(stops, -REACH - 0.3), REACH + 0.3));
+  return (
+    <svg class="meter-scale" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Light meter: ${said}`}>
+      {thirds.map((mark) => (
+        <line key={mark} class="minor" x1={x(mark)} x2={x(mark)} y1={19} y2={23} />
+      ))}
+      {marks.map((mark) => (
+        <g key={mark}>
+          <line x1={x(mark)} x2={x(mark)} y1={mark === 0 ? 12 : 16} y2={23} />
+          <text x={x(mark)} y={36} text-anchor="middle">
+            {mark === 0 ? "0" : formatStops(mark)}
+          </text>
+        </g>
+      ))}
+      {at !== null && <path class="needle" d={`M${at.toFixed(1)} 21l-4.5-11h9z`} />}
+      {stops !== null && (
+        <text class="meter-said" x={WIDTH - 2} y={9} text-anchor="end">
+          {said}
+        </text>
+      )}
+    </svg>
+  );
+}
+
+function saidOf(stops: number): string {
+  if (!Number.isFinite(stops)) return "black";
+  const rounded = Number(stops.toFixed(1));
+  if (rounded === 0) return "on grey";
+  return `${Math.abs(rounded).toString()} ${Math.abs(rounded) === 1 ? "stop" : "stops"} ${rounded > 0 ? "over" : "under"}`;
+}
+
+function Readings({ meter }: { meter: MeterReading | null }): JSX.Element {
+  return (
+    <dl class="readout">
+      <Reading name="Light" value={meter && Number.isFinite(meter.ev100) ? `EV ${trim(meter.ev100, 1)}` : "–"} />
+      <Reading name="Luminance" value={meter ? `${amount(meter.luminanceNits)} nits` : "–"} />
+      <Reading name="Incident" value={meter ? `${amount(meter.incidentLux)} lx` : "–"} />
+      <Reading name="Off by" value={meter && Number.isFinite(meter.stops) ? formatStops(meter.stops) : "–"} />
+    </dl>
+  );
+}
+
+function Reading({ name, value }: { name: string; value: string }): JSX.Element {
+  return (
+    <div>
+      <dt>{name}</dt>
+      <dd data-meter={name.toLowerCase()}>{value}</dd>
+    </div>
+  );
+}
+
+/** Three digits, however large. */
+function amount(value: number): string {
+  return Number(value.toPrecision(3)).toString();
+}

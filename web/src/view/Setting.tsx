@@ -1,0 +1,35 @@
+/** One number of a camera's settings: its diamond and its field. */
+
+import type { JSX } from "preact";
+import type { Session } from "../editor/session";
+import { settingKeyAt, type SettingsKind } from "../model/command";
+import type { Keyed } from "../model/photography";
+import { Field, type FieldProps } from "./Field";
+import { KeyDiamond } from "./KeyDiamond";
+
+interface SettingProps extends FieldProps {
+  readonly session: Session;
+  readonly of: SettingsKind;
+  /** What takes the keys. */
+  readonly setting: string;
+  /** Of the thing that takes the keys, where that is not `value`. */
+  readonly keyValue?: number;
+  readonly keys: Keyed;
+}
+
+export function Setting({ session, of, setting, keys, keyValue, ...field }: SettingProps): JSX.Element {
+  return (
+    <div class="setting">
+      <KeyDiamond
+        label={field.label}
+        what={field.label.toLowerCase()}
+        keyed={(keys[setting] ?? []).length > 0}
+        now={settingKeyAt(keys, setting, session.playhead.time.value) !== null}
+        onToggle={() => {
+          session.toggleSettingKey(of, setting, keyValue ?? field.value, keys);
+        }}
+      />
+      <Field {...field} />
+    </div>
+  );
+}

@@ -12,7 +12,7 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
-from render.commands import camera_options, contact_sheet_options, grade_options, long_exposure_options
+from render.commands import camera_options, contact_sheet_options, flare_options, grade_options, long_exposure_options
 from render.commands.camera_options import AskedCamera
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import OutputError, SettingsError
@@ -51,6 +51,7 @@ def add_parser(commands: Any) -> None:
     _add_picture_options(parser)
     camera_options.add_arguments(parser)
     grade_options.add_arguments(parser)
+    flare_options.add_arguments(parser)
     long_exposure_options.add_arguments(parser)
     contact_sheet_options.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
@@ -130,6 +131,7 @@ def run(arguments: argparse.Namespace) -> None:
         library_stock(arguments.film)
     grade = grade_options.asked_grade(arguments)
     body = camera_options.asked_camera(arguments)
+    flare = flare_options.asked_flare(arguments)
     long = long_exposure_options.asked_long_exposure(arguments)
     lens = shared.asked_lens(arguments.lens)
     shot = _open(arguments)
@@ -141,6 +143,7 @@ def run(arguments: argparse.Namespace) -> None:
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     body.set_on(shot, camera)
+    flare.set_on(shot, camera)
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
     if axes is not None:
         written = contact_sheet_options.record_contact_sheet(

@@ -83,9 +83,7 @@ def ghost_sheets(
     if not seen:
         return
     for path in ghost_paths(lens.prescription):
-        boxes = [
-            (source, box) for source in seen if (box := _box(lens, path, source, iris_share, faintest)) is not None
-        ]
+        boxes = _boxes(lens, path, seen, iris_share, faintest)
         jobs = [(source, box, k) for source, box in boxes for k in range(len(light.wavelengths_nm))]
         for start in range(0, len(jobs), _TOGETHER):
             yield _sheets(lens, path, jobs[start : start + _TOGETHER], light, iris_share)
@@ -95,37 +93,47 @@ _Box = tuple[float, float, float]  # on the front plane, in mm: from and to in t
 _Job = tuple[Source, _Box, int]
 
 
-def _box(lens: FocusedLens, path: GhostPath, source: Source, iris_share: float, faintest: float) -> _Box | None:
-    """What of the front lens a ghost's light enters by; None where there is none, or too little to be seen."""
-    front = lens.prescription.surfaces[0]
-    slope = float(np.hypot(*source.slope))
-    half = front.semi_diameter_mm + abs(float(sag_mm(front, front.semi_diameter_mm**2))) * slope
-    grid = _grid((-half, half, half), _COARSE)
-    rays = _traced(lens, path, grid[None], [source], np.array([D_LINE_NM]))
-    is_open = _may_pass(rays, _COARSE)
-    if not is_open.any():
-        return None
-    slopes = (rays.film_mm / lens.image_scale_mm).reshape(1, _COARSE[1], _COARSE[0], 2)
-    whole = _corners(rays.arrives.reshape(1, _COARSE[1], _COARSE[0])).all(axis=0)
-    light = np.where(rays.arrives, rays.light, 0.0).reshape(1, _COARSE[1], _COARSE[0])
-    counted = whole & is_open
-    area = mesh_areas(slopes)[counted].sum()
-    entered = (_corners(light).mean(axis=0)[counted]).sum() * _mesh_area(grid) / _pupil_mm2(lens, iris_share)
-    if counted.any() and entered * float(source.irradiance.max()) < faintest * max(area, 1e-12):
-        return None
-    rows, columns = np.nonzero(is_open[0])
-    x, y = grid[0, :, 0], grid[:, 0, 1]
-    return float(x[columns.min()]), float(x[columns.max() + 1]), float(y[rows.max() + 1])
+def _boxes(
+    lens: FocusedLens, path: GhostPath, sources: Sequence[Source], iris_share: float, faintest: float
+) -> list[tuple[Source, _Box]]:
+    """What of the front lens a ghost's light enters by, for those sources whose ghost is there and bright enough."""
+    front, shape = lens.prescription.surfaces[0], (len(sources), _COARSE[1], _COARSE[0])
+    deep = abs(float(sag_mm(front, front.semi_diameter_mm**2)))
+    halves = [front.semi_diameter_mm + deep * float(np.hypot(*source.slope)) for source in sources]
+    grids = np.stack([_grid((-half, half, half), _COARSE) for half in halves])
+    rays = _traced(lens, path, grids, sources, np.full(len(sources), D_LINE_NM))
+    may_pass = _may_pass(rays, shape)
+    brightness = _mean_radiance(lens, rays, may_pass, grids, iris_share)
+    boxes = []
+    for source, grid, is_open, light in zip(sources, grids, may_pass, brightness, strict=True):
+        if is_open.any() and light * float(source.irradiance.max()) >= faintest:
+            rows, columns = np.nonzero(is_open)
+            x, y = grid[0, :, 0], grid[:, 0, 1]
+            box = float(x[columns.min()]), float(x[columns.max() + 1]), float(y[rows.max() + 1])
+            boxes.append((source, box))
+    return boxes
 
 
-def _may_pass(rays: GhostRays, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """``(1, rows - 1, columns - 1)`` meshes that iris and rims may let something through of."""
-    arrives = rays.arrives.reshape(1, shape[1], shape[0])
-    rim = np.where(rays.arrives, rays.rim, np.inf).reshape(arrives.shape)
+def _mean_radiance(
+    lens: FocusedLens, rays: GhostRays, may_pass: NDArray[np.bool_], grids: DoubleArray, iris_share: float
+) -> DoubleArray:
+    """``(m,)`` of an irradiance of 1, by a coarse sheet; infinite where no mesh of it arrives whole."""
+    shape = grids.shape[:3]
+    counted = _corners(rays.arrives.reshape(shape)).all(axis=0) & may_pass
+    area = np.where(counted, mesh_areas((rays.film_mm / lens.image_scale_mm).reshape(*shape, 2)), 0.0).sum(axis=(1, 2))
+    light = np.where(counted, _corners(np.where(rays.arrives, rays.light, 0.0).reshape(shape)).mean(axis=0), 0.0)
+    entered = light.sum(axis=(1, 2)) * [_mesh_area(grid) for grid in grids] / _pupil_mm2(lens, iris_share)
+    return np.where(counted.any(axis=(1, 2)), entered / np.maximum(area, _POINT), np.inf)
+
+
+def _may_pass(rays: GhostRays, shape: tuple[int, int, int]) -> NDArray[np.bool_]:
+    """``(m, rows - 1, columns - 1)`` meshes that iris and rims may let something through of."""
+    arrives = rays.arrives.reshape(shape)
+    rim = np.where(rays.arrives, rays.rim, np.inf).reshape(shape)
     passes = _corners(rim).min(axis=0) < _REACH
     for k in range(rays.stops.shape[1]):
         for axis in range(2):
-            places = rays.stops[:, k, axis].reshape(arrives.shape)
+            places = rays.stops[:, k, axis].reshape(shape)
             low = _corners(np.where(arrives, places, np.inf)).min(axis=0)
             high = _corners(np.where(arrives, places, -np.inf)).max(axis=0)
             passes &= (low < _REACH) & (high > -_REACH)

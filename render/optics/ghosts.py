@@ -123,17 +123,19 @@ def _met(
     surface = prescription.surfaces[step.surface]
     front, behind = _indices(prescription, step.surface, wavelength_nm)
     before, after = (front, behind) if step.way in ("in", "off rear", "out") else (behind, front)
-    normal = _normals(surface, local)
-    cosine = (normal * headings).sum(axis=1)
-    if step.way.startswith("off"):
+    is_mirror = step.way.startswith("off")
+    # On its way in the light is still the image's own; what is passed twice more, between the two, is what costs.
+    is_twice_more = step.way in ("back", "out") and step.surface < path.rear
+    share = np.ones(len(local))
+    normal, cosine = np.zeros(0), share
+    if is_mirror or is_twice_more:
+        normal = _normals(surface, local)
+        cosine = (normal * headings).sum(axis=1)
         share = reflectance(before, after, cosine, wavelength_nm, _coating_nm(prescription, step.surface))
+    if is_mirror:
         return headings - 2 * cosine[:, None] * normal, share
     bent, refracted = refract(surface, local, headings, before / after)
-    # On its way in the light is still the image's own; what is passed twice more, between the two, is what costs.
-    share = np.ones(len(local))
-    if step.way != "in" and step.surface < path.rear:
-        share -= reflectance(before, after, cosine, wavelength_nm, _coating_nm(prescription, step.surface))
-    return np.where(refracted[:, None], bent, np.nan), share
+    return np.where(refracted[:, None], bent, np.nan), 1 - share if is_twice_more else share
 
 
 def _normals(surface: Surface, local: DoubleArray) -> DoubleArray:

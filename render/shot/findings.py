@@ -52,12 +52,7 @@ _HONOURED_WHOLE = (
     Metering,
     GradeData,
 )
-_WHOLE = frozenset(
-    name
-    for kind in _HONOURED_WHOLE
-    for name in property_names(kind)
-    if name != "lens:prescription:coatingWavelength"  # of ghosts, which are not drawn
-)
+_WHOLE = frozenset(name for kind in _HONOURED_WHOLE for name in property_names(kind))
 _HONOURED = _WHOLE | frozenset(
     {
         "lens:model",

@@ -299,10 +299,10 @@ def test_the_only_camera_is_the_default_one(shot):
 def test_what_a_camera_asks_for_in_vain_is_told(shot):
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
     with Usd.EditContext(shot.stage, shot.edit_layer):
-        camera.lens.author(LensData(flare_ghosts=0.5))
+        camera.lens.author(LensData(entrance_pupil_offset=9.0))
         camera.focus.author(FocusData(mode="points", smoothing=0.5, near_priority=1.0))
     told = {finding.path: finding.message for finding in shot.findings()}
-    assert "lens:flare:ghosts" in told[f"{CAMERA}.lens:flare:ghosts"]
+    assert "lens:entrancePupilOffset" in told[f"{CAMERA}.lens:entrancePupilOffset"]
     assert not any("focus:" in path for path in told)
 
 

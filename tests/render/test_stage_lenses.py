@@ -289,10 +289,10 @@ def test_what_is_honoured_is_no_finding_and_what_is_not_is(stage: Usd.Stage, cam
     mount_lens(camera, entry.lens, aperture=entry.aperture)
     assert camera_findings(stage, ["/cam"]) == []
     camera.lens.author(
-        LensData(model="dataSheet", data_sheet=DataSheet(height=(0.0,), distortion=(0.0,)), flare_ghosts=1.0)
+        LensData(model="dataSheet", data_sheet=DataSheet(height=(0.0,), distortion=(0.0,)), entrance_pupil_offset=9.0)
     )
     findings = {finding.path: finding.code for finding in camera_findings(stage, ["/cam"])}
-    assert findings == {"/cam.lens:flare:ghosts": "unsupported_camera_property"}
+    assert findings == {"/cam.lens:entrancePupilOffset": "unsupported_camera_property"}
     assert _read(stage).lens.data_sheet == SheetTables((0.0,), distortion=(0.0,))
 
 

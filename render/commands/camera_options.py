@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from render.commands import arguments as shared
 from render.commands.report import say
 from render.errors import SettingsError
+from render.optics.exposure import ExposureSettings, shutter_time_s
 from render.output import format_of
 from render.scene import Camera, FloatArray
 from render.shot import Shot
@@ -23,12 +24,34 @@ METERING = ("manual", "spot", "center", "average")
 
 
 @dataclass(frozen=True)
+class Opening:
+    """How long a shutter is open.
+
+    Attributes:
+        angle_rad: of a rotating shutter; 0 where it is said in seconds.
+        time_s: in seconds; 0 where it is said as an angle.
+    """
+
+    angle_rad: float = 0.0
+    time_s: float = 0.0
+
+    def seconds(self, frames_per_second: float) -> float:
+        """How long that is at a frame rate.
+
+        Raises:
+            SettingsError: the angle is more than a full turn.
+        """
+        return shutter_time_s(self.angle_rad, frames_per_second) if self.angle_rad else self.time_s
+
+
+@dataclass(frozen=True)
 class AskedCamera:
     """What is asked of the camera for one run.
 
     Attributes:
         body: of the library; None keeps the shot's.
         f_stop: of the iris; None keeps the shot's.
+        shutter: how long it is open; None keeps the shot's.
         settings: of its exposure, by the names that `Shot.set_photography` has.
         compensation_stops: by how much brighter, than it is set to or than the meter says; None keeps the shot's.
         guides: drawn over graded pictures.
@@ -36,6 +59,7 @@ class AskedCamera:
 
     body: LibraryBody | None = None
     f_stop: float | None = None
+    shutter: Opening | None = None
     settings: dict[str, Any] = field(default_factory=dict)
     compensation_stops: float | None = None
     guides: tuple[Guide, ...] = ()
@@ -57,12 +81,23 @@ class AskedCamera:
             say(f"body: {self.body.title} (gate {width:g} × {height:g} mm)")
         if self.f_stop is not None:
             shot.set_camera(camera, f_stop=self.f_stop)
+        if self.shutter is not None:
+            self._open_shutter(shot, camera, self.shutter)
         if self.settings:
             shot.set_photography(camera, **self.settings)
         if self.compensation_stops is not None:
             is_metered = shot.photography(camera, shot.frame_range.start)["metering_mode"] != "manual"
             name = "metering_compensation" if is_metered else "compensation_stops"
             shot.set_photography(camera, **{name: self.compensation_stops})
+
+    def _open_shutter(self, shot: Shot, camera: str | None, opening: Opening) -> None:
+        """Close the shutter later or earlier. A shot that says how long it exposes does so for as long."""
+        start, rate = shot.frame_range.start, shot.stage.GetTimeCodesPerSecond()
+        seconds = opening.seconds(shot.stage.GetFramesPerSecond())
+        said = shot.photography(camera, start)
+        timed = {"exposure_time_s": seconds} if said["exposure_time_s"] != ExposureSettings.time_s else {}
+        opens = said["shutter_open"]
+        shot.set_photography(camera, shutter_open=opens, shutter_close=opens + seconds * rate, **timed)
 
     def viewed(self, graded: FloatArray, camera: Camera) -> FloatArray:
         """A graded picture as it is looked at: with the guides over it.
@@ -83,6 +118,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the camera, for this run alone")
     group.add_argument("--body", metavar="NAME", help="another camera body (pullfocus bodies): its gate, not its lens")
     group.add_argument("--stop", type=float, metavar="N", help="f-number of the iris; 0 is a pinhole")
+    group.add_argument(
+        "--shutter",
+        metavar="ANGLE|TIME",
+        help="how long the shutter is open: 172.8deg, 1/50 or 0.02 seconds; a shot that sets exposure:time is exposed as long",
+    )
     group.add_argument("--exposure-time", metavar="TIME", help="seconds such as 0.02 or 1/50, for exposure:time")
     group.add_argument(
         "--exposure-stop", type=float, metavar="N", help="for exposure:fStop, which need not be the iris's"
@@ -123,7 +163,9 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
         SettingsError: the library has no such body, there is no such guide, or it cannot be drawn on such a file.
     """
     asked = {
-        "exposure_time_s": None if arguments.exposure_time is None else _seconds(arguments.exposure_time),
+        "exposure_time_s": None
+        if arguments.exposure_time is None
+        else _seconds("--exposure-time", arguments.exposure_time),
         "exposure_f_stop": arguments.exposure_stop,
         "iso": arguments.iso,
         "neutral_density": arguments.filter,
@@ -135,6 +177,7 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
     return AskedCamera(
         body=_body(arguments.body),
         f_stop=arguments.stop,
+        shutter=None if arguments.shutter is None else _opening(arguments.shutter),
         settings={name: value for name, value in asked.items() if value is not None},
         compensation_stops=arguments.compensation,
         guides=_guides(arguments),
@@ -160,7 +203,21 @@ def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
     return guides_of(shared.split_words(arguments.guides))
 
 
-def _seconds(typed: str) -> float:
+def _opening(typed: str) -> Opening:
+    """An angle in degrees, or seconds."""
+    number = typed.strip().removesuffix("°").removesuffix("deg")
+    if number == typed.strip():
+        return Opening(time_s=_seconds("--shutter", typed))
+    try:
+        degrees = float(number)
+    except ValueError:
+        degrees = math.nan
+    if not 0 < degrees <= 360:
+        raise SettingsError(f"--shutter takes an angle above 0 and up to 360 degrees, got {typed!r}")
+    return Opening(angle_rad=math.radians(degrees))
+
+
+def _seconds(option: str, typed: str) -> float:
     """Seconds, or a fraction of them."""
     over, _, under = typed.partition("/")
     try:
@@ -168,5 +225,5 @@ def _seconds(typed: str) -> float:
     except (ValueError, ZeroDivisionError):
         seconds = math.nan
     if not (seconds > 0 and math.isfinite(seconds)):
-        raise SettingsError(f"--exposure-time takes seconds such as 0.02 or 1/50, got {typed!r}")
+        raise SettingsError(f"{option} takes seconds such as 0.02 or 1/50, got {typed!r}")
     return seconds

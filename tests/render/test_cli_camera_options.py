@@ -53,6 +53,25 @@ def test_stops_of_time_iso_compensation_and_filter_are_stops_of_the_picture(comm
 
 
 @pytest.mark.gl
+def test_a_shutter_that_is_open_half_as_long_takes_a_stop_where_the_shot_is_exposed_by_time(
+    command: Command, tmp_path: Path
+) -> None:
+    def opened(*options: object) -> tuple[float, float]:
+        path = tmp_path / "shutter.exr"
+        value = float(recorded(command, tmp_path, path.name, *options)[16, 24, 0])
+        return value, oiio.ImageInput.open(str(path)).spec().getattribute("shutterAngle")
+
+    plain = float(recorded(command, tmp_path, "plain.exr")[16, 24, 0])
+    half, angle = opened("--shutter", "180deg")
+    assert (half, angle) == (pytest.approx(plain), pytest.approx(180))  # exposure:time is USD's own 1: it says nothing
+    assert opened("--shutter", "1/96")[1] == pytest.approx(90)
+    timed = CAMERA.replace("float fStop = 2", "float fStop = 2\n        float exposure:time = 0.5")
+    write_shot(tmp_path / "shot.usda", timed, SQUARE)
+    assert float(recorded(command, tmp_path, "timed.exr")[16, 24, 0]) == pytest.approx(plain / 2, rel=1e-3)
+    assert opened("--shutter", "90°") == (pytest.approx(plain / 96, rel=2e-3), pytest.approx(90))
+
+
+@pytest.mark.gl
 def test_metered_for_one_run(command: Command, tmp_path: Path) -> None:
     """The square fills the middle of the picture, which weighs most."""
     luminance = [0.27222872, 0.67408177, 0.05368952]
@@ -106,6 +125,8 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--iso", 0], "must be"),
         (["--exposure-time", "fast"], "--exposure-time takes seconds such as 0.02 or 1/50, got 'fast'"),
         (["--exposure-time", "1/0"], "--exposure-time takes seconds such as 0.02 or 1/50, got '1/0'"),
+        (["--shutter", "400deg"], "--shutter takes an angle above 0 and up to 360 degrees, got '400deg'"),
+        (["--shutter", "long"], "--shutter takes seconds such as 0.02 or 1/50, got 'long'"),
         (["--stop", -1], "f-number must be 0 (a pinhole) or more"),
         (["--filter", -1], "at least 0, got -1"),
         (["--compensation", "nan"], "nan"),

@@ -9,6 +9,7 @@ from pxr import Usd
 from render.errors import PullfocusError
 from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.near_names import hint
 from render.optics.mounting import nearer_than_marked
 from render.scene import Light
 from render.shot.focusing import Focused
@@ -192,6 +193,10 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
         yield Finding(
             "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"
         )
+    metering, points = camera.film.read().metering, [point.name for point in camera.focus_points()]
+    if metering.mode == "spot" and metering.focus_point not in ("", *points):
+        which = f"meters the focus point {metering.focus_point!r}, which it does not have"
+        yield Finding("metering_point", path, f"{path} {which}: {hint(metering.focus_point, points)}")
     yield from topology_findings(camera)
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):

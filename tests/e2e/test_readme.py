@@ -55,7 +55,19 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     rack = sorted(Path().glob("rack.*.jpg"))
     written = [
         *map(
-            Path, ("frame.png", "frame.exr", "planar.png", "swirl.png", "5219.png", "slide.png", "p3.png", "framed.png")
+            Path,
+            (
+                "frame.png",
+                "frame.exr",
+                "planar.png",
+                "swirl.png",
+                "5219.png",
+                "slide.png",
+                "sheet.png",
+                "trails.png",
+                "p3.png",
+                "framed.png",
+            ),
         ),
         *rack,
     ]

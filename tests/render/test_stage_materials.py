@@ -119,6 +119,8 @@ def test_a_texture_has_its_coordinates_wrap_scale_and_transform(tmp_path: Path) 
     [
         ("auto", np.full((1, 1, 3), 188, np.uint8), 0.5029),  # 8-bit colour is sRGB
         ("sRGB", np.full((1, 1, 3), 188, np.uint8), 0.5029),
+        ("texture_paint", np.full((1, 1, 3), 188, np.uint8), 0.5029),  # the configuration's role for such input
+        ("ACEScct", np.full((1, 1, 3), 188, np.uint8), 2 ** (188 / 255 * 17.52 - 9.72)),  # and a name of it
         ("raw", np.full((1, 1, 3), 188, np.uint8), 188 / 255),
         ("auto", np.full((1, 1, 1), 188, np.uint8), 188 / 255),  # one channel is data
         ("auto", np.full((1, 1, 3), 2.5, np.float32), 2.5),  # floating point is linear

@@ -143,7 +143,7 @@ class DataSheet:
             one colour together.
         tangential_blur_mm: likewise along the radius.
         spherical: share of the blur's spread that is spherical aberration, -1 to 1: positive gives the disc behind the focus a
-            bright edge, negative a bright middle. What is left of the blur favours neither side of the focus.
+            bright edge, negative a bright middle. What is left of the blur favours neither half of the disc.
         coma_mm: length of coma's flare along the radius, positive outward.
         field_curvature_mm: how far before the film the sharp image lies.
         lateral_color_mm: image height at 650 nm less that at 475 nm.

@@ -15,8 +15,10 @@ from render.commands.report import print_json, print_result, say
 from render.commands.sheet_path import sheet_path
 from render.errors import InputError, NotFoundError, SettingsError
 from render.files import write_atomic
+from render.optics.lens_files import data_sheet_text, is_data_sheet
 from render.optics.report import LensReport, lens_report
 from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
+from render.shot.lens_measured import measured_lens
 from usd_schemas import library_lenses
 
 
@@ -35,6 +37,12 @@ def add_parser(commands: Any) -> None:
     )
     show.add_argument(
         "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
+    )
+    show.add_argument(
+        "--tables",
+        metavar="PATH",
+        type=Path,
+        help="write its data sheet, a .lens file: a lens with surfaces is measured as it is set",
     )
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
@@ -88,12 +96,17 @@ def run_show(arguments: argparse.Namespace) -> None:
         OutputError: the sheet cannot be written.
     """
     lens = _asked(arguments.lens)
+    if arguments.tables is not None and not is_data_sheet(arguments.tables):
+        raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
     target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
     if arguments.json:
         print_json(as_json(lens, report))
     else:
         print_result(as_table(lens, report))
+    if arguments.tables is not None:
+        write_atomic(arguments.tables, data_sheet_text(measured_lens(lens, report)).encode())
+        say(f"written: {arguments.tables}")
     if target is not None:
         from render.drawing import lens_sheet  # matplotlib takes a second to load
 

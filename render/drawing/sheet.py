@@ -11,6 +11,7 @@ from render.drawing.curves import draw_distortion, draw_field_curvature, draw_il
 from render.drawing.page import FAINT, INK, SMALL, file_of, say_instead, style
 from render.drawing.section import draw_section
 from render.drawing.stamps import draw_bokeh, draw_spots, say_no_bokeh
+from render.drawing.tables import draw_blur, draw_character, draw_colour
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.data_sheet import metres
 from render.shot.lens_alone import LensAlone
@@ -23,6 +24,11 @@ _SECTION = (0.045, 0.518, 0.605, 0.36)
 _STAMPS_LOW, _STAMPS_TITLE, _STAMP_INCHES, _STAMP_STEP = 0.302, 0.444, 1.33, 0.0905
 _SPOTS_LEFT, _BOKEH_LEFT = 0.045, 0.53
 _CURVES = ((0.045, draw_field_curvature), (0.375, draw_distortion), (0.705, draw_illumination))
+_TABLES = (
+    ((0.045, 0.545, 0.28, 0.34), draw_blur),
+    ((0.375, 0.745, 0.265, 0.14), draw_colour),
+    ((0.375, 0.545, 0.265, 0.12), draw_character),
+)
 _CURVES_LOW, _CURVE_SIZE = 0.085, (0.28, 0.165)
 
 
@@ -41,12 +47,21 @@ def lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
         figure = Figure(figsize=_INCHES, facecolor="white")
         _write_head(figure, lens, report)
         _write_numbers(figure, report)
-        figure.text(_SECTION[0], _SECTION[1] + _SECTION[3] + 0.034, "Section", weight="bold", va="bottom", color=INK)
-        draw_section(figure.add_axes(_SECTION), report)
+        _draw_inside(figure, report)
         _draw_stamps(figure, report)
         for left, draw in _CURVES:
             draw(figure.add_axes((left, _CURVES_LOW, *_CURVE_SIZE)), report)
         return file_of(figure, suffix)
+
+
+def _draw_inside(figure: Figure, report: LensReport) -> None:
+    """The lens's section; of a lens by its data sheet, its tables."""
+    if report.camera.lens.data_sheet is not None:
+        for place, draw in _TABLES:
+            draw(figure.add_axes(place), report)
+        return
+    figure.text(_SECTION[0], _SECTION[1] + _SECTION[3] + 0.034, "Section", weight="bold", va="bottom", color=INK)
+    draw_section(figure.add_axes(_SECTION), report)
 
 
 def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:

@@ -4,14 +4,16 @@ Kyaw (2013, section 7.2) gives a lens's errors as tables over the distance from 
 Here each becomes the error of rays, so that it grows and shrinks with the iris and is right out of focus too. With ρ = (x, y) a
 point of the pupil over its radius at the sheet's f-number, x along the radius of the picture and y across it, light lands off by
 
-    curvature    z/(2N)·(x, y)                  z before the film (Welford 1986, chapter 7)
-    coma         L/3·(3x² + y², 2xy)            L the length of the flare
-    spherical    S·(ρ² − 2/3)·(x, y)            balanced: it spreads light in focus without moving the focus
-    blur         (B_t·(x³ − 3xy²), B_s·(y³ − 3x²y))
+    curvature    z/(2N)·(x, y)                      z before the film (Welford 1986, chapter 7)
+    coma         L/3·(3x² + y², 2xy)                L the length of the flare
+    spherical    S·(ρ² − 2/3)·(x, y)
+    blur         (1 − ρ²)·(1 − 2ρ²)·(B_t·x, B_s·y)
 
-The last is what is left of the measured blur. It is the gradient of a harmonic wavefront (ρ⁴·cos 4φ), whose Laplacian is 0, so
-that to first order a disc out of focus stays even, on both sides of the focus alike. Over the whole pupil no two of these go
-together, so their variances add up: S and B follow from the measured blur, and the light lands with the spread that was measured.
+The last is what is left of the measured blur: spherical aberration of higher orders that leaves a disc out of focus as large as
+it is, round, and its inner half as bright as its outer one. It and spherical aberration are balanced: they spread light in focus
+but do not move the focus. S and B are such that light lands with the spread that was measured, over what is open of the pupil.
+As the iris closes both shrink with the third power of the pupil (Kyaw 2013, eq. 6.3) and stay balanced, as if each stop were
+focused for itself; coma shrinks with the second power and curvature's blur with the first.
 
 A sheet's light is split into what falls off by itself, at most as cos⁴, and what rims take. The rims are two circles as large as
 the pupil, moved apart along the radius: what is open is a cat's eye, and grows round again as the iris closes.
@@ -75,15 +77,16 @@ class SheetErrors:
             pupil: ``(n, 2)`` or ``(h, n, 2)`` points over the pupil's radius, along and across the radius of the picture.
             wavelength_nm: by default none has colour errors.
         """
-        point = np.broadcast_to(pupil, (len(self.heights_mm), *pupil.shape[-2:])) * self.edge
-        x, y = point[..., 0], point[..., 1]
+        whole = np.broadcast_to(pupil, (len(self.heights_mm), *pupil.shape[-2:]))
+        x, y = whole[..., 0], whole[..., 1]
         blueness = 0.0 if wavelength_nm is None else (MIDDLE_NM - wavelength_nm) / SPAN_NM
-        linear = (self.defocus_mm + blueness * self.axial_mm)[:, None]
-        linear = linear + self.spherical_mm[:, None] * (x**2 + y**2 - 2 / 3)
-        coma = self.coma_mm[:, None]
-        along = linear * x + coma * (3 * x**2 + y**2) + self.blur_mm[:, :1] * (x**3 - 3 * x * y**2)
-        across = linear * y + coma * 2 * x * y + self.blur_mm[:, 1:] * (y**3 - 3 * x**2 * y)
-        return np.stack([along + blueness * self.lateral_mm[:, None], across], axis=-1)
+        squared = (x**2 + y**2)[..., None]
+        linear = self.edge * (self.defocus_mm + blueness * self.axial_mm)[:, None, None]
+        linear = linear + self.edge**3 * self.spherical_mm[:, None, None] * (squared - 2 / 3)
+        linear = linear + self.edge**3 * self.blur_mm[:, None] * (1 - squared) * (1 - 2 * squared)
+        lands = linear * whole + _coma(self.coma_mm, self.edge * whole)
+        lands[..., 0] += blueness * self.lateral_mm[:, None]
+        return np.asarray(lands)
 
     def clearance(self, pupil: DoubleArray, side: int) -> DoubleArray:
         """``(h, n)`` above 0 where a rim blocks.
@@ -256,18 +259,18 @@ def _rest_of_blur(
 ) -> tuple[DoubleArray, DoubleArray]:
     """``(h,)`` S and ``(h, 2)`` B that make the measured blur, beside curvature and coma; where these say more, they stand."""
     points, weights = open_pupil(1.0, rim, 1.0)
-    x, y = points[..., 0], points[..., 1]
+    squared = (points**2).sum(-1, keepdims=True)
     known = defocus[:, None, None] * points + _coma(coma, points)
     blur = np.stack([at_heights(sheet, f"{name}_blur_mm", heights_mm) for name in ("tangential", "sagittal")], axis=-1)
     left = np.maximum(blur**2 - _variance(known, weights), 0.0)
-    balanced = (x**2 + y**2 - 2 / 3)[..., None] * points
+    balanced = (squared - 2 / 3) * points
     share = at_heights(sheet, "spherical", heights_mm)
     unit = np.sqrt(np.maximum(_variance(balanced, weights), 1e-12))
     spherical = -share * (np.sqrt(left) / unit).min(axis=1)
     known = known + spherical[:, None, None] * balanced
-    harmonic = np.stack([x**3 - 3 * x * y**2, y**3 - 3 * x**2 * y], axis=-1)
-    # the spread of known + B·harmonic is to be the blur: a quadratic for B, along and across
-    square, cross = _variance(harmonic, weights), _covariance(known, harmonic, weights)
+    zonal = (1 - squared) * (1 - 2 * squared) * points
+    # the spread of known + B·zonal is to be the blur: a quadratic for B, along and across
+    square, cross = _variance(zonal, weights), _covariance(known, zonal, weights)
     missing = blur**2 - _variance(known, weights)
     gain = (-cross + np.sqrt(np.maximum(cross**2 + square * missing, 0.0))) / np.maximum(square, 1e-12)
     return spherical, np.where(left > 0, gain, 0.0)

@@ -32,6 +32,7 @@ def test_the_lenses_of_the_patents_are_there_and_ours_beside_them() -> None:
         "thin",
         "seidel",
         "spherical",
+        "dataSheet",
     }
 
 

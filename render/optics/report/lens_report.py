@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import SettingsError
+from render.optics.data_sheet import at_heights
 from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
 from render.optics.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
@@ -23,6 +24,7 @@ from render.optics.report.numbers import (
     third_order_of_errors,
     third_order_of_glass,
 )
+from render.optics.report.sheet_rays import SheetRays
 from render.optics.thin_lens import focus_w
 from render.scene import Camera
 
@@ -33,6 +35,7 @@ _WITHOUT_GLASS = {
     "pinhole": "It has no glass: everything is sharp, and diffraction is left out.",
     "thin": "It has no glass: an ideal lens without errors, whose picture is even.",
     "seidel": "It has no glass: a thin lens with third-order errors, whose picture is even.",
+    "dataSheet": "It is known by its data sheet alone: rays are made that have the errors that were measured.",
 }
 _FARTHEST = 2.5  # corners of the gate: light farther out is of no use
 
@@ -117,10 +120,19 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         barrel=barrel(lens) if lens else None,
         third_order=_third_order(camera, lens),
         spots=spots(rays, np.array(SPOT_FIELDS) * corner, camera.iris),
-        curves=field_curves(rays, corner, camera.lens.squeeze),
+        curves=_curves(rays, camera),
         bokeh=lens_bokeh(camera),
         notes=_notes(camera, lens),
     )
+
+
+def _curves(rays: FilmRays, camera: Camera) -> FieldCurves:
+    curves, sheet = field_curves(rays, corner_mm(camera), camera.lens.squeeze), camera.lens.data_sheet
+    if sheet is None:
+        return curves
+    # its foci were measured with the whole pupil, and a narrow beam of what stands for its blur has others
+    behind = -at_heights(sheet, "field_curvature_mm", curves.heights_mm)
+    return replace(curves, tangential_mm=behind, sagittal_mm=behind)
 
 
 def _field_of_view_deg(rays: FilmRays, camera: Camera, circle_mm: float) -> tuple[float, float, float]:
@@ -137,6 +149,8 @@ def film_rays(camera: Camera) -> FilmRays:
     rays: FilmRays
     if has_surfaces(camera):
         rays = GlassRays(mounted(camera), nearness)
+    elif lens.model == "dataSheet" and lens.data_sheet is not None and camera.f_stop:
+        rays = SheetRays(lens.data_sheet, camera.focal_length_mm, camera.f_stop, nearness)
     else:
         errors = lens.seidel if lens.model == "seidel" else None
         rays = ThinRays(camera.focal_length_mm, camera.f_stop, nearness, errors)

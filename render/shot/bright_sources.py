@@ -94,16 +94,17 @@ def _highlights(seen: _Seen, bright: float) -> list[Source]:
     x, y = np.meshgrid(_slopes(view.width, view.cx, view.fx), -_slopes(view.height, view.cy, view.fy))
     # A pixel's area in slopes, as the plane of the pupil sees it from the side: the square of cos²θ.
     light = radiance * (np.clip(level - 0.5, 0.0, 1.0) / (view.fx * view.fy * (1 + x**2 + y**2) ** 2))[..., None]
-    nearness = np.where(seen.depth_m > 0, 1 / np.maximum(seen.depth_m, 1e-3), 0.0)
+    is_near = np.isfinite(seen.depth_m) & (seen.depth_m > 0)  # at an edge, the pixel's middle may see past what glows
+    nearness = np.divide(1.0, seen.depth_m, out=np.zeros_like(x), where=is_near)
     weight = light @ _LUMINANCE
-    cells = [_in_cells(weight * what) for what in (np.ones_like(x), x, y, nearness)]
+    cells = [_in_cells(weight * what) for what in (np.ones_like(x), x, y, nearness, is_near)]
     colours = np.stack([_in_cells(light[..., channel]) for channel in range(3)], axis=-1)
     total = cells[0]
     return [
         Source(
             (float(cells[1][place] / total[place]), float(cells[2][place] / total[place])),
             colours[place],
-            float(total[place] / cells[3][place]) if cells[3][place] > 0 else float("inf"),
+            float(cells[4][place] / cells[3][place]) if cells[3][place] > 0 else float("inf"),
         )
         for place in zip(*np.nonzero(total > 0), strict=True)
     ]

@@ -5,15 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from render.commands import arguments as shared
 from render.commands.report import say
 from render.errors import SettingsError
 from render.optics.exposure import ExposureSettings, shutter_time_s
+from render.optics.framing import Gate, framing_guide, shape
 from render.output import format_of
 from render.scene import Camera, FloatArray
 from render.shot import Shot
+from render.stage import read_camera
 from usd_schemas import LibraryBody, SchemaError, library_body
 
 if TYPE_CHECKING:  # matplotlib takes a second, and few ask for guides
@@ -50,6 +52,7 @@ class AskedCamera:
 
     Attributes:
         body: of the library; None keeps the shot's.
+        crop: width over height of the part of the gate that is exposed, in its middle; None is all of it.
         f_stop: of the iris; None keeps the shot's.
         shutter: how long it is open; None keeps the shot's.
         settings: of its exposure, by the names that `Shot.set_photography` has.
@@ -58,6 +61,7 @@ class AskedCamera:
     """
 
     body: LibraryBody | None = None
+    crop: float | None = None
     f_stop: float | None = None
     shutter: Opening | None = None
     settings: dict[str, Any] = field(default_factory=dict)
@@ -79,6 +83,8 @@ class AskedCamera:
             shot.mount_body(camera, self.body)
             width, height = self.body.gate_mm
             say(f"body: {self.body.title} (gate {width:g} × {height:g} mm)")
+        if self.crop is not None:
+            self._crop(shot, camera, self.crop)
         if self.f_stop is not None:
             shot.set_camera(camera, f_stop=self.f_stop)
         if self.shutter is not None:
@@ -89,6 +95,20 @@ class AskedCamera:
             is_metered = shot.photography(camera, shot.frame_range.start)["metering_mode"] != "manual"
             name = "metering_compensation" if is_metered else "compensation_stops"
             shot.set_photography(camera, **{name: self.compensation_stops})
+
+    def _crop(self, shot: Shot, camera: str | None, aspect: float) -> None:
+        """Expose no more of the gate, and of its photosites, than the largest frame of a shape in its middle."""
+        start = shot.frame_range.start
+        said = shot.photography(camera, start)
+        path = camera or shot.default_camera().path
+        own = read_camera(shot.stage, str(path), start)
+        squeeze = own.lens.squeeze
+        gate = Gate(own.horizontal_aperture_mm / squeeze, own.vertical_aperture_mm, squeeze, said["resolution"])
+        frame = framing_guide(gate, aspect)
+        exposed = frame.width_mm, frame.height_mm
+        kind: Literal["film", "digital"] = "digital" if said["process"] == "digital" else "film"
+        shot.mount_body(camera, LibraryBody("", said["body"], "", kind, exposed, frame.resolution, squeeze))
+        say(f"crop: {exposed[0]:.4g} × {exposed[1]:.4g} mm of {gate.width_mm:.4g} × {gate.height_mm:.4g} mm")
 
     def _open_shutter(self, shot: Shot, camera: str | None, opening: Opening) -> None:
         """Close the shutter later or earlier. A shot that says how long it exposes does so for as long."""
@@ -117,6 +137,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options, for `asked_camera`."""
     group = parser.add_argument_group("the camera, for this run alone")
     group.add_argument("--body", metavar="NAME", help="another camera body (pullfocus bodies): its gate, not its lens")
+    group.add_argument("--crop", metavar="SHAPE", help="expose the middle of the gate alone, such as 2.39:1")
     group.add_argument("--stop", type=float, metavar="N", help="f-number of the iris; 0 is a pinhole")
     group.add_argument(
         "--shutter",
@@ -176,6 +197,7 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
     }
     return AskedCamera(
         body=_body(arguments.body),
+        crop=None if arguments.crop is None else shape(arguments.crop),
         f_stop=arguments.stop,
         shutter=None if arguments.shutter is None else _opening(arguments.shutter),
         settings={name: value for name, value in asked.items() if value is not None},

@@ -6,7 +6,6 @@ Frames of other shapes within the gate (`render.optics.framing`), the areas that
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -20,14 +19,13 @@ from matplotlib.patheffects import withStroke
 from render.drawing.page import style
 from render.errors import SettingsError
 from render.near_names import hint
-from render.optics.framing import ASPECTS, Gate, framing_guide
+from render.optics.framing import ASPECTS, Gate, framing_guide, shape
 from render.scene import Camera, FloatArray
 
 SAFE = {"action": 0.93, "title": 0.90}
 MARKS = ("safe", "thirds", "center")
 """Guides that are no frames of another shape."""
 
-_RATIO = re.compile(r"(\d+(?:\.\d+)?):(\d+(?:\.\d+)?)")
 _DPI = 100
 _USUAL_HEIGHT_PX = 540.0  # of a picture on which lines are a pixel wide
 _SHADOW = "#000000"
@@ -92,17 +90,15 @@ def with_guides(graded: FloatArray, camera: Camera, guides: tuple[Guide, ...]) -
 
 
 def _guide(name: str) -> Guide:
-    if name in ASPECTS:
-        return Guide("frame", name, ASPECTS[name])
     if name in MARKS:
         return Guide(cast(Mark, name), name)
-    ratio = _RATIO.fullmatch(name)
-    if ratio is None or not (float(ratio[1]) > 0 and float(ratio[2]) > 0):
+    try:
+        return Guide("frame", name, shape(name))
+    except SettingsError as error:
         raise SettingsError(
             f"there is no framing guide named {name!r}: {hint(name, (*ASPECTS, *MARKS))}, or a ratio such as 2.2:1",
             code="unknown_guide",
-        )
-    return Guide("frame", name, float(ratio[1]) / float(ratio[2]))
+        ) from error
 
 
 def _draw(axes: Axes, guide: Guide, gate: Gate, size: tuple[int, int], colour: str) -> None:

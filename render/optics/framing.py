@@ -7,13 +7,16 @@ itself, so shapes and fields of view are those of a gate ``s · width`` wide.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from render.errors import SettingsError
+from render.near_names import hint
 
 FULL_FRAME_MM = (36.0, 24.0)
+_RATIO = re.compile(r"(\d+(?:\.\d+)?):(\d+(?:\.\d+)?)")
 
 ASPECTS: Mapping[str, float] = MappingProxyType(
     {
@@ -108,6 +111,26 @@ class FramingGuide:
     width_mm: float
     height_mm: float
     resolution: tuple[int, int]
+
+
+def shape(name: str) -> float:
+    """Width over height of a picture.
+
+    Args:
+        name: of `ASPECTS`, or a ratio such as ``2.2:1``.
+
+    Raises:
+        SettingsError: it is no shape; the message has the nearest names.
+    """
+    if name in ASPECTS:
+        return ASPECTS[name]
+    ratio = _RATIO.fullmatch(name)
+    if ratio is None or not (float(ratio[1]) > 0 and float(ratio[2]) > 0):
+        raise SettingsError(
+            f"there is no picture of the shape {name!r}: {hint(name, ASPECTS)}, or a ratio such as 2.2:1",
+            code="bad_aspect",
+        )
+    return float(ratio[1]) / float(ratio[2])
 
 
 def field_of_view(gate: Gate, focal_length_mm: float) -> FieldOfView:

@@ -92,6 +92,17 @@ def test_another_body_has_another_gate_and_the_same_lens(command: Command, tmp_p
 
 
 @pytest.mark.gl
+def test_a_crop_exposes_the_middle_of_the_gate(command: Command, tmp_path: Path) -> None:
+    pinhole = "--engine", "pinhole"
+    whole, wide = (recorded(command, tmp_path, "c.exr", *pinhole, *crop) for crop in ((), ("--crop", "3:1")))
+    assert wide.shape[:2] == (16, 48)
+    np.testing.assert_allclose(wide, whole[8:24], atol=0.02)
+    narrow = recorded(command, tmp_path, "c.exr", *pinhole, "--crop", "1:1", "--imageWidth", 32)
+    assert narrow.shape[:2] == (32, 32)
+    np.testing.assert_allclose(narrow, whole[:, 8:40], atol=0.02)
+
+
+@pytest.mark.gl
 def test_guides_are_drawn_on_the_graded_picture_and_light_stays_as_it_is(command: Command, tmp_path: Path) -> None:
     plain = recorded(command, tmp_path, "plain.png")
     guided = recorded(command, tmp_path, "guided.png", "--guides", "1:1")
@@ -122,6 +133,7 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--guides", "2.93"], "there is no framing guide named '2.93'"),
         (["--guides", "thrids"], "did you mean 'thirds'"),
         (["--guides", "0:1"], "there is no framing guide named '0:1'"),
+        (["--crop", "2.93"], "there is no picture of the shape '2.93': did you mean '2.39:1'"),
         (["--iso", 0], "must be"),
         (["--exposure-time", "fast"], "--exposure-time takes seconds such as 0.02 or 1/50, got 'fast'"),
         (["--exposure-time", "1/0"], "--exposure-time takes seconds such as 0.02 or 1/50, got '1/0'"),

@@ -83,6 +83,7 @@ class Exposures:
     def __init__(self, ask: Ask) -> None:
         self._ask = ask
         self._of_shot: dict[str, _Exposure] = {}
+        self._dropping: set[asyncio.Task[None]] = set()
 
     async def begin(self, record: ShotRecord, wish: LongExposureBegin) -> LongExposureState:
         """Open the shutter, in place of whatever long exposure the shot had.
@@ -98,7 +99,7 @@ class Exposures:
                 exposure.key, record, exposure.edits, wish.camera, wish.first, wish.height, settings, wish.nd_stops, wish.film
             )
         )  # fmt: skip
-        await self.drop(record.id)
+        self.drop(record.id)
         self._of_shot[record.id] = exposure
         self._open(exposure)
         return exposure.state()
@@ -129,22 +130,27 @@ class Exposures:
         picture: bytes = await self._ask(develop)
         return picture
 
-    async def drop(self, shot_id: str) -> None:
-        """Close the shutter of a shot's, if it has one, and throw the film away; nobody waits for that."""
+    def drop(self, shot_id: str) -> None:
+        """Close the shutter of a shot's, if it has one, and throw the film away, as soon as the picture process gets to it."""
         exposure = self._of_shot.pop(shot_id, None)
         if exposure is None:
             return
         exposure.is_open = False
         if exposure.task is not None:
             exposure.task.cancel()
+        dropping = asyncio.create_task(self._drop(exposure.key))
+        self._dropping.add(dropping)  # else nothing holds it, and it may be gone before it is done
+        dropping.add_done_callback(self._dropping.discard)
+
+    async def _drop(self, key: str) -> None:
         with suppress(ServiceError, PullfocusError):
-            await self._ask(DropExposure(exposure.key))
+            await self._ask(DropExposure(key))
 
     def close(self) -> None:
         """End all of them: the service stops."""
-        for exposure in self._of_shot.values():
-            if exposure.task is not None:
-                exposure.task.cancel()
+        driving = [exposure.task for exposure in self._of_shot.values() if exposure.task is not None]
+        for task in (*driving, *self._dropping):
+            task.cancel()
         self._of_shot.clear()
 
     def _get(self, shot_id: str) -> _Exposure:

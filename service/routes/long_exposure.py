@@ -65,4 +65,4 @@ async def get_long_exposure_picture(hub: HubDep, shot: ShotId, format: Format = 
 )
 async def delete_long_exposure(hub: HubDep, shot: ShotId) -> None:
     """Close the shutter and throw the film away; none there is no error."""
-    await hub.exposures.drop(hub.store.get(shot).id)
+    hub.exposures.drop(hub.store.get(shot).id)

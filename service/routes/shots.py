@@ -72,6 +72,6 @@ async def inspect_shot(hub: HubDep, shot: ShotId) -> Inspection:
 async def delete_shot(hub: HubDep, shot: ShotId) -> None:
     """Remove a shot and its edits. The demo shot is there again when the service next starts."""
     record = hub.store.get(shot)
-    await hub.exposures.drop(record.id)
+    hub.exposures.drop(record.id)
     await run_in_threadpool(hub.store.remove, record)
     hub.forget(record.id)

@@ -87,15 +87,17 @@ def halation_kernel(radius_x_px: float, radius_y_px: float) -> DoubleArray:
     spread = (1 + (distance * _TAN_CRITICAL) ** 2) ** -2.0
     fine = spread * np.where(distance >= 1, 1.0, _WITHIN) * (distance <= _SKIRT)
     rows, columns = (len(axis) // _SUPERSAMPLE for axis in (y, x))
-    kernel: DoubleArray = fine.reshape(rows, _SUPERSAMPLE, columns, _SUPERSAMPLE).sum((1, 3))
+    quarter: DoubleArray = fine.reshape(rows, _SUPERSAMPLE, columns, _SUPERSAMPLE).sum((1, 3))
+    half = np.concatenate([quarter[:0:-1], quarter])
+    kernel: DoubleArray = np.concatenate([half[:, :0:-1], half], axis=1)
     kernel /= kernel.sum()
     return kernel
 
 
 def _pixels(radius_px: float) -> DoubleArray:
-    """Positions along an axis, in radii of the ring, several in each pixel."""
+    """Positions along an axis from the pixel in the middle outwards, in radii of the ring, several in each pixel."""
     reach = math.ceil(_SKIRT * radius_px)
-    return ((np.arange((2 * reach + 1) * _SUPERSAMPLE) + 0.5) / _SUPERSAMPLE - reach - 0.5) / radius_px
+    return ((np.arange((reach + 1) * _SUPERSAMPLE) + 0.5) / _SUPERSAMPLE - 0.5) / radius_px
 
 
 def _convolved(channel: FloatArray, kernel: DoubleArray) -> FloatArray:

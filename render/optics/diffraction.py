@@ -69,7 +69,20 @@ def star(
         light: the wavelengths.
     """
     turn_rad = iris.rotation_rad if iris.mask is None else 0.0
-    table = _overlap(_Shape(replace(iris, rotation_rad=0.0)), light, strength)
+    return _star(_Shape(replace(iris, rotation_rad=0.0)), turn_rad, spread_px, width, height, strength, light)
+
+
+@lru_cache(maxsize=1)  # the next frame's, while nobody turns a ring
+def _star(
+    shape: _Shape,
+    turn_rad: float,
+    spread_px: tuple[float, float],
+    width: int,
+    height: int,
+    strength: float,
+    light: Spectrum,
+) -> Star:
+    table = _overlap(shape, light, strength)
     padded = _padded(height), _padded(width)
     down = np.asarray(np.fft.fftfreq(padded[0])[:, None], np.float64)
     across = np.asarray(np.fft.rfftfreq(padded[1])[None], np.float64)

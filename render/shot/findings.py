@@ -10,7 +10,7 @@ from render.errors import PullfocusError
 from render.layers.lights import MAX_LIGHTS, chosen_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.near_names import hint
-from render.optics.mounting import nearer_than_marked
+from render.optics.mounting import PRESCRIBED, nearer_than_marked
 from render.scene import Light
 from render.shot.focusing import Focused
 from render.shot.topology_findings import topology_findings
@@ -197,6 +197,11 @@ def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     if metering.mode == "spot" and metering.focus_point not in ("", *points):
         which = f"meters the focus point {metering.focus_point!r}, which it does not have"
         yield Finding("metering_point", path, f"{path} {which}: {hint(metering.focus_point, points)}")
+    lens = camera.lens.read()
+    if lens.flare_ghosts > 0 and lens.model not in PRESCRIBED:
+        yield Finding(
+            "no_ghosts", path, f"{path} asks for ghosts, but its {lens.model} lens has no surfaces that could reflect"
+        )
     yield from topology_findings(camera)
     for rule in (two_drivers, counting):
         for fault in rule(camera.prim):

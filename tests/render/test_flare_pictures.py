@@ -17,6 +17,7 @@ from render.scene import Batch, Camera, Dome, DoubleArray, FloatArray, Light, Ma
 from render.shot import Shot
 from render.shot.bright_sources import BRIGHT, MOST, bright_sources
 from render.shot.flare import flared
+from render.shot.lens_choice import choose_lens
 
 N = 1.5
 SINGLET = Prescription(
@@ -186,6 +187,17 @@ def test_strengths_are_read_and_keyed(tmp_path: Path) -> None:
     lenses = [shot.camera_at(path, time, 8, 8).lens for time in (1, 3, 5)]
     assert [lens.ghosts for lens in lenses] == [0.5] * 3
     assert [lens.star for lens in lenses] == pytest.approx([1.0, 2.0, 3.0])
+
+
+def test_ghosts_of_a_lens_without_surfaces_are_told(tmp_path: Path) -> None:
+    shot = Shot.open(write_shot(tmp_path / "shot.usda", CAMERA, SQUARE))
+    path = shot.default_camera().path
+    shot.set_flare(path, ghosts=1.0, star=1.0)
+    (finding,) = shot.findings()
+    assert (finding.code, finding.path) == ("no_ghosts", path)
+    assert "thin lens has no surfaces" in finding.message
+    shot.mount_lens(path, choose_lens("double_gauss_50"))
+    assert not [finding for finding in shot.findings() if finding.code == "no_ghosts"]
 
 
 @pytest.fixture

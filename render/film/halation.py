@@ -22,7 +22,10 @@ BASE_INDEX = 1.48
 _WITHIN = ((BASE_INDEX - 1) / (BASE_INDEX + 1)) ** 2  # Fresnel's reflection at right angles
 _TAN_CRITICAL = 1 / math.sqrt(BASE_INDEX**2 - 1)
 _SKIRT = 4.0  # radii of the ring at which the skirt, then under 1/100 of the ring, is cut off
-_SUPERSAMPLE = 8
+MAX_RADIUS_MM = 5.0
+"""The widest ring: twenty times that of a film base of 0.13 mm."""
+_FINE_PX = 256  # pixels, or parts of pixels, of a ring's radius that are fine enough for its edge
+_SUPERSAMPLE = 2, 8
 _LEAST_PX = 0.25  # a smaller ring is drawn of this size: it lies within its pixel
 
 
@@ -62,9 +65,9 @@ def halation_shares(amount: float, radius_mm: float, color: tuple[float, float, 
     """The part of each channel that is thrown back; arguments and errors as for `add_halation`."""
     red, green, blue = color
     shares = (amount * red, amount * green, amount * blue)
-    if not (radius_mm >= 0 and all(0 <= share <= 1 for share in shares)):
+    if not (0 <= radius_mm <= MAX_RADIUS_MM and all(0 <= share <= 1 for share in shares)):
         raise SettingsError(
-            f"halation needs a radius from 0 up and throws back from 0 to 1 of each channel, "
+            f"halation needs a radius from 0 to {MAX_RADIUS_MM:g} mm and throws back from 0 to 1 of each channel, "
             f"got radius {radius_mm:g} mm and {', '.join(f'{share:g}' for share in shares)}",
             code="bad_halation",
         )
@@ -82,22 +85,22 @@ def halation_kernel(radius_x_px: float, radius_y_px: float) -> DoubleArray:
     Returns:
         ``(odd, odd)``, the point in the middle.
     """
-    x, y = (_pixels(max(radius, _LEAST_PX)) for radius in (radius_x_px, radius_y_px))
+    finer = int(np.clip(_FINE_PX / max(radius_x_px, radius_y_px, _LEAST_PX), *_SUPERSAMPLE))
+    x, y = (_pixels(max(radius, _LEAST_PX), finer) for radius in (radius_x_px, radius_y_px))
     distance = np.hypot(x[None, :], y[:, None])  # in radii of the ring
     spread = (1 + (distance * _TAN_CRITICAL) ** 2) ** -2.0
     fine = spread * np.where(distance >= 1, 1.0, _WITHIN) * (distance <= _SKIRT)
-    rows, columns = (len(axis) // _SUPERSAMPLE for axis in (y, x))
-    quarter: DoubleArray = fine.reshape(rows, _SUPERSAMPLE, columns, _SUPERSAMPLE).sum((1, 3))
+    quarter: DoubleArray = fine.reshape(len(y) // finer, finer, len(x) // finer, finer).sum((1, 3))
     half = np.concatenate([quarter[:0:-1], quarter])
     kernel: DoubleArray = np.concatenate([half[:, :0:-1], half], axis=1)
     kernel /= kernel.sum()
     return kernel
 
 
-def _pixels(radius_px: float) -> DoubleArray:
-    """Positions along an axis from the pixel in the middle outwards, in radii of the ring, several in each pixel."""
+def _pixels(radius_px: float, finer: int) -> DoubleArray:
+    """Positions along an axis from the pixel in the middle outwards, in radii of the ring, so many in each pixel."""
     reach = math.ceil(_SKIRT * radius_px)
-    return ((np.arange((reach + 1) * _SUPERSAMPLE) + 0.5) / _SUPERSAMPLE - 0.5) / radius_px
+    return ((np.arange((reach + 1) * finer) + 0.5) / finer - 0.5) / radius_px
 
 
 def _convolved(channel: FloatArray, kernel: DoubleArray) -> FloatArray:

@@ -16,6 +16,8 @@ from usd_schemas.data import FilmProcess
 
 DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
 MAX_PUSH = 5.0
+MAX_GRAIN_UM = 500.0
+"""The coarsest grain: far beyond any film's, and a kernel of some hundred pixels."""
 PROCESSES: tuple[str, ...] = get_args(FilmProcess)
 
 
@@ -76,9 +78,10 @@ class FilmSettings:
     def __post_init__(self) -> None:
         if not -MAX_PUSH <= self.push <= MAX_PUSH:
             raise SettingsError(f"push is from {-MAX_PUSH:g} to {MAX_PUSH:g} stops, got {self.push:g}")
-        if not (self.grain.amount >= 0 and self.grain.size_um >= 0):
+        if not (self.grain.amount >= 0 and 0 <= self.grain.size_um <= MAX_GRAIN_UM):
             raise SettingsError(
-                f"grain needs an amount and a size from 0 up, got {self.grain.amount:g} and {self.grain.size_um:g}"
+                f"grain needs an amount from 0 up and a size from 0 to {MAX_GRAIN_UM:g} µm, "
+                f"got {self.grain.amount:g} and {self.grain.size_um:g}"
             )
         balance_gains(self.white_balance_k, self.tint)
         halation_shares(self.halation.amount, self.halation.radius_mm, self.halation.color)

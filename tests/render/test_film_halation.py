@@ -61,10 +61,11 @@ def test_a_ring_larger_than_the_picture_is_drawn_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("amount", "radius", "color"), [(1.5, 0.1, RED), (-0.1, 0.1, RED), (0.5, -1.0, RED), (0.6, 0.1, (2.0, 0, 0))]
+    ("amount", "radius", "color"),
+    [(1.5, 0.1, RED), (-0.1, 0.1, RED), (0.5, -1.0, RED), (0.5, 1e4, RED), (0.6, 0.1, (2.0, 0, 0))],
 )
 def test_more_light_than_there_is_cannot_come_back(
     amount: float, radius: float, color: tuple[float, float, float]
 ) -> None:
-    with pytest.raises(SettingsError, match="halation needs a radius from 0 up and throws back from 0 to 1"):
+    with pytest.raises(SettingsError, match="halation needs a radius from 0 to 5 mm and throws back from 0 to 1"):
         add_halation(np.zeros((4, 4, 3), np.float32), amount, radius, color, (0.1, 0.1))

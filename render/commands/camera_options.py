@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -21,6 +22,8 @@ from usd_schemas import LibraryBody, SchemaError, library_body
 if TYPE_CHECKING:  # matplotlib takes a second, and few ask for guides
     from render.drawing.guides import Guide
 
+Viewed = Callable[[FloatArray, Camera], FloatArray]
+"""A graded picture and the camera that took it, to the picture as it is looked at."""
 STOPS = ("exposure", "iris")
 METERING = ("manual", "spot", "center", "average")
 
@@ -216,9 +219,7 @@ def _body(name: str | None) -> LibraryBody | None:
 def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
     if arguments.guides is None:
         return ()
-    if arguments.contact_sheet or arguments.long_exposure:
-        raise SettingsError("--guides are for frames, not for contact sheets and long exposures")
-    if format_of(arguments.out) == "exr":
+    if not arguments.contact_sheet and format_of(arguments.out) == "exr":
         raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg), got {arguments.out}")
     from render.drawing.guides import guides_of  # imports matplotlib, which takes a second
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import time as clock
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from render.commands.camera_options import Viewed
 from render.commands.report import FrameProgress
 from render.errors import SettingsError
 from render.files import write_atomic
@@ -62,6 +64,7 @@ def record_contact_sheet(
     settings: FrameSettings,
     stock: str | None,
     grade: GradeChoice | None,
+    viewed: Viewed,
 ) -> list[dict[str, Any]]:
     """Take the pictures and draw the sheet; what was written, for --json.
 
@@ -74,6 +77,7 @@ def record_contact_sheet(
         settings: how each picture is rendered.
         stock: a film of the library, or None for the shot's own.
         grade: what is wanted in place of the shot's own.
+        viewed: what is drawn over a graded picture.
     """
     from render.drawing.contact_sheet import draw_contact_sheet  # matplotlib takes a second to load
     from render.frame import FrameRenderer  # and OpenGL several: not before the shot is found good
@@ -90,6 +94,8 @@ def record_contact_sheet(
         sheet = make_contact_sheet(
             renderer, shot, camera, time, settings, axes, stock=stock, choice=grade, on_picture=at_work
         )
+        seen = tuple(replace(picture, graded=viewed(picture.graded, picture.camera)) for picture in sheet.pictures)
+        sheet = replace(sheet, pictures=seen)
         write_atomic(file, draw_contact_sheet(sheet, file.suffix.lower().removeprefix(".")))
         seconds = clock.perf_counter() - began
         progress.finish(f"{file}, {len(sheet.pictures)} pictures,", seconds)

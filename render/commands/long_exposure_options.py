@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from render.commands.camera_options import Viewed
 from render.commands.report import FrameProgress, say
 from render.errors import SettingsError
 from render.film import GradeChoice
@@ -96,6 +97,7 @@ def record_long_exposure(
     settings: FrameSettings,
     stock: str | None,
     grade: GradeChoice | None,
+    viewed: Viewed,
 ) -> list[dict[str, Any]]:
     """Expose and write the picture; what was written, for --json.
 
@@ -107,6 +109,7 @@ def record_long_exposure(
         settings: how each interval is rendered.
         stock: a film of the library, or None for the shot's own.
         grade: what is wanted in place of the shot's own.
+        viewed: what is drawn over a graded picture.
 
     Raises:
         KeyboardInterrupt: it was stopped; what had been exposed till then is written.
@@ -127,19 +130,19 @@ def record_long_exposure(
                 progress.finish(f"exposed to frame {end:g}", clock.perf_counter() - from_here)
         except KeyboardInterrupt:
             if exposure.state.intervals:
-                _write(exposure, file)
+                _write(exposure, file, viewed)
                 say(f"stopped: {file} holds {_words(exposure.state)} of the exposure")
             raise
-        _write(exposure, file)
+        _write(exposure, file, viewed)
         state = exposure.state
     say(f"{file}: {_words(state)} with {state.nd_stops:.1f} stops of neutral density")
     seconds = round(clock.perf_counter() - began, 3)
     return [{"time": wish.begin, "file": str(file), "seconds": seconds, "longExposure": _as_json(state)}]
 
 
-def _write(exposure: LongExposure, file: Path) -> None:
+def _write(exposure: LongExposure, file: Path, viewed: Viewed) -> None:
     picture = exposure.picture()
-    write_frame(file, picture.frame, picture.graded, picture.metadata)
+    write_frame(file, picture.frame, viewed(picture.graded, picture.camera), picture.metadata)
 
 
 def _words(state: LongExposureState) -> str:

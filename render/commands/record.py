@@ -147,11 +147,11 @@ def run(arguments: argparse.Namespace) -> None:
     settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
     if axes is not None:
         written = contact_sheet_options.record_contact_sheet(
-            shot, camera, axes, frames[0], files[0], settings, arguments.film, grade
+            shot, camera, axes, frames[0], files[0], settings, arguments.film, grade, body.viewed
         )
     elif long is not None:
         written = long_exposure_options.record_long_exposure(
-            shot, camera, long, files[0], settings, arguments.film, grade
+            shot, camera, long, files[0], settings, arguments.film, grade, body.viewed
         )
     else:
         written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade, body)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from render.errors import SettingsError
 from render.film import GradeChoice
-from render.scene import FloatArray
+from render.scene import Camera, FloatArray
 from render.shot.contact_axes import Axis, Choice, Value
 from render.shot.exposure_reading import ExposureReadout
 from render.shot.finish import finish_of
@@ -31,6 +31,7 @@ class ContactPicture:
 
     Attributes:
         graded: ``(height, width, 3)`` float32, encoded for the display.
+        camera: as it was rendered.
         time: USD time code.
         readout: its lens in numbers.
         exposure: its exposure in numbers.
@@ -38,6 +39,7 @@ class ContactPicture:
     """
 
     graded: FloatArray
+    camera: Camera
     time: float
     readout: Readout
     exposure: ExposureReadout
@@ -159,9 +161,8 @@ class _Maker:
             self._lights[key] = light_on_film(self._renderer, shot, self._camera, lens, time, settings, on_progress)
         taken = picture_of(shot, self._lights[key], lens, time, settings, finish)
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
-        return ContactPicture(
-            taken.graded, time, shot.readout(self._camera, time), shot.exposure(self._camera, time), film
-        )
+        readout, exposure = shot.readout(self._camera, time), shot.exposure(self._camera, time)
+        return ContactPicture(taken.graded, lens, time, readout, exposure, film)
 
     def _set(self, wanted: dict[str, Value], time: float) -> None:
         shot, camera = self._shot, self._camera

@@ -98,6 +98,20 @@ def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:
     assert means[2] > 1.2 * means[1]
 
 
+def test_guides_are_drawn_over_every_picture(pullfocus: Command, shot: Path) -> None:
+    plain, guided, long = (shot.parent / f"{name}.png" for name in ("plain", "guided", "long"))
+    compared = ("--contact-sheet", "stop=2,4", "--imageWidth", 160, "--rays", 4, "--supersample", 1)
+    assert pullfocus("record", shot, plain, *compared).status == 0
+    assert pullfocus("record", shot, guided, *compared, "--guides", "2.39:1").status == 0
+    differs = (pixels(plain) != pixels(guided)).any(axis=(0, 2)).nonzero()[0]
+    assert (differs < 180).any()
+    assert (differs > 196).any()
+    exposed = ("--long-exposure", "1:2", "--imageWidth", 160, "--rays", 4, "--supersample", 1)
+    assert pullfocus("record", shot, plain, *exposed).status == 0
+    assert pullfocus("record", shot, long, *exposed, "--guides", "2.39:1").status == 0
+    assert (pixels(plain) != pixels(long)).any()
+
+
 def test_frames_are_compared_too(pullfocus: Command, shot: Path) -> None:
     out = shot.parent / "frames.png"
     assert pullfocus("record", shot, out, "--contact-sheet", "frame=1,4,7,9,12", *small()).status == 0

@@ -283,6 +283,21 @@ class Scene:
 
 
 @dataclass(frozen=True, eq=False)
+class Opening:
+    """The scene while the shutter is open.
+
+    Attributes:
+        middle: in the middle of that time.
+        opening: when it begins.
+        closing: when it ends.
+    """
+
+    middle: Scene
+    opening: Scene
+    closing: Scene
+
+
+@dataclass(frozen=True, eq=False)
 class Moment:
     """The shot at one moment of the shutter's opening.
 

@@ -14,12 +14,10 @@ import numpy as np
 
 from render.gl.held import Making
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.limits import EMPTY_MIN
+from render.layers.movers import Movers, blocks_of
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
-
-BLOCK_PX = 4
-EMPTY_MIN = 3.0e38
-"""Lower end of an empty range, above every inverse depth."""
 
 
 @dataclass(frozen=True)
@@ -50,14 +48,18 @@ class NBufferBuilder:
         self._programs = programs
         self._held: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
 
-    def build(self, layers: Layers) -> NBuffers:
-        """Build the ranges and bins over all layers."""
-        width, height = (-(-side // BLOCK_PX) for side in (layers.view.width, layers.view.height))
+    def build(self, layers: Layers, movers: Movers | None = None) -> NBuffers:
+        """Build the ranges and bins over all layers, and over all that its movers sweep."""
+        width, height = blocks_of(layers.view)
         levels = int(np.ceil(np.log2(max(width, height)))) + 1
         ranges, bins = self._sized(width, height, levels)
-        self._fill(self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN}), layers, ranges)
+        moving: dict[str, int | float | str] = {}
+        if movers is not None:
+            moving = {"MOVERS": 1}
+            movers.bind_swept()
+        self._fill(self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN, **moving}), layers, ranges)
         self._raise("nbuffer.comp", ranges)
-        program = self._programs.compute("bins.comp")
+        program = self._programs.compute("bins.comp", moving)
         ranges.use(4)
         set_uniforms(program, ranges=4, last_level=levels - 1)
         self._fill(program, layers, bins)

@@ -5,7 +5,7 @@ Lee, Eisemann & Seidel 2010, section 3.1; `render.layers.umbra` has the umbra an
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from render.gl.shaders import ProgramCache
 from render.layers.index import Draw, SceneIndex
 from render.layers.lighting import Lighting
 from render.layers.limits import MAX_LAYERS
+from render.layers.movement import Movement
+from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.shadows import Sphere, sphere_around
@@ -42,12 +44,14 @@ class Layers:
             ``count``; textures and slices from there on hold what an earlier peeling left.
         count: layers that hold something.
         may_be_faded: whether a surface of them may be partly transparent.
+        may_move: whether a surface of them may move, and the targets keep how.
     """
 
     view: PinholeView
     targets: LayerTargets
     count: int
     may_be_faded: bool = True
+    may_move: bool = False
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,11 @@ class Peeler:
         """
         return 1.0 / nearest_depth_m(self.index, view)
 
+    def reach_of(self, moves: Mapping[int, Movement], view: PinholeView) -> float:
+        """How far anything moves that may be in view, metres."""
+        seen = (moves.get(id(draw.batch)) for draw in self._renderer.seen(view))
+        return max((movement.reach_m for movement in seen if movement is not None), default=0.0)
+
     def peel(
         self,
         view: PinholeView,
@@ -121,6 +130,7 @@ class Peeler:
         umbra: float,
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
+        moves: Mapping[int, Movement] | None = None,
     ) -> Layers:
         """Peel the loaded scene.
 
@@ -133,6 +143,7 @@ class Peeler:
             umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`.
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
+            moves: how batches move (`render.layers.movement`), where the layers shall keep it.
         """
         self._light(view)
         draws = self._renderer.seen(view)
@@ -140,18 +151,22 @@ class Peeler:
         faded = _any_faded(draws)
         if not faded:
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
-        targets = self._sized_targets(view, layers)
-        self._lighting.draw_background(view, targets)
-        layer = LayerPass(view, draws, targets.slots[0], umbra, None, layers == 1, unlit, sampling)
-        count = 0
-        while self._draw_counted(layer):
-            count += 1
-            if count == layers:
-                break
-            layer = replace(layer, slot=targets.slots[count], previous=layer.slot, solid_first=count + 1 == layers)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-        self._ctx.memory_barrier()
-        return Layers(view, targets, count, faded)
+        with MovingDraws(self._ctx, draws, moves or {}, view.camera_from_world) as moving:
+            targets = self._sized_targets(view, layers, motion=moving.any)
+            self._lighting.draw_background(view, targets)
+            slots = targets.slots
+            layer = LayerPass(
+                view, draws, slots[0], umbra, None, layers == 1, unlit, sampling, moving if moving.any else None
+            )
+            count = 0
+            while self._draw_counted(layer):
+                count += 1
+                if count == layers:
+                    break
+                layer = replace(layer, slot=slots[count], previous=layer.slot, solid_first=count + 1 == layers)
+            GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
+            self._ctx.memory_barrier()
+        return Layers(view, targets, count, faded, moving.any)
 
     def groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
@@ -233,15 +248,15 @@ class Peeler:
         GL.glDeleteQueries(1, [name])
         return passed != 0
 
-    def _sized_targets(self, view: PinholeView, layers: int) -> LayerTargets:
+    def _sized_targets(self, view: PinholeView, layers: int, *, motion: bool = False) -> LayerTargets:
         """Targets of the view's size for so many layers, or for more where more were asked before."""
         targets = self._targets
-        if targets is None or not targets.hold(view.width, view.height, layers):
+        if targets is None or not targets.hold(view.width, view.height, layers, motion=motion):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
                 self._targets = None
-            targets = self._targets = LayerTargets.make(self._ctx, view.width, view.height, layers)
+            targets = self._targets = LayerTargets.make(self._ctx, view.width, view.height, layers, motion=motion)
         return targets
 
 

@@ -13,6 +13,7 @@ from render.layers.bounds import may_be_seen
 from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
+from render.layers.moving_draws import MovingDraws
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
@@ -67,6 +68,7 @@ class LayerPass:
         solid_first: take the nearest opaque surface, and one that is partly transparent only where there is no opaque one.
         unlit: base colour for radiance.
         sampling: how finely the finished picture samples surfaces.
+        moving: what moves, where the slot keeps how far; None where it does not.
     """
 
     view: PinholeView
@@ -77,6 +79,7 @@ class LayerPass:
     solid_first: bool = False
     unlit: bool = False
     sampling: SurfaceSampling = PLAIN
+    moving: MovingDraws | None = None
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -140,8 +143,10 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
         for draw in draws:
-            program = self._surface_program(draw, least_opacity, unlit=layer.unlit)
+            program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
             GL.glUseProgram(program._program_id)
+            if layer.moving is not None:
+                layer.moving.bind(draw)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
@@ -211,8 +216,12 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
         return self._program("depth.frag", draw, defines)
 
-    def _surface_program(self, draw: Draw, least_opacity: float, *, unlit: bool) -> SourceProgram:
+    def _surface_program(
+        self, draw: Draw, least_opacity: float, *, unlit: bool, moving: MovingDraws | None
+    ) -> SourceProgram:
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
+        if moving is not None:
+            defines |= moving.defines(draw)
         if draw.may_be_clear:
             defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
         return self._program("surface.frag", draw, defines)

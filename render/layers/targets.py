@@ -32,7 +32,7 @@ class Slot:
 
     Attributes:
         depth_framebuffer: OpenGL name; depth alone.
-        framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2 and slopes at 3.
+        framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2, slopes at 3 and motion at 4.
         w: the inverse depth's texture.
         channel: of that texture that is the layer's.
     """
@@ -74,6 +74,8 @@ class LayerTargets:
             where partly transparent.
         packed_slopes: RGBA16UI, how these slope, packed likewise (``slopes.glsl``); of no meaning where w is 0.
         background: RGBA16F, what a ray sees that meets no surface.
+        motion: a slice of RGBA16F for each layer, how far its surface moves while the shutter is open (``surface.frag``), of no
+            meaning where w is 0; None where nothing keeps it.
         slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.
     """
@@ -84,12 +86,13 @@ class LayerTargets:
     packed_w: tuple[moderngl.Texture, ...]
     packed_slopes: tuple[moderngl.Texture, ...]
     background: moderngl.Texture
+    motion: moderngl.TextureArray | None
     slots: tuple[Slot, ...]
     depth: int
 
     @classmethod
-    def make(cls, ctx: moderngl.Context, width: int, height: int, layers: int) -> LayerTargets:
-        """Allocate everything for so many layers of ``width`` by ``height``.
+    def make(cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False) -> LayerTargets:
+        """Allocate everything for so many layers of ``width`` by ``height``, which keep how surfaces move where asked.
 
         Raises:
             GraphicsError: the device refuses the size.
@@ -101,9 +104,12 @@ class LayerTargets:
                 packed_w = tuple(making.keep(ctx.texture(size, 4, dtype="f4")) for _ in packs)
                 slopes = tuple(making.keep(ctx.texture(size, 4, dtype="u2")) for _ in packs)
                 background = making.keep(ctx.texture(size, 4, dtype="f2"))
+                moves = making.keep(ctx.texture_array((*size, layers), 4, dtype="f2")) if motion else None
             except moderngl.Error as error:
                 raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
             radiance.filter = _NEAREST
+            if moves is not None:
+                moves.filter = _NEAREST
             for texture in (*packed_w, *slopes, background):
                 texture.filter = _NEAREST
             depth = _depth_buffer(making, width, height)
@@ -111,24 +117,29 @@ class LayerTargets:
             slots = []
             for layer in range(layers):
                 pack, channel = divmod(layer, LAYERS_PER_PACK)
-                framebuffer = _framebuffer(making, depth, (radiance, layer), packed_w[pack], None, slopes[pack])
+                moved: tuple[Attachment, ...] = ((moves, layer),) if moves is not None else ()
+                framebuffer = _framebuffer(making, depth, (radiance, layer), packed_w[pack], None, slopes[pack], *moved)
                 slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
-        return cls(width, height, radiance, packed_w, slopes, background, tuple(slots), depth)
+        return cls(width, height, radiance, packed_w, slopes, background, moves, tuple(slots), depth)
 
-    def hold(self, width: int, height: int, layers: int) -> bool:
-        """Whether so many layers of this size can be drawn here."""
-        return (self.width, self.height) == (width, height) and len(self.slots) >= layers
+    def hold(self, width: int, height: int, layers: int, *, motion: bool = False) -> bool:
+        """Whether so many layers of this size can be drawn here, and how they move where asked."""
+        fits = (self.width, self.height) == (width, height) and len(self.slots) >= layers
+        return fits and motion == (self.motion is not None)
 
     @property
     def bytes(self) -> int:
         """Memory of the device that all of this takes."""
-        textures = [self.background, *self.packed_w, *self.packed_slopes]
-        return 4 * self.width * self.height + texture_bytes(self.radiance) + sum(map(texture_bytes, textures))
+        return 4 * self.width * self.height + sum(map(texture_bytes, self._textures))
+
+    @property
+    def _textures(self) -> list[moderngl.Texture | moderngl.TextureArray]:
+        arrays = [self.radiance] if self.motion is None else [self.radiance, self.motion]
+        return [*arrays, self.background, *self.packed_w, *self.packed_slopes]
 
     def release(self) -> None:
         """Give the memory back."""
-        self.radiance.release()
-        for texture in (self.background, *self.packed_w, *self.packed_slopes):
+        for texture in self._textures:
             texture.release()
         _delete_framebuffers(
             *{slot.depth_framebuffer for slot in self.slots}, *(slot.framebuffer for slot in self.slots)

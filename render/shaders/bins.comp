@@ -17,6 +17,9 @@ uniform usampler2D far_slopes;
 uniform bool two_packs;
 uniform sampler2DArray ranges;
 uniform int last_level;
+#ifdef MOVERS
+layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // of each block, what moves through it (movers.comp)
+#endif
 
 uvec2 joined(uvec2 held, vec4 stored, uvec4 slopes, vec2 all)
 {
@@ -41,5 +44,9 @@ void main()
         held = joined(held, texelFetch(near_w, pixel, 0), texelFetch(near_slopes, pixel, 0), all);
         if (two_packs) held = joined(held, texelFetch(far_w, pixel, 0), texelFetch(far_slopes, pixel, 0), all);
     }
+#ifdef MOVERS
+    vec2 through = uintBitsToFloat(swept[block.y * imageSize(bins).x + block.x]);
+    if (through.y > 0.0) held |= bits_between(bin_of(through.x, all), bin_of(through.y, all));
+#endif
     imageStore(bins, ivec3(block, 0), uvec4(held, 0u, 0u));
 }

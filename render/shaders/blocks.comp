@@ -15,6 +15,10 @@ uniform bool two_packs;
 
 #include "slopes.glsl"
 
+#ifdef MOVERS
+layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // of each block, what moves through it (movers.comp)
+#endif
+
 // The range of four layers' w joined to `range`.
 vec2 joined(vec2 range, vec4 stored, uvec4 slopes)
 {
@@ -36,5 +40,9 @@ void main()
         range = joined(range, texelFetch(near_w, pixel, 0), texelFetch(near_slopes, pixel, 0));
         if (two_packs) range = joined(range, texelFetch(far_w, pixel, 0), texelFetch(far_slopes, pixel, 0));
     }
+#ifdef MOVERS
+    vec2 through = uintBitsToFloat(swept[block.y * imageSize(ranges).x + block.x]);
+    if (through.y > 0.0) range = vec2(min(range.x, through.x), max(range.y, through.y));
+#endif
     imageStore(ranges, ivec3(block, 0), vec4(range, 0.0, 0.0));
 }

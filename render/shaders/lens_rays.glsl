@@ -26,10 +26,16 @@ uniform vec2 grid_slope;             // field of the outermost of them
 uniform int pattern_rays;       // rays in one pattern
 uniform float spread;           // 1, or 0 for a single ray through the centres
 uniform int jitters;            // whether pixels have patterns of their own
-uniform vec2 focal_px;          // of the layers
+uniform vec2 axis;              // where the view axis meets them
+uniform vec2 focal_px;          // of the layers, or of the camera of this moment at their resolution
 uniform vec2 pupil_m;           // half axes of a lens without a table
 uniform vec2 narrowing;         // of a table's rays: 1 over the anamorphic squeeze, and 1
 uniform float scale;            // layer pixels to a picture pixel
+#ifdef CARRIED_CAMERA
+#include "carried.glsl"
+uniform mat3 camera_turn;       // to the axes that the layers were peeled in, from those of this moment: x right, y down, z ahead
+uniform vec3 camera_move;       // where the pupil's centre is, in those, m
+#endif
 
 struct PixelRays {
     vec2 centre;        // in layer pixels
@@ -129,6 +135,18 @@ LensRay through_lens(PixelRays rays, vec2 stop)
 }
 #endif
 
+#ifdef CARRIED_CAMERA
+// The ray of a camera that has turned and moved since the layers were peeled, as a ray of those layers: straight lines stay lines.
+LensRay from_where_the_camera_is(LensRay ray)
+{
+    vec3 along = camera_turn * vec3((ray.a - axis) / focal_px, 1.0);
+    vec3 origin = camera_turn * vec3(ray.b / focal_px, 0.0) + camera_move;
+    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it turned away: it sees none of the layers
+    vec2 slope = along.xy / along.z;
+    return LensRay(layer_axis + layer_focal * slope, layer_focal * (origin.xy - origin.z * slope), ray.weight);
+}
+#endif
+
 LensRay lens_ray(PixelRays rays, int i)
 {
     BaseRay base = base_rays[i];
@@ -153,5 +171,9 @@ LensRay lens_ray(PixelRays rays, int i)
 #endif
     ray.b *= rays.pupil * focal_px;
     ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
+#ifdef CARRIED_CAMERA
+    return from_where_the_camera_is(ray);
+#else
     return ray;
+#endif
 }

@@ -15,6 +15,20 @@ uniform sampler2D background;
 #include "footprints.glsl"
 #include "slopes.glsl"
 
+#ifdef MOVERS
+#include "carried.glsl"
+uniform sampler2DArray motion;  // how far a surface moves while the shutter is open, and 1 where it does (surface.frag)
+uniform uint key_mask;          // of the bits of `landing` that tell a place in `fastest`
+layout(std430, binding = 9) readonly buffer Fastest { vec4 fastest[]; };    // motion and w (movers.comp)
+layout(std430, binding = 10) readonly buffer Landing { uint landing[]; };   // of each block (landing.comp)
+
+// What may move into a pixel at this moment; 0 for nothing.
+uint landing_at(ivec2 pixel)
+{
+    return landing[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
+}
+#endif
+
 const int MAX_STEPS = 160;      // a ray that crosses more pixels strides over some; where it lands is looked at again
 const float OVERLAP = 0.05;     // share of a step by which it looks into its neighbours, lest rays slip through cracks
 const float LEAST_PAD = 1e-5;   // share of w: rounding
@@ -116,6 +130,9 @@ bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
         at.low = low - pad;
         at.high = high + pad;
         if (may_meet(at)) return true;
+#ifdef MOVERS
+        if (landing_at(at.pixel) != 0u) return true;
+#endif
     }
 }
 

@@ -1,7 +1,8 @@
 #version 450 core
 // Vertices of a batch, into camera space.
 // in:  positions (m), normals, texture coordinates, display colour; one pose for each instance (pyrender's attributes)
-// out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number
+// out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number; where MOVES is defined, how far
+//      the vertex moves while the shutter is open (m: x right, y down, z away from the eye)
 
 layout(location = 0) in vec3 position;
 layout(location = NORMAL_LOC) in vec3 normal;
@@ -12,6 +13,14 @@ layout(location = TEXCOORD_0_LOC) in vec2 texcoord_0;
 layout(location = COLOR_0_LOC) in vec4 color_0;
 #endif
 layout(location = INST_M_LOC) in mat4 inst_m;
+
+#ifdef MOVES
+layout(std430, binding = 9) readonly buffer EndPoses { mat4 end_poses[]; };         // camera from geometry: of each instance, at both ends
+#ifdef BENDS
+layout(std430, binding = 10) readonly buffer EndPositions { float end_positions[]; }; // of each vertex, at both ends
+#endif
+out vec3 frag_motion;
+#endif
 
 uniform mat4 camera_from_node;
 uniform mat4 clip_from_camera;
@@ -29,6 +38,21 @@ mat3 cofactor(mat3 m)
 {
     return mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
 }
+
+#ifdef MOVES
+// How far the vertex moves from one end of the time to the other.
+vec3 motion()
+{
+    vec3 from = position, to = position;
+#ifdef BENDS
+    int i = 6 * gl_VertexID;
+    from = vec3(end_positions[i], end_positions[i + 1], end_positions[i + 2]);
+    to = vec3(end_positions[i + 3], end_positions[i + 4], end_positions[i + 5]);
+#endif
+    vec4 moved = end_poses[2 * gl_InstanceID + 1] * vec4(to, 1.0) - end_poses[2 * gl_InstanceID] * vec4(from, 1.0);
+    return vec3(moved.x, -moved.y, -moved.z);
+}
+#endif
 
 void main()
 {
@@ -48,5 +72,8 @@ void main()
     frag_color = vec4(1.0);
 #endif
     frag_instance = uint(gl_InstanceID);
+#ifdef MOVES
+    frag_motion = motion();
+#endif
     gl_Position = clip_from_camera * p;
 }

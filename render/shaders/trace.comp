@@ -8,11 +8,13 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
 
 #include "march.glsl"
+#ifdef MOVERS
+#include "march_moving.glsl"
+#endif
 #include "lens_rays.glsl"
 
 uniform int first_line;         // of the picture's lines that this dispatch works on
 uniform vec2 offset;            // of the picture's corner in the layers
-uniform vec2 axis;              // where the view axis meets the layers
 #ifdef FOCAL_MAP
 uniform sampler2D focal_map;    // w_f and the pupil's radius over the lens's own, of the picture's pixels (focal_surface.comp)
 #else
@@ -141,7 +143,11 @@ void main()
         LensRay ray = lens_ray(rays, first_ray + i);
         if (ray.weight <= 0.0) continue;
         weights += ray.weight;
+#ifdef MOVERS
+        total += ray.weight * march_moving(ray.a, ray.b);
+#else
         total += ray.weight * march(ray.a, ray.b);
+#endif
     }
     total *= known_light(weights, float(ray_count));
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);

@@ -45,7 +45,17 @@ def layer_view(
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
-    extent = reached(view, bundle, focus, nearest_w)
+    return layer_view_of(view, reached(view, bundle, focus, nearest_w), supersample)
+
+
+def layer_view_of(view: PinholeView, extent: Extent, supersample: float) -> PinholeView:
+    """The view to peel that shows a picture and what its rays reach.
+
+    Args:
+        view: the picture.
+        extent: what they reach.
+        supersample: layer pixels per picture pixel along each axis.
+    """
     margins = [
         max(0.0, view.cx + extent.right * view.fx - view.width),
         max(0.0, -(view.cx + extent.left * view.fx)),
@@ -78,6 +88,26 @@ def reached(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w
     radii = np.minimum(radii, cap)[:, None]
     low = np.clip((centres - radii).min(axis=0), -MAX_SLOPE, MAX_SLOPE)
     high = np.clip((centres + radii).max(axis=0), -MAX_SLOPE, MAX_SLOPE)
+    return Extent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+def reached_from(extent: Extent, turn: DoubleArray, move_m: DoubleArray, nearest_w: float) -> Extent:
+    """What a camera reaches that stands elsewhere, in slopes from here.
+
+    Args:
+        extent: what it reaches in its own slopes.
+        turn: ``(3, 3)`` from its axes to those here: x right, y down, z ahead.
+        move_m: ``(3,)`` where it is, in the axes here, metres.
+        nearest_w: inverse depth of the nearest surface in view, 1/m.
+    """
+    x, y = np.meshgrid(np.linspace(extent.left, extent.right, 5), np.linspace(extent.top, extent.bottom, 5))
+    ahead = np.stack([x, y, np.ones_like(x)], axis=-1).reshape(-1, 3) @ turn.T
+    slopes = ahead[:, :2] / np.maximum(ahead[:, 2:], 1 / MAX_SLOPE)
+    beside = np.minimum(
+        np.abs(move_m[:2] - move_m[2] * slopes) * nearest_w, MAX_BLUR_SHARE * np.ptp([extent.left, extent.right])
+    )
+    low = np.clip((slopes - beside).min(axis=0), -MAX_SLOPE, MAX_SLOPE)
+    high = np.clip((slopes + beside).max(axis=0), -MAX_SLOPE, MAX_SLOPE)
     return Extent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 

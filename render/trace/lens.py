@@ -24,6 +24,7 @@ from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern, ray_pattern
+from render.trace.swept import SweptEngine
 from render.trace.tracer import RAYS_PER_PASS, SHOWN_RAYS_PER_PASS, Tracer
 
 OnPass = Callable[[FloatArray, int], None]
@@ -56,6 +57,7 @@ class LensEngine:
         self._nbuffers = NBufferBuilder(ctx, programs)
         self._tracer = Tracer(ctx, programs)
         self._bundles = BundleMaker(ctx, programs)
+        self.swept = SweptEngine(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 
     def picture(
         self,

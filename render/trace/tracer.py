@@ -9,11 +9,13 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
 from render.optics.view import PinholeView
 from render.scene import FloatArray
 from render.trace.focal_map import FocalMaps
+from render.trace.glimpse import Glimpse
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
@@ -25,8 +27,8 @@ SHOWN_RAYS_PER_PASS = 32
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
-_LAYER_UNITS = 9
-"""Textures of layers, N-buffers and focus that a program reads at most."""
+_LAYER_UNITS = 10
+"""Textures of layers, N-buffers, focus and motion that a program reads at most."""
 _TILE = 8  # side of the shader's work groups
 
 Progress = Callable[[float], None]
@@ -65,24 +67,38 @@ class Tracer:
         *,
         rays_per_pass: int = RAYS_PER_PASS,
         bound_by_rays: bool = False,
+        glimpse: Glimpse | None = None,
+        movers: Movers | None = None,
     ) -> Iterator[TracePass]:
         """Trace a picture pass by pass; each adds rays, and `picture` has the mean over those of whole passes.
 
         Args:
-            layers: peeled from the picture's own eye, at any resolution and with any margin.
+            layers: peeled from the picture's own eye (or as the glimpse says), at any resolution and with any margin.
             nbuffers: of those layers.
             bundle: the lens.
             focus: where it is focused.
             view: the picture.
             rays_per_pass: at most.
-            bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form.
+            bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form (as for a glimpse).
+            glimpse: at which moment, where the camera may have moved since the layers were peeled.
+            movers: of the layers, landed at that moment.
         """
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         focal_map = None if focus.affine is not None else self._maps.made(focus)
-        program = self._program(layers, bundle, bound_by_rays=bound_by_rays, by_map=focal_map is not None)
+        program = self._program(
+            layers,
+            bundle,
+            bound_by_rays=bound_by_rays or glimpse is not None,
+            by_map=focal_map is not None,
+            moment={"CARRIED_CAMERA": glimpse is not None, "MOVERS": movers is not None},
+        )
         self._bind(program, layers, nbuffers, focal_map)
         self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
         self._set_uniforms(program, layers, nbuffers, view)
+        if glimpse is not None:
+            set_uniforms(program, **glimpse.uniforms(layers.view))
+            if movers is not None:
+                movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 1, glimpse.since)
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
@@ -131,9 +147,9 @@ class Tracer:
         self._maps.release()
 
     def _program(
-        self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool, by_map: bool
+        self, layers: Layers, bundle: RayBundle, *, bound_by_rays: bool, by_map: bool, moment: dict[str, bool]
     ) -> moderngl.ComputeShader:
-        defines: dict[str, int | float | str] = {}
+        defines: dict[str, int | float | str] = {name: 1 for name, is_set in moment.items() if is_set}
         if layers.count > 4:
             defines["EIGHT_LAYERS"] = 1
         if layers.may_be_faded:

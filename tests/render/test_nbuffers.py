@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from render.frame import FrameRenderer
 from render.gl.compat import GL
 from render.gl.shaders import SHADER_DIR, ProgramCache
-from render.layers.nbuffers import BLOCK_PX, EMPTY_MIN, NBufferBuilder, NBuffers
+from render.layers.limits import BLOCK_PX, EMPTY_MIN
+from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.optics.view import PinholeView
 from render.reference.scenes import rectangle

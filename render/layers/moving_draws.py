@@ -1,0 +1,84 @@
+"""What the device must know of draws that move, so that each pixel of a layer can tell where its surface goes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+
+import moderngl
+import numpy as np
+
+from render.layers.index import Draw
+from render.layers.movement import Movement
+from render.scene import Batch, DoubleArray
+
+_POSES, _POSITIONS = 9, 10  # as surface.vert binds them
+
+
+class MovingDraws:
+    """Buffers with both ends of the draws that move; to be used and given back by the peeling that needs them.
+
+    Args:
+        ctx: of the device.
+        draws: that will be drawn.
+        moves: the movements of batches, by the batches' identities.
+        camera_from_world: ``(4, 4)`` of the view that the layers are drawn for.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        draws: list[Draw],
+        moves: Mapping[int, Movement],
+        camera_from_world: DoubleArray,
+    ) -> None:
+        self._ctx = ctx
+        self._poses: dict[int, moderngl.Buffer] = {}
+        self._positions: dict[int, moderngl.Buffer] = {}
+        for draw in draws:
+            movement = moves.get(id(draw.batch))
+            if movement is None:
+                continue
+            ends = [
+                camera_from_world @ poses[draw.instances] for poses in (movement.opening_poses, movement.closing_poses)
+            ]
+            columns = np.stack(ends, axis=1).transpose(0, 1, 3, 2)
+            self._poses[id(draw)] = ctx.buffer(np.ascontiguousarray(columns, np.float32).tobytes())
+            self._keep_positions(draw.batch, movement)
+
+    def _keep_positions(self, batch: Batch, movement: Movement) -> None:
+        first, last = movement.opening_positions, movement.closing_positions
+        if first is None or last is None or id(batch) in self._positions:
+            return
+        both = np.stack([first, last], axis=1)
+        self._positions[id(batch)] = self._ctx.buffer(np.ascontiguousarray(both, np.float32).tobytes())
+
+    @property
+    def any(self) -> bool:
+        """Whether any of the draws moves."""
+        return bool(self._poses)
+
+    def defines(self, draw: Draw) -> dict[str, object]:
+        """What the shaders of a draw must know to be compiled."""
+        defines: dict[str, object] = {"MOTION": 1}
+        if id(draw) in self._poses:
+            defines["MOVES"] = 1
+        if id(draw) in self._poses and id(draw.batch) in self._positions:
+            defines["BENDS"] = 1
+        return defines
+
+    def bind(self, draw: Draw) -> None:
+        """Let the shaders see a draw's ends."""
+        if id(draw) in self._poses:
+            self._poses[id(draw)].bind_to_storage_buffer(_POSES)
+        if id(draw.batch) in self._positions:
+            self._positions[id(draw.batch)].bind_to_storage_buffer(_POSITIONS)
+
+    def __enter__(self) -> MovingDraws:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for buffer in (*self._poses.values(), *self._positions.values()):
+            buffer.release()

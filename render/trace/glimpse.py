@@ -1,0 +1,61 @@
+"""What a camera sees at one moment of its shutter's opening, of layers that were peeled in the middle of it.
+
+A straight ray of the camera where it is then is a straight ray from where it was, so that its line ``s(w) = a + b·w`` only gets
+other numbers: the camera's own motion needs no velocities, and is exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.optics.view import PinholeView
+from render.scene import DoubleArray
+
+_AHEAD = np.diag([1.0, -1.0, -1.0])  # from camera space to x right, y down, z ahead
+
+
+@dataclass(frozen=True, eq=False)
+class Glimpse:
+    """One moment.
+
+    Attributes:
+        peeled_for: the picture in the middle of the time, which the layers were peeled for.
+        view: the picture at the moment.
+        since: the moment: -0.5 when the shutter opens, 0.5 when it closes.
+    """
+
+    peeled_for: PinholeView
+    view: PinholeView
+    since: float
+
+    @property
+    def turn(self) -> DoubleArray:
+        """``(3, 3)`` to the axes of the middle (x right, y down, z ahead) from those of the moment."""
+        return np.asarray(_AHEAD @ self._middle_from_moment[:3, :3] @ _AHEAD)
+
+    @property
+    def move_m(self) -> DoubleArray:
+        """``(3,)`` where the pupil's centre is at the moment, in the axes of the middle, metres."""
+        return np.asarray(_AHEAD @ self._middle_from_moment[:3, 3])
+
+    @property
+    def _middle_from_moment(self) -> DoubleArray:
+        return self.peeled_for.camera_from_world @ np.linalg.inv(self.view.camera_from_world)
+
+    def uniforms(self, layers: PinholeView) -> dict[str, object]:
+        """What ``lens_rays.glsl`` and ``carried.glsl`` must know of it, where the layers have this view."""
+        scale = layers.fx / self.peeled_for.fx
+        offset = layers.cx - scale * self.peeled_for.cx, layers.cy - scale * self.peeled_for.cy
+        return {
+            "scale": scale,
+            "offset": offset,
+            "axis": (scale * self.view.cx + offset[0], scale * self.view.cy + offset[1]),
+            "focal_px": (scale * self.view.fx, scale * self.view.fy),
+            "layer_axis": (layers.cx, layers.cy),
+            "layer_focal": (layers.fx, layers.fy),
+            "camera_turn": tuple(self.turn.T.ravel()),
+            "camera_move": tuple(self.move_m),
+            "since": self.since,
+        }

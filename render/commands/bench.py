@@ -7,6 +7,7 @@ from typing import Any
 
 from render.bench.film_plan import add_arguments as add_film_arguments
 from render.bench.focus_plan import add_arguments as add_focus_arguments
+from render.bench.motion_plan import add_arguments as add_motion_arguments
 from render.bench.plan import add_arguments
 
 
@@ -27,6 +28,11 @@ def add_parser(commands: Any) -> None:
     )
     film.set_defaults(run=run_film)
     add_film_arguments(film)
+    motion = benches.add_parser(
+        "motion", help="motion: sixteen moments by velocities and by peeling each, beside the still frame"
+    )
+    motion.set_defaults(run=run_motion)
+    add_motion_arguments(motion)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -72,5 +78,21 @@ def run_film(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.film import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_motion(arguments: argparse.Namespace) -> None:
+    """Measure motion, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the picture is too small or too large.
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.motion import run  # brings OpenGL with it
 
     run(arguments)

@@ -107,6 +107,12 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         help=f"moments of the shutter's opening to look at, from 1 to {MAX_MOTION}, over which the rays are spread;"
         " 1 stops motion",
     )
+    group.add_argument(
+        "--motion-by",
+        default="moments",
+        metavar="WAY",
+        help="moments: the scene is drawn anew at each, which is exact; velocities: drawn once and moved, many times faster",
+    )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 
 
@@ -228,6 +234,7 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         wavelengths=arguments.wavelengths,
         shading=arguments.shading,
         motion=arguments.motion,
+        motion_by=arguments.motion_by,
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),
     )

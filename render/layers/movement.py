@@ -129,7 +129,7 @@ def _corners(positions: FloatArray) -> DoubleArray:
     if len(positions) == 0:
         return np.zeros((8, 3))
     bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
-    return np.where(bits, positions.max(axis=0), positions.min(axis=0)).astype(np.float64)
+    return np.asarray(np.where(bits, positions.max(axis=0), positions.min(axis=0)), np.float64)
 
 
 def _placed(points: DoubleArray, poses: DoubleArray) -> DoubleArray:

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
-from render.errors import CameraError, SettingsError
 from render.film import Grade, GradeChoice
 from render.optics.illuminance import light_over_picture
 from render.output import FrameMetadata
-from render.scene import Camera, FloatArray, Moment
+from render.scene import Camera, FloatArray
 from render.shot.finish import Finish, finish_of
 from render.shot.flare import flared
 from render.shot.light_meter import auto_exposed
+from render.shot.moving import moves, moving_frame
 from render.shot.shot import Shot
-from render.shutter import moments, shares
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -150,10 +149,8 @@ def light_on_film(
         CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
-    if settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay):
-        frame = renderer.render_moving(
-            settings.motion, _moments(shot, camera, lens, time, settings), settings, on_progress
-        )
+    if moves(lens, settings):
+        frame = moving_frame(renderer, shot, camera, lens, time, settings, on_progress)
     else:
         frame = renderer.render(shot.scene_at(time), lens, settings, on_progress)
     light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
@@ -162,25 +159,6 @@ def light_on_film(
     if settings.engine == "accumulation":  # whose views are of an empty pupil
         frame.color[..., :3] *= np.float32(lens.lens.transmittance)
     return flared(renderer, shot.scene_at(time), lens, settings, frame)
-
-
-def _moments(
-    shot: Shot, camera: str | None, lens: Camera, time: float, settings: FrameSettings
-) -> Callable[[int], Moment]:
-    """The shot while the camera's shutter is open, moment by moment."""
-    opens, closes, count = lens.shutter_open, lens.shutter_close, settings.motion
-    try:
-        offsets = moments(opens, closes, lens.shutter, count)
-    except SettingsError as error:
-        raise CameraError(f"camera {lens.path}: {error.detail}", code=error.code, path=lens.path) from error
-    parts = shares(opens, closes, lens.shutter, count, settings.width, settings.height).astype(np.float32)
-
-    def at(index: int) -> Moment:
-        when = time + float(offsets[index])
-        looks = shot.camera_at(camera, when, settings.width, settings.height)
-        return Moment(shot.scene_at(when), looks, parts[index, ..., None])
-
-    return at
 
 
 def _authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:

@@ -179,7 +179,7 @@ def _draw_scene(axes: Axes, film: FilmSettings) -> None:
 
 def _show(axes: Axes, light: FloatArray, *, smooth: bool) -> None:
     grade = _grade()
-    shown = project(light, grade, print_space(grade.config))
+    shown = project(light, grade, print_space())
     axes.imshow(shown, interpolation="antialiased" if smooth else "nearest", aspect="auto")
     axes.set_axis_off()
 
@@ -192,7 +192,7 @@ def _seen(exposed: FloatArray, film: FilmSettings) -> FloatArray:
 def _in_the_scene(exposed: FloatArray) -> FloatArray:
     """The chart without film, its white as the screen's."""
     grade = _grade()
-    return project(exposed / exposed.max(), grade, print_space(grade.config))
+    return project(exposed / exposed.max(), grade, print_space())
 
 
 def _grade() -> Grade:

@@ -53,7 +53,7 @@ class Finish:
         exposed = expose(radiance[..., :3], camera.exposure_scale)
         light = develop_on_film(exposed, self.film, frame=frame_number(time), gate_mm=gate_mm(camera), seed=seed)
         if self.film.process in PRINTED:
-            return project(light, self.grade, print_space(self.grade.config))
+            return project(light, self.grade, print_space())
         return develop(light, 1.0, self.grade)
 
 

@@ -104,7 +104,7 @@ def _finished(passes: _Passes, finish: Finish, radiance: FloatArray, exposure: E
     else:
         developed = passes.scratch.texture("developed", (width, height), 4, "f4")
         passes.film.run(light, developed, finish.film, exposure)
-        space = print_space(finish.grade.config) if finish.film.process in PRINTED else None
+        space = print_space() if finish.film.process in PRINTED else None
         passes.display.run(developed, shown, 1.0, finish.grade, space)
     levels = np.frombuffer(shown.read(), np.uint8).reshape(height, width, 4)[..., :3]
     return np.divide(levels, np.float32(255), dtype=np.float32)

@@ -8,6 +8,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 from cli_shots import CAMERA, SQUARE, Command, small, write_shot
+from colour_kit import OWN_CONFIG
 
 from render.film import Cdl, Grade, GradeChoice, list_displays
 from render.scene import FloatArray
@@ -123,6 +124,26 @@ def test_a_broken_configuration_is_told_in_one_sentence(pullfocus: Command, shot
     assert ended.status == 2
     assert f"cannot read the OpenColorIO configuration {broken}" in ended.err.splitlines()[-1]
     assert "Traceback" not in ended.err
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("film", ["vision3_500t_5219", "velvia_50"])
+def test_a_print_is_shown_by_another_configuration(film: str, pullfocus: Command, shot: Path) -> None:
+    own = shot.parent / "studio.ocio"
+    own.write_text(OWN_CONFIG)
+    seen = {}
+    for name, options in {"ours": ("--view", "Un-tone-mapped"), "theirs": ("--ocio-config", own)}.items():
+        ended = pullfocus(
+            "record", shot, shot.parent / f"{name}.png", *small("--film", film, "--cdl", "1,1,1,0,0,0,1,1,1"), *options
+        )
+        assert ended.status == 0, ended.err
+        seen[name] = middle(shot.parent / f"{name}.png")
+
+    linear = (
+        (seen["ours"] + 0.055) / 1.055
+    ) ** 2.4  # IEC 61966-2-1; the studio's monitor is linear, of the same primaries
+    np.testing.assert_allclose(seen["theirs"], linear, atol=1.5 / 255)
+    assert np.ptp(linear) > 0.05
 
 
 def test_what_is_not_asked_for_is_the_shots() -> None:

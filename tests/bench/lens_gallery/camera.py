@@ -15,7 +15,7 @@ from tests.bench.lens_gallery.entries import Section
 
 FRAME = 72.0
 """The far robot waves, and is in focus."""
-_FAR, _LIGHTS = (0.68, 0.4), (0.4, 0.13)
+_FAR, _LIGHTS = (0.6, 0.26), (0.4, 0.13)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,7 @@ class CameraEntry:
         f_stop: 0 for the shot's own.
         photography: other settings of the camera, as `Shot.set_photography` takes them.
         motion: moments of the shutter's opening.
+        finer: times the rays of other pictures, where each place is exposed in few of the moments.
         opening: of a long exposure; None for a frame.
         nd_stops: of its filter; None for one that keeps the exposure.
         tripod: whether the camera stands still.
@@ -45,6 +46,7 @@ class CameraEntry:
     f_stop: float = 0.0
     photography: Mapping[str, Any] = field(default_factory=dict)
     motion: int = 1
+    finer: int = 1
     opening: Opening | None = None
     nd_stops: float | None = None
     tripod: bool = False
@@ -137,10 +139,11 @@ def _lenses() -> Section:
 
 
 def _motion() -> Section:
-    def moving(slug: str, title: str, note: str, *, motion: int = 8, **photography: object) -> CameraEntry:
-        return CameraEntry(f"motion-{slug}", title, note, motion=motion, photography=photography)
+    def moving(
+        slug: str, title: str, note: str, *, motion: int = 12, finer: int = 1, **photography: object
+    ) -> CameraEntry:
+        return CameraEntry(f"motion-{slug}", title, note, motion=motion, finer=finer, photography=photography)
 
-    whole = {"shutter_open": -0.5, "shutter_close": 0.5}
     return Section(
         "Motion",
         "The far robot waves while the camera moves in. Motion blur and depth of field are one integral over the shutter's "
@@ -148,15 +151,22 @@ def _motion() -> Section:
         (
             moving("still", "Stopped", "One moment.", motion=1),
             moving("180", "A shutter of 180°", "The shot's own: half of each frame."),
-            moving("360", "A shutter of 360°", "All of each frame.", **whole),
+            moving(
+                "slow",
+                "A quarter of a second",
+                "Six frames: who waves is a blur.",
+                shutter_open=-3.0,
+                shutter_close=3.0,
+            ),
             moving(
                 "rolling",
-                "A rolling shutter",
-                "Read from top to bottom over one frame: what moves leans.",
-                shutter_open=-0.5,
-                shutter_close=-0.4,
+                "A slow rolling shutter",
+                "Read from top to bottom over six frames: what moves leans, and is sharp in each line.",
+                finer=4,
+                shutter_open=-3.0,
+                shutter_close=-2.5,
                 shutter_type="rolling",
-                shutter_travel_time=1 / 24,
+                shutter_travel_time=6 / 24,
             ),
         ),
     )
@@ -173,9 +183,7 @@ def _long_exposures() -> Section:
         "exposure.",
         (
             CameraEntry("long-none", "One frame", "Frame 72, stopped: to hold the others against."),
-            long(
-                "hand", "A second by hand", "The camera moves in: every light leaves its trail.", Opening(64, 88, 2)
-            ),
+            long("hand", "A second by hand", "The camera moves in: every light leaves its trail.", Opening(64, 88, 2)),
             long(
                 "tripod",
                 "A second on a tripod",

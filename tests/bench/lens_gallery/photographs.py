@@ -107,7 +107,8 @@ class Photographer:
     def _by_the_camera(self, entry: CameraEntry) -> tuple[FloatArray, FrameMetadata, str]:
         """A picture as `pullfocus record` makes it."""
         size, stock = self._size, entry.stock or None
-        settings = FrameSettings(size.width, size.height, rays=max(size.rays, entry.motion), motion=entry.motion)
+        rays = max(size.rays * entry.finer, entry.motion)
+        settings = FrameSettings(size.width, size.height, rays=rays, motion=entry.motion)
         try:
             entry.prepare(self._shot)
             exposure = self._shot.exposure(None, entry.frame)

@@ -147,7 +147,7 @@ def light_path(camera: Camera) -> LightPath:
 
 
 UNVIGNETTED = ("pinhole", "thin", "seidel")
-"""Models whose rays are all of one weight."""
+"""Models whose rays are all of one weight; those of a data sheet are where it does not say how light falls off."""
 
 
 def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: bool = False) -> FloatArray | None:
@@ -162,7 +162,9 @@ def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: b
     Returns:
         ``(height, width)``.
     """
-    has_none = camera.lens.model in UNVIGNETTED or is_pinhole or camera.f_stop == 0
+    sheet = camera.lens.data_sheet
+    says_none = camera.lens.model == "dataSheet" and (sheet is None or not sheet.light)
+    has_none = camera.lens.model in UNVIGNETTED or says_none or is_pinhole or camera.f_stop == 0
     if not (camera.lens.natural_vignetting and has_none and camera.lens.scales.vignetting != 0):
         return None
     return natural_vignetting(PinholeView.from_camera(camera, width, height), camera.lens.scales.vignetting)

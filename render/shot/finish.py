@@ -97,7 +97,7 @@ def finish_of(
     if stock is None and data.process == "none" and data.white_balance == 0 and data.tint == 0:
         return Finish(own)
     with _told_of(camera, wanted=stock is not None):
-        film = film_settings(data, name=stock)
+        film = film_settings(data, iso=_set_to(stage, camera, time), name=stock)
         if stock is not None and data.grain.amount == 0 and film.stock is not None and film.stock.granularity:
             film = replace(film, grain=replace(film.grain, amount=1.0))
         return Finish(own, film)
@@ -112,6 +112,12 @@ def _told_of(camera: Camera, *, wanted: bool) -> Iterator[None]:
         if wanted:
             raise
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
+
+
+def _set_to(stage: Usd.Stage, camera: Camera, time: float) -> float:
+    """The speed that the shot sets the camera to; 0 where it does not."""
+    speed = stage.GetPrimAtPath(camera.path).GetAttribute("exposure:iso") if camera.path else None
+    return float(speed.Get(time)) if speed and speed.HasAuthoredValue() else 0.0
 
 
 def _film_data(stage: Usd.Stage, camera: Camera, time: float) -> FilmData:

@@ -178,6 +178,31 @@ def test_glass_has_its_own_fall_off_once(renderer: FrameRenderer, tmp_path: Path
     assert own[0, 0, 1] < 0.6 * own[8, 12, 1]
 
 
+@pytest.mark.gl
+def test_a_digital_camera_that_is_set_to_a_higher_speed_has_fewer_photons_for_the_same_picture(
+    renderer: FrameRenderer, tmp_path: Path
+) -> None:
+    """Three stops: the noise of an even wall is √8 times as strong."""
+    digital = {"film:process": "digital", "film:sensor:fullWell": 4000.0, "exposure:fStop": 1.0}
+    noise = []
+    for iso in (100.0, 800.0):
+        values = digital | {"exposure:iso": iso, "exposure:time": 100 / iso}
+        picture = taken(renderer, tmp_path, SMALL, **values)
+        noise.append(float(picture.graded.std()))
+    assert noise[1] / noise[0] == pytest.approx(math.sqrt(8), rel=0.15)
+
+
+@pytest.mark.gl
+def test_a_data_sheet_that_does_not_say_how_light_falls_off_falls_off_by_cos4(
+    renderer: FrameRenderer, tmp_path: Path
+) -> None:
+    sheet = {"lens:model": "dataSheet", "lens:table:height": [0.0, 20.0], "lens:naturalVignetting": True}
+    thin = taken(renderer, tmp_path, **{"lens:naturalVignetting": True}).frame.color[..., 1]
+    np.testing.assert_allclose(taken(renderer, tmp_path, **sheet).frame.color[..., 1], thin, rtol=1e-3)
+    said = sheet | {"lens:table:vignetting": [1.0, 0.9]}
+    assert taken(renderer, tmp_path, **said).frame.color[0, 0, 1] > 1.5 * thin[0, 0]
+
+
 def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: Path) -> None:
     values = {"lens:transmittance": 0.81, "lens:neutralDensity": 0.6, "lens:breathing": True, "shutter:close": 0.5}
     read = open_wall(tmp_path, **SET, **values).exposure(CAMERA, 1.0)

@@ -19,7 +19,7 @@ from render.lens import DoubleArray
 from render.optics.focusing import FocusedLens
 from render.optics.ghosts import GhostPath, GhostRays, ghost_paths, trace_ghost
 from render.optics.glass import D_LINE_NM
-from render.optics.spectrum import Spectrum
+from render.optics.spectrum import Spectrum, band_nm
 from render.optics.surface_shape import sag_mm
 
 MAX_SLOPE = 4.5
@@ -75,7 +75,7 @@ def ghost_sheets(
     Args:
         lens: as focused.
         sources: what is bright.
-        light: the wavelengths that are traced.
+        light: the wavelengths that are traced; each is reflected as all that it stands for.
         iris_share: of its circle that the iris lets through: the picture is exposed for that.
         faintest: radiance below which, on its mean, a sheet is left out.
     """
@@ -146,7 +146,8 @@ def _sheets(
     sources = [job[0] for job in jobs]
     grids = np.stack([_grid(box, _FINE) for _, box, _ in jobs])
     wavelengths = np.array([light.wavelengths_nm[k] for _, _, k in jobs])
-    rays = _traced(lens, path, grids, sources, wavelengths)
+    colours = np.array([band_nm(light, k) for _, _, k in jobs]).T
+    rays = _traced(lens, path, grids, sources, wavelengths, colours)
     shape = (len(jobs), _FINE[1], _FINE[0])
     upright = np.sign(lens.first.entrance_pupil_magnification)
     places = np.zeros((*shape, CROSSINGS, 2))
@@ -185,7 +186,12 @@ def _pupil_mm2(lens: FocusedLens, iris_share: float) -> float:
 
 
 def _traced(
-    lens: FocusedLens, path: GhostPath, grids: DoubleArray, sources: Sequence[Source], wavelengths_nm: DoubleArray
+    lens: FocusedLens,
+    path: GhostPath,
+    grids: DoubleArray,
+    sources: Sequence[Source],
+    wavelengths_nm: DoubleArray,
+    colours_nm: DoubleArray | None = None,
 ) -> GhostRays:
     """Rays of grids ``(m, rows, columns, 2)``, each with its source turned onto +x, and the light that its distance gives."""
     count = grids.shape[1] * grids.shape[2]
@@ -201,7 +207,14 @@ def _traced(
         nearer = np.where(is_far, 1.0, (depths / ahead) ** 2 * ((1 + slopes**2) / (1 + across**2 + along**2)) ** 1.5)
     headings = np.stack([across, along, np.ones_like(across)], axis=-1)
     headings /= np.linalg.norm(headings, axis=-1, keepdims=True)
-    rays = trace_ghost(lens, path, points.reshape(-1, 3), headings.reshape(-1, 3), np.repeat(wavelengths_nm, count))
+    rays = trace_ghost(
+        lens,
+        path,
+        points.reshape(-1, 3),
+        headings.reshape(-1, 3),
+        np.repeat(wavelengths_nm, count),
+        None if colours_nm is None else np.repeat(colours_nm, count, axis=1),
+    )
     return GhostRays(rays.film_mm, rays.stops, rays.rim, rays.light * nearer.ravel(), rays.arrives)
 
 

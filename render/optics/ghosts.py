@@ -72,6 +72,7 @@ def trace_ghost(
     points_mm: DoubleArray,
     directions: DoubleArray,
     wavelength_nm: float | DoubleArray = D_LINE_NM,
+    colours_nm: DoubleArray | None = None,
 ) -> GhostRays:
     """Trace rays from the scene to the film by way of two reflections. Rims stop none: they are told.
 
@@ -81,10 +82,13 @@ def trace_ghost(
         points_mm: ``(n, 3)`` any point of each ray before the first surface, z as in `render.optics.tracing`.
         directions: ``(n, 3)`` unit vectors toward the film.
         wavelength_nm: of all rays, or ``(n,)`` of each.
+        colours_nm: ``(k, n)`` wavelengths that a ray stands for, whose mean is reflected: coatings are not of one colour. By
+            default its own.
     """
     count = len(points_mm)
     positions, headings = np.array(points_mm, np.float64), np.array(directions, np.float64)
-    rim, light = np.zeros(count), np.ones(count)
+    colours = np.atleast_2d(wavelength_nm) if colours_nm is None else colours_nm
+    rim, light = np.zeros(count), np.ones((len(colours), count))
     stops = []
     for step in _steps(lens.prescription, path):
         surface = lens.prescription.surfaces[step.surface]
@@ -95,12 +99,13 @@ def trace_ghost(
             stops.append(local[:, :2] / lens.stop_radius_mm)
         elif surface.semi_diameter_mm > 0:
             rim = np.maximum(rim, np.hypot(local[:, 0], local[:, 1]) / surface.semi_diameter_mm)
-        headings, passed = _met(lens.prescription, path, step, local, headings, wavelength_nm)
+        headings, passed = _met(lens.prescription, path, step, local, headings, wavelength_nm, colours)
         light = light * passed
     with np.errstate(invalid="ignore", divide="ignore"):
         film = positions[:, :2] + (lens.film_mm - positions[:, 2:]) * headings[:, :2] / headings[:, 2:]
-    arrives = np.isfinite(film).all(axis=1) & np.isfinite(light) & (headings[:, 2] > 0)
-    return GhostRays(film, np.stack(stops, axis=1), rim, light, np.asarray(arrives))
+    mean = light.mean(axis=0)
+    arrives = np.isfinite(film).all(axis=1) & np.isfinite(mean) & (headings[:, 2] > 0)
+    return GhostRays(film, np.stack(stops, axis=1), rim, mean, np.asarray(arrives))
 
 
 def _steps(prescription: Prescription, path: GhostPath) -> list[_Step]:
@@ -118,8 +123,9 @@ def _met(
     local: DoubleArray,
     headings: DoubleArray,
     wavelength_nm: float | DoubleArray,
+    colours_nm: DoubleArray,
 ) -> tuple[DoubleArray, DoubleArray]:
-    """Rays behind a surface or off it: their directions, and the share of light that they keep."""
+    """Rays behind a surface or off it: their directions, and the share of light that they keep, by colour or for all alike."""
     surface = prescription.surfaces[step.surface]
     front, behind = _indices(prescription, step.surface, wavelength_nm)
     before, after = (front, behind) if step.way in ("in", "off rear", "out") else (behind, front)
@@ -131,7 +137,7 @@ def _met(
     if is_mirror or is_twice_more:
         normal = _normals(surface, local)
         cosine = (normal * headings).sum(axis=1)
-        share = reflectance(before, after, cosine, wavelength_nm, _coating_nm(prescription, step.surface))
+        share = reflectance(before, after, cosine, colours_nm, _coating_nm(prescription, step.surface))
     if is_mirror:
         return headings - 2 * cosine[:, None] * normal, share
     bent, refracted = refract(surface, local, headings, before / after)

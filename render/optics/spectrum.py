@@ -17,6 +17,7 @@ from render.optics.glass import D_LINE_NM
 
 MAX_WAVELENGTHS = 64
 _SHORTEST_NM, _LONGEST_NM = 400.0, 700.0
+_BAND = 5
 
 # CIE 1931 2° colour matching functions as sums of Gaussian lobes that are wider on one side: amplitude, peak, width below, width
 # above (nm). Wyman, Sloan & Shirley 2013, "Simple Analytic Approximations to the CIE XYZ Color Matching Functions", section 2.2.
@@ -66,6 +67,18 @@ def spectrum(count: int) -> Spectrum:
     edges_nm = np.linspace(_LONGEST_NM, _SHORTEST_NM, count + 1)
     middles_nm = (edges_nm[1:] + edges_nm[:-1]) / 2
     return Spectrum(tuple(middles_nm.tolist()), _shares(edges_nm))
+
+
+def band_nm(light: Spectrum, index: int) -> DoubleArray:
+    """``(5,)`` wavelengths that one of a spectrum's stands for: of three lines, one for each channel, what makes up the channel
+    in even shares; of a finer spectrum, or of one line, itself alone.
+    """
+    if light is not THREE_LINES:
+        return np.full(_BAND, light.wavelengths_nm[index])
+    fine = spectrum(MAX_WAVELENGTHS)
+    channel = fine.rgb[::-1, int(np.argmax(light.rgb[index]))]
+    passed = np.cumsum(channel) - channel / 2
+    return np.asarray(np.interp((np.arange(_BAND) + 0.5) / _BAND, passed, fine.wavelengths_nm[::-1]))
 
 
 def colour_matching(wavelengths_nm: DoubleArray) -> DoubleArray:

@@ -11,13 +11,14 @@ from lens_kit import DOUBLE_GAUSS
 
 from render.frame import FrameRenderer
 from render.lens import Glass, IrisShape, Prescription, Surface
+from render.optics.coating import reflectance
 from render.optics.completion import completed
 from render.optics.focusing import FocusedLens, focused
 from render.optics.ghost_sheets import Source, ghost_sheets
 from render.optics.ghosts import GhostPath, ghost_paths, trace_ghost
 from render.optics.iris import transmission
 from render.optics.paraxial import paraxial_system
-from render.optics.spectrum import THREE_LINES, spectrum
+from render.optics.spectrum import THREE_LINES, Spectrum, band_nm, spectrum
 from render.optics.view import PinholeView
 from render.scene import DoubleArray, FloatArray
 from render.trace.ghost_pass import GhostPass
@@ -104,11 +105,19 @@ def test_a_coating_dims_ghosts_as_its_reflectance_says(ghost_pass: GhostPass) ->
     bare, coated = singlet(22.0), singlet(22.0, coating_nm=510.0)
     view = view_of(bare, 200, 200, 60.0)
     source = [Source((0.0, 0.0), WHITE)]
-    before = energy(ghost_pass.draw(ghost_sheets(bare, source, THREE_LINES), view, ROUND), view)
-    after = energy(ghost_pass.draw(ghost_sheets(coated, source, THREE_LINES), view, ROUND), view)
+    lines = Spectrum((650.0, 510.0, 475.0), np.eye(3))
+    before = energy(ghost_pass.draw(ghost_sheets(bare, source, lines), view, ROUND), view)
+    after = energy(ghost_pass.draw(ghost_sheets(coated, source, lines), view, ROUND), view)
     least = ((N - 1.38**2) / (N + 1.38**2)) ** 4 / ((N - 1) / (N + 1)) ** 4
     assert after[1] / before[1] == pytest.approx(least, rel=0.02)
     assert after[0] / before[0] > after[2] / before[2] > after[1] / before[1]
+    # one line for each channel stands for what makes up the channel
+    channels = energy(ghost_pass.draw(ghost_sheets(coated, source, THREE_LINES), view, ROUND), view)
+    for k in range(3):
+        band = reflectance(1.0, N, 1.0, band_nm(THREE_LINES, k), 510.0) * reflectance(
+            N, 1.0, 1.0, band_nm(THREE_LINES, k), 510.0
+        )
+        assert channels[k] == pytest.approx(band.mean(), rel=0.02)
 
 
 def test_the_picture_has_the_light_that_is_traced_ray_by_ray(ghost_pass: GhostPass) -> None:

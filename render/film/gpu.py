@@ -114,7 +114,7 @@ class FilmPass:
         self._scratch.release()
 
     def _add_stock(self, recipe: _Recipe, film: FilmSettings) -> None:
-        stock, printed = film.stock, film.print_stock
+        stock, printed = film.stock, None if film.process == "reversal" else film.print_stock
         if stock is None or (printed is None and film.process != "reversal"):
             raise SettingsError(f"film process {film.process} has no stock, or no print")
         tables = self._tables.of(film)

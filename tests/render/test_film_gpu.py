@@ -15,6 +15,7 @@ from render.film import FilmSettings, Grade, develop_on_film, film_settings
 from render.film.develop import expose
 from render.film.gpu import Exposure, FilmPass
 from render.film.settings import GrainSettings, HalationSettings
+from render.film.stock import print_stock
 from render.film.targets import small_scene
 from render.frame import FrameRenderer
 from render.gl.compat import GL
@@ -75,6 +76,12 @@ def test_every_stock_is_developed_alike(film_pass: FilmPass, name: str, gate_mm:
     film = replace(film, grain=GrainSettings(amount, seed=3), halation=HALATION)
 
     assert_alike(film_pass, small_scene(HEIGHT), film, Exposure(1.3, frame=7, gate_mm=gate_mm, seed=2**40))
+
+
+def test_a_slide_is_not_printed_whatever_print_there_is(film_pass: FilmPass) -> None:
+    film = replace(film_settings(FilmData(), name="velvia_50"), print_stock=print_stock("vision_2383"))
+
+    assert_alike(film_pass, small_scene(HEIGHT), film, Exposure(1.0, frame=1, gate_mm=SUPER_16))
 
 
 @pytest.mark.parametrize("radius_mm", [0.0, 0.01, 0.4, 5.0])

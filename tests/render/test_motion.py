@@ -84,6 +84,52 @@ def test_a_rolling_shutter_leans_what_moves(renderer: FrameRenderer, tmp_path: P
     assert np.abs(middles - straight).max() < 1
 
 
+SPOKES, TURN_DEG = 6, 120.0  # of the wheel, and how far it turns in a frame
+
+
+def write_wheel(path: Path, shutter: ShutterData) -> Path:
+    """A wheel of thin white spokes, 1 m in radius, 2 m before a pinhole that sees 2.4 by 1.2 m there; it turns anticlockwise."""
+    stage = Usd.Stage.Open(str(write_moving(path, shutter=shutter, closes=0.002)))
+    stage.RemovePrim("/card")
+    wheel = UsdGeom.Mesh.Define(stage, "/wheel")
+    points, half = [], 0.012
+    for angle in 2 * np.pi * np.arange(SPOKES) / SPOKES:
+        along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        points += [r * along + side * half * across for r, side in ((0.1, -1), (1.0, -1), (1.0, 1), (0.1, 1))]
+    wheel.CreatePointsAttr([Gf.Vec3f(float(x), float(y), -2) for x, y in points])
+    wheel.CreateFaceVertexCountsAttr([4] * SPOKES)
+    wheel.CreateFaceVertexIndicesAttr(list(range(4 * SPOKES)))
+    wheel.CreateDisplayColorAttr([Gf.Vec3f(1, 1, 1)])
+    turns = wheel.AddRotateZOp()
+    for frame in (1, 3):
+        turns.Set(TURN_DEG * (frame - 1), frame)
+    stage.Save()
+    return path
+
+
+@pytest.mark.parametrize(("direction", "sign"), [("down", 1), ("up", -1)])
+def test_a_rolling_shutter_bends_the_spokes_of_a_wheel(
+    renderer: FrameRenderer, tmp_path: Path, direction: str, sign: int
+) -> None:
+    """A line that is read at the share s of half a frame sees the wheel turned by s / 2 of its turn: the spoke at the angle
+    θ when the shutter opens is met on that line where φ = θ + ω·t(line), and nowhere else."""
+    rolling = ShutterData(type="rolling", direction=direction, travel_time=0.5 / 24)  # type: ignore[arg-type]
+    shot = Shot.open(write_wheel(tmp_path / "wheel.usda", rolling))
+    seen = coverage(renderer, shot, 100)
+    line, column = np.nonzero(seen > 0.6)
+    x, y = (column + 0.5 - WIDTH / 2) / 100, (HEIGHT / 2 - line - 0.5) / 100  # metres at the wheel
+    radius = np.hypot(x, y)
+    whole = (radius > 0.25) & (radius < 0.58)
+    read = (line + 0.5) / HEIGHT if sign > 0 else 1 - (line + 0.5) / HEIGHT
+    turned = np.degrees(np.arctan2(y, x)) - 0.5 * TURN_DEG * read
+    off = (turned + 180 / SPOKES) % (360 / SPOKES) - 180 / SPOKES
+    beside = np.abs(radius * np.sin(np.radians(off)))[whole]
+    assert np.count_nonzero(whole) > 400
+    assert beside.max() < 0.012 + 0.012, "within a pixel or so of the bent spoke"
+    straight = (np.degrees(np.arctan2(y, x)) + 180 / SPOKES) % (360 / SPOKES) - 180 / SPOKES
+    assert np.abs(radius * np.sin(np.radians(straight)))[whole].max() > 0.1, "and not of the straight one"
+
+
 def test_blades_that_open_slowly_soften_the_ends_of_a_trail(renderer: FrameRenderer, tmp_path: Path) -> None:
     leaf = ShutterData(type="leaf", efficiency=(0.0, 1.0, 0.0))
     shot = Shot.open(write_moving(tmp_path / "leaf.usda", shutter=leaf))

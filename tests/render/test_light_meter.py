@@ -213,3 +213,23 @@ def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_pat
     dark = open_shot(tmp_path, film_metering_mode="spot", lens_transmittance=0.0)
     with pytest.raises(CameraError, match="no light comes through the lens of /cam"):
         exposed(renderer, dark)
+
+
+def test_a_card_in_the_sun_reads_what_the_sun_makes_of_it_and_sunny_sixteen_exposes_it(
+    renderer: FrameRenderer, tmp_path: Path
+) -> None:
+    """100 000 lux on a matt grey of 18 % are 5 730 nits; and at f/16 for the reciprocal of the ISO it is right, as on the box."""
+    sunny = {"exposure_time": 1 / 400, "exposure_iso": 400.0, "exposure_fStop": 16.0}
+    shot = open_shot(tmp_path, **sunny)
+    sun = UsdLux.DistantLight.Define(shot.stage, "/sun")
+    sun.CreateIntensityAttr(200_000)  # on what faces it; the card is turned away by 60°, so that it does not mirror it
+    sun.CreateNormalizeAttr(True)
+    sun.AddRotateXOp().Set(-60.0)
+    card = UsdGeom.Gprim(shot.stage.GetPrimAtPath("/wall"))
+    card.GetDisplayColorAttr().Set([(0.18,) * 3])
+    said = LightMeter(renderer, shot, CAMERA, mode="spot").metered(1.0)
+    assert said.reading.luminance_nits == pytest.approx(0.18 * 100_000 / math.pi, rel=0.1)
+    assert said.reading.incident_lux == pytest.approx(100_000, rel=0.1)
+    assert said.reading.ev100 == pytest.approx(15.5, abs=0.2)
+    assert abs(said.reading.stops) < 0.5
+    assert said.lux_on_film == pytest.approx(math.pi * said.reading.luminance_nits / (4 * 16**2), rel=1e-6)

@@ -6,15 +6,18 @@ import json
 from pathlib import Path
 
 import pytest
-from cli_shots import Command
+from cli_shots import CAMERA, SQUARE, Command, write_shot
 
 from render.bench.film_plan import FINISHINGS
 
 pytestmark = pytest.mark.gl
 
 
-def test_film_is_measured_beside_the_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_film_is_measured_beside_the_frame(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "film.json"
+    monkeypatch.setattr("render.bench.film.write_demo", lambda folder: write_shot(folder / "a.usda", SQUARE, CAMERA))
 
     ended = Command(capsys)("bench", "film", "--quick", "--json", file)
 

@@ -195,7 +195,7 @@ def test_a_smaller_stop_holds_more_sharp_and_undo_takes_it_back(page: Page) -> N
 
 def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_path: Path) -> None:
     settled(page, time=1)
-    focal_length = page.get_by_label("Focal length").first
+    focal_length = page.get_by_role("textbox", name="Focal length")
     chooser, before = page.get_by_label("Lens on the camera"), focal_length.input_value()
     expect(chooser).to_have_value("")
 

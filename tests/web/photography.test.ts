@@ -29,6 +29,7 @@ const EXPOSURE: ExposureSettings = {
   shutterType: "global",
   shutterTravelS: 0,
   meteringMode: "manual",
+  meteringFocusPoint: "",
   meteringCompensationStops: 0,
   keys: {},
 };
@@ -108,6 +109,7 @@ describe("edits", () => {
     expect(on).toMatchObject({ do: "keySetting", of: "film", setting: "push", key: { time: 5, value: 0.5 } });
     const [off] = toggleSettingKey("film", "push", 0.5, 1, keyed("push"));
     expect(off).toMatchObject({ key: null, time: 1 });
+    expect(toggleSettingKey("focus", "focusDistanceM", Infinity, 5, {})).toMatchObject([{ key: { value: 1e5 } }]);
     expect(toggleSettingKey("focus", "solveStop", 1, 5, {})).toMatchObject([{ key: { interpolation: "held" } }]);
   });
 });

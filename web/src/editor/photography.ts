@@ -12,6 +12,7 @@ import {
   type FilmNumber,
   type FilmSettings,
   type GradeChoices,
+  type MeterAsked,
   type MeterMode,
   type MeterReading,
   type Photography,
@@ -37,7 +38,7 @@ export class CameraPhotography {
   readonly #document: ShotDocument;
   readonly #time: () => number;
   readonly #follow: NewestWins<At, Photography>;
-  readonly #followMeter: NewestWins<At & { mode: MeterMode | null }, MeterReading>;
+  readonly #followMeter: NewestWins<At & { asked: MeterAsked | null }, MeterReading>;
   readonly #service: Service;
   readonly #fail: (error: unknown) => void;
 
@@ -53,7 +54,7 @@ export class CameraPhotography {
       mostInFlight: 1,
     });
     this.#followMeter = new NewestWins({
-      load: ({ time, mode }, signal) => service.meter(document.view, time, mode, signal),
+      load: ({ time, asked }, signal) => service.meter(document.view, time, asked, signal),
       onResult: (value, { time, revision }) => (this.meter.value = { ...value, time, revision }),
       onError: fail,
       mostInFlight: 1,
@@ -66,15 +67,21 @@ export class CameraPhotography {
   );
 
   follow(time: number, moving: boolean, revision: number): void {
-    if (!this.#document.hasLens || (moving && !this.#document.dragging.peek())) return;
+    // While something moves, what is dragged is shown as it goes and the rest can wait.
+    if (!this.#document.hasLens || (moving && this.said.peek() !== null)) return;
     this.#follow.want({ request: { time, revision } });
   }
 
-  /** Meters the light; the device that draws pictures does it, so it is asked last. */
-  measure(time: number, revision: number, mode: MeterMode): void {
+  /**
+   * Meters the light; the device that draws pictures does it, so it is asked last.
+   *
+   * @param point name of the focus point that a spot is on; null for the camera's own spot.
+   */
+  measure(time: number, revision: number, mode: MeterMode, point: string | null): void {
     if (!this.#document.hasLens) return;
     const decides = this.said.peek()?.exposure.meteringMode !== "manual";
-    this.#followMeter.want({ request: { time, revision, mode: decides ? null : mode } });
+    const asked = decides ? null : { mode, point: mode === "spot" ? point : null };
+    this.#followMeter.want({ request: { time, revision, asked } });
   }
 
   /** Fetches what the picture can be graded by, once. */

@@ -258,9 +258,9 @@ export class Session {
   }
 
   /** Sets or removes a key of a setting at this time. */
-  toggleSettingKey(of: SettingsKind, setting: string, value: number, keys: Keyed): void {
+  toggleSettingKey(label: string, of: SettingsKind, setting: string, value: number, keys: Keyed): void {
     const change = toggleSettingKey(of, setting, value, this.playhead.time.value, keys);
-    void this.document.edit(`Key of ${setting}`, change);
+    void this.document.edit(`Key of ${label}`, change);
   }
 
   mountLensFile(file: File): void {

@@ -141,11 +141,14 @@ export function settingKeyAt(keys: Keyed, setting: string, time: number): Key | 
   return keys[setting]?.find((key) => sameTime(key.time, time)) ?? null;
 }
 
+/** What stands for infinity among the keys of a distance: a curve through infinity has no middle. */
+const FAR_AWAY_M = 100_000;
+
 /** Removes the key of a setting if there is one at the time, else sets one with the value that it has there. */
 export function toggleSettingKey(of: SettingsKind, setting: string, value: number, time: number, keys: Keyed): Change {
   const there = settingKeyAt(keys, setting, time);
   const isSwitch = setting === "solveStop" || setting === "drivenByPoints";
-  const key: Key = { time, value, interpolation: isSwitch ? "held" : "auto" };
+  const key: Key = { time, value: Math.min(value, FAR_AWAY_M), interpolation: isSwitch ? "held" : "auto" };
   return [{ do: "keySetting", of, setting, time: there?.time ?? time, key: there ? null : key }];
 }
 

@@ -20,6 +20,8 @@ export interface ExposureSettings {
   readonly shutterType: ShutterType;
   readonly shutterTravelS: number;
   readonly meteringMode: MeteringMode;
+  /** Name of the focus point that a spot is on; empty for a place. */
+  readonly meteringFocusPoint: string;
   /** What a meter that decides adds to middle grey. */
   readonly meteringCompensationStops: number;
   readonly keys: Keyed;
@@ -76,6 +78,13 @@ export interface ExposureReadout {
   readonly shutterTimeS: number;
   /** Luminance that comes out as middle grey. */
   readonly greyNits: number;
+}
+
+/** What a meter is to look at. */
+export interface MeterAsked {
+  readonly mode: MeterMode;
+  /** Name of the focus point that a spot is on; null for the camera's own spot. */
+  readonly point: string | null;
 }
 
 export interface MeterReading {

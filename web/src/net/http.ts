@@ -5,7 +5,7 @@ import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
-import type { GradeChoices, Libraries, MeterMode, MeterReading, Photography } from "../model/photography";
+import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import {
@@ -87,8 +87,8 @@ export class HttpService implements Service {
     return toPhotography(exposure, film, readout);
   }
 
-  async meter(view: View, time: number, mode: MeterMode | null, signal?: AbortSignal): Promise<MeterReading> {
-    const query = { time, ...(mode === null ? {} : { mode }) };
+  async meter(view: View, time: number, asked: MeterAsked | null, signal?: AbortSignal): Promise<MeterReading> {
+    const query = { time, ...(asked && { mode: asked.mode, ...(asked.point !== null && { point: asked.point }) }) };
     return toReading(
       await result(this.#client.GET("/v1/shots/{shot}/meter", { ...at(view, query), ...abortable(signal) })),
     );

@@ -4389,6 +4389,13 @@ export interface components {
              */
             readonly motion?: number;
             /**
+             * Motionby
+             * @description `moments` peels the scene at each of them, which is exact; `velocities` once an interval, which is quick.
+             * @default moments
+             * @enum {string}
+             */
+            readonly motionBy?: "moments" | "velocities";
+            /**
              * Ndstops
              * @description Of a neutral density filter; one that keeps the exposure of a single frame when left out.
              */

@@ -4,7 +4,7 @@ import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
-import type { GradeChoices, Libraries, MeterMode, MeterReading, Photography } from "../model/photography";
+import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 
@@ -48,7 +48,7 @@ export interface Service {
   /** Exposure, shutter, film and grade of a camera. */
   photography(view: View, time: number, signal?: AbortSignal): Promise<Photography>;
   /** What a light meter says; null looks at what the camera's own does. */
-  meter(view: View, time: number, mode: MeterMode | null, signal?: AbortSignal): Promise<MeterReading>;
+  meter(view: View, time: number, asked: MeterAsked | null, signal?: AbortSignal): Promise<MeterReading>;
   /** What the camera's picture can be graded by. */
   grades(view: View, time: number): Promise<GradeChoices>;
   curve(view: View, signal?: AbortSignal): Promise<Curve>;

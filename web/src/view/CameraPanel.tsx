@@ -19,6 +19,7 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
       session.playhead.time.value,
       session.document.revision.value,
       session.photography.meterMode.value,
+      session.selected.value,
     );
   });
   if (!said) return <p class="muted pad-all">Reading the camera…</p>;

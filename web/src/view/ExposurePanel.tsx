@@ -64,21 +64,52 @@ function Stop({ session, said }: PartProps): JSX.Element | null {
         format={(value) => (value === 0 ? "pinhole" : `${letter}${trim(value, 2)}`)}
         parse={(text) => parseQuantity(text.replace(/^[ft]\s*\/?/i, ""), "")}
       />
-      <label class="switch-row" title="On, stopping down darkens the picture as it deepens the focus">
-        <input
-          type="checkbox"
-          class="switch"
-          checked={byIris}
-          onChange={({ currentTarget: { checked } }) => {
-            session.photography.setExposureStop(checked ? "iris" : "exposure", exposure, lens.fStop);
-          }}
-        />
-        The iris exposes
-        <span class="aside muted" data-meter="t-stop">
+      <div class="stop-row">
+        <label class="switch-row" title="On, stopping down darkens the picture as it deepens the focus">
+          <input
+            type="checkbox"
+            class="switch"
+            checked={byIris}
+            onChange={({ currentTarget: { checked } }) => {
+              session.photography.setExposureStop(checked ? "iris" : "exposure", exposure, lens.fStop);
+            }}
+          />
+          The iris exposes
+        </label>
+        <Marking session={session} exposure={exposure} />
+        <span class="muted" title="The stop that the light goes by, with what the glass takes" data-meter="t-stop">
           {worth}
         </span>
-      </label>
+      </div>
     </>
+  );
+}
+
+const MARKINGS = {
+  f: "f-numbers: what the glass takes darkens the picture",
+  t: "T-stops, as on lenses for the cinema",
+};
+
+/** What the stops on the barrel are. */
+function Marking({ session, exposure }: { session: Session; exposure: ExposureSettings }): JSX.Element {
+  return (
+    <div class="group" role="radiogroup" aria-label="The stops are">
+      {(["f", "t"] as const).map((marking) => (
+        <button
+          key={marking}
+          type="button"
+          class="button small"
+          role="radio"
+          aria-checked={exposure.stopMarking === marking}
+          title={MARKINGS[marking]}
+          onClick={() => {
+            session.photography.setExposure("Stop marking", { stopMarking: marking }, exposure);
+          }}
+        >
+          {marking === "f" ? "f" : "T"}
+        </button>
+      ))}
+    </div>
   );
 }
 

@@ -81,7 +81,7 @@ export function Switch({ session, settings, name, label, hint, onEdit }: SwitchP
         keyed={(settings.keys[name] ?? []).length > 0}
         now={settingKeyAt(settings.keys, name, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey("focus", name, Number(settings[name]), settings.keys);
+          session.toggleSettingKey(label.toLowerCase(), "focus", name, Number(settings[name]), settings.keys);
         }}
       />
       <label class="switch-row" title={hint}>

@@ -20,3 +20,11 @@ export function Guides({ editor, session }: { editor: Editor; session: Session }
     </div>
   );
 }
+
+/** Where the light meter's spot is, while somebody looks at the meter. */
+export function MeterSpot({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
+  const meter = session.photography.meter.value;
+  if (editor.remembered.panel.value !== "camera" || meter?.mode !== "spot" || !meter.place) return null;
+  const [x, y] = meter.place;
+  return <div class="meter-spot" style={{ left: `${100 * x}%`, top: `${100 * y}%` }} />;
+}

@@ -7,9 +7,9 @@ import { formatDistance, parseDistance, type LengthUnit } from "../model/distanc
 import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../model/scale";
 import type { Readout } from "../model/shot";
 import { DepthStrip } from "./DepthStrip";
-import { Field } from "./Field";
 import { LensChooser } from "./LensChooser";
 import { trim } from "./numbers";
+import { Setting } from "./Setting";
 
 interface LensPanelProps {
   readonly editor: Editor;
@@ -39,10 +39,15 @@ export function LensPanel({ editor, session, unit }: LensPanelProps): JSX.Elemen
 
 function LensFields({ session, readout, unit }: { session: Session; readout: Readout; unit: LengthUnit }): JSX.Element {
   const fresh = session.document.fresh.value;
+  const keys = session.document.focusSettings.value?.keys ?? {};
   const pointsSetStop = readout.focusMode !== "manual" && session.document.focusSettings.value?.solveStop === true;
   return (
     <div class="fields">
-      <Field
+      <Setting
+        session={session}
+        of="focus"
+        setting="fStop"
+        keys={keys}
         label="f-number"
         value={readout.fStop}
         scale={F_NUMBERS}
@@ -54,7 +59,11 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         parse={(text) => parseNumber(text, /^[ft]?\s*\/?\s*([\d.]+)$/i)}
         startDrag={() => session.dragLens("f-number", "fStop", readout)}
       />
-      <Field
+      <Setting
+        session={session}
+        of="focus"
+        setting="focalLengthMm"
+        keys={keys}
         label="Focal length"
         value={readout.focalLengthMm}
         scale={FOCAL_LENGTHS_MM}
@@ -64,7 +73,11 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         parse={(text) => parseNumber(text, /^([\d.]+)\s*(?:mm)?$/i)}
         startDrag={() => session.dragLens("focal length", "focalLengthMm", readout)}
       />
-      <Field
+      <Setting
+        session={session}
+        of="focus"
+        setting="focusDistanceM"
+        keys={keys}
         label="Focus distance"
         value={readout.focusDistanceM}
         scale={FOCUS_DISTANCES_M}

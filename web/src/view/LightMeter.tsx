@@ -2,7 +2,13 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../editor/session";
-import { formatStops, type ExposureSettings, type MeterMode, type MeterReading } from "../model/photography";
+import {
+  formatStops,
+  type ExposureChange,
+  type ExposureSettings,
+  type MeterMode,
+  type MeterReading,
+} from "../model/photography";
 import { parseQuantity, trim } from "./numbers";
 import { Setting } from "./Setting";
 import { COMPENSATIONS } from "../model/scale";
@@ -14,7 +20,7 @@ const MODE_NAMES: Readonly<Record<MeterMode, string>> = { center: "Centre", aver
 const LOOKS_AT: Readonly<Record<MeterMode, string>> = {
   center: "The whole picture, its middle most",
   average: "The whole picture alike",
-  spot: "One degree, at the selected focus point or in the middle",
+  spot: "One degree, on the selected focus point or in the middle",
 };
 
 interface MeterProps {
@@ -41,9 +47,12 @@ export function LightMeter({ session, exposure }: MeterProps): JSX.Element {
 }
 
 /** What it looks at, and whether it decides. */
-function Head({ session: { photography }, exposure }: MeterProps): JSX.Element {
+function Head({ session, exposure }: MeterProps): JSX.Element {
+  const { photography } = session;
   const decides = exposure.meteringMode !== "manual";
   const mode = exposure.meteringMode === "manual" ? photography.meterMode.value : exposure.meteringMode;
+  const decideBy = (meteringMode: MeterMode): ExposureChange =>
+    meteringMode === "spot" ? { meteringMode, meteringFocusPoint: session.selected.value ?? "" } : { meteringMode };
   return (
     <div class="meter-head">
       <div class="group" role="radiogroup" aria-label="What the meter looks at">
@@ -57,7 +66,7 @@ function Head({ session: { photography }, exposure }: MeterProps): JSX.Element {
             title={LOOKS_AT[choice]}
             onClick={() => {
               photography.meterMode.value = choice;
-              if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, { meteringMode: choice }, exposure);
+              if (decides) photography.setExposure(`Meter: ${MODE_NAMES[choice]}`, decideBy(choice), exposure);
             }}
           >
             {MODE_NAMES[choice]}
@@ -71,7 +80,7 @@ function Head({ session: { photography }, exposure }: MeterProps): JSX.Element {
           checked={decides}
           onChange={({ currentTarget: { checked } }) => {
             const label = checked ? "Expose by the meter" : "Expose by hand";
-            photography.setExposure(label, { meteringMode: checked ? mode : "manual" }, exposure);
+            photography.setExposure(label, checked ? decideBy(mode) : { meteringMode: "manual" }, exposure);
           }}
         />
         Auto
@@ -160,7 +169,7 @@ function Readings({ meter }: { meter: MeterReading | null }): JSX.Element {
   return (
     <dl class="readout">
       <Reading name="Light" value={meter && Number.isFinite(meter.ev100) ? `EV ${trim(meter.ev100, 1)}` : "–"} />
-      <Reading name="Luminance" value={meter ? `${amount(meter.luminanceNits)} nits` : "–"} />
+      <Reading name="Seen" value={meter ? `${amount(meter.luminanceNits)} nits` : "–"} />
       <Reading name="Incident" value={meter ? `${amount(meter.incidentLux)} lx` : "–"} />
       <Reading name="Off by" value={meter && Number.isFinite(meter.stops) ? formatStops(meter.stops) : "–"} />
     </dl>

@@ -26,7 +26,7 @@ export function Setting({ session, of, setting, keys, keyValue, ...field }: Sett
         keyed={(keys[setting] ?? []).length > 0}
         now={settingKeyAt(keys, setting, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey(of, setting, keyValue ?? field.value, keys);
+          session.toggleSettingKey(field.label.toLowerCase(), of, setting, keyValue ?? field.value, keys);
         }}
       />
       <Field {...field} />

@@ -7,7 +7,7 @@ import type { Editor } from "../editor/editor";
 import type { ClickIntent, Session } from "../editor/session";
 import { letterbox, MOTION_MOMENTS } from "../model/quality";
 import { formatFrame } from "../model/time";
-import { Guides } from "./Guides";
+import { Guides, MeterSpot } from "./Guides";
 import { usePixelRatio, useSize } from "./hooks";
 import { Icon } from "./icons";
 import { Markers, Picking } from "./Markers";
@@ -61,6 +61,7 @@ function Picture({ editor, session }: { editor: Editor; session: Session }): JSX
       <div class="picture" style={style}>
         <Canvas session={session} />
         <Guides editor={editor} session={session} />
+        <MeterSpot editor={editor} session={session} />
         {editor.remembered.markers.value === "on" && <Markers session={session} unit={editor.remembered.unit.value} />}
         <Picking session={session} />
       </div>

@@ -56,6 +56,10 @@ class LongExposureBegin(Model):
         le=MAX_MOTION,
         description="Moments of each interval; 1 takes as many as it needs for trails without gaps.",
     )
+    motion_by: Literal["moments", "velocities"] = Field(
+        default="moments",
+        description="`moments` peels the scene at each of them, which is exact; `velocities` once an interval, which is quick.",
+    )
     shading: Literal["lit", "unlit"] = Field(default="lit", description="`unlit`: base colour as radiance.")
     seed: int = Field(default=0, ge=0, description="Of the sampling pattern.")
     film: str | None = Field(

@@ -68,9 +68,11 @@ def shot(tmp_path_factory: pytest.TempPathFactory) -> Shot:
     return Shot.open(write_lights(tmp_path_factory.mktemp("lights") / "lights.usda"))
 
 
-def exposed(renderer: FrameRenderer, shot: Shot, spec: str, **asked: object) -> LongExposure:
+def exposed(
+    renderer: FrameRenderer, shot: Shot, spec: str, settings: FrameSettings = SETTINGS, nd_stops: float | None = None
+) -> LongExposure:
     openings = parse_openings(spec)
-    exposure = LongExposure(renderer, shot, "/cam", openings[0].first, SETTINGS, grade=Grade(), **asked)  # type: ignore[arg-type]
+    exposure = LongExposure(renderer, shot, "/cam", openings[0].first, settings, nd_stops=nd_stops, grade=Grade())
     for opening in openings:
         for begin, end in opening.intervals():
             exposure.expose(begin, end)
@@ -101,6 +103,15 @@ def test_ten_seconds_of_lights_equal_their_sum_in_closed_form(renderer: FrameRen
     assert line[44:196].mean() == pytest.approx(4 / 160, rel=1e-3)
     state = exposure.state
     assert (state.open_seconds, state.intervals, state.gain) == (SECONDS, 60, 1.0)
+
+
+def test_by_velocities_it_is_the_same_trail(renderer: FrameRenderer, shot: Shot) -> None:
+    quick = replace(SETTINGS, motion_by="velocities", rays=64)
+    line = line_of(exposed(renderer, shot, f"1:{CLOSES}x12", quick))
+    wanted = share_of_time(40, 200, 2)
+    assert line[19:21] == pytest.approx(1.0, abs=1e-6)
+    assert line[30:].sum() == pytest.approx(4.0, rel=5e-3)
+    assert line[30:] == pytest.approx(wanted[30:], abs=0.1 * wanted.max())
 
 
 @pytest.mark.parametrize("step", [5, 17])

@@ -74,7 +74,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--rays",
         type=int,
-        help=f"for each pixel (default: {usual.rays}); twice as many where small lights are much blurred, a quarter for each "
+        help=f"for each pixel (default: {usual.rays}); twice as many where small lights are much blurred, half for each "
         "interval of a long exposure",
     )
     parser.add_argument("--only", metavar="LIST", help="these entries alone, by their files' names, commas between")

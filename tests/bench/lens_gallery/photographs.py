@@ -116,7 +116,7 @@ class Photographer:
                 picture = make_picture(self._renderer, self._shot, None, entry.frame, settings, stock=stock)
                 shutter = f"{math.degrees(exposure.shutter_angle_rad):.0f}° in {entry.motion} moments"
             else:
-                few = replace(settings, rays=max(1, size.rays // 4))
+                few = replace(settings, rays=max(1, size.rays // 2), motion_by="velocities")
                 taken = LongExposure(
                     self._renderer, self._shot, None, entry.frame, few, nd_stops=entry.nd_stops, stock=stock
                 )

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from pxr import Usd
 
 from render.errors import PullfocusError
 from render.shot.finish import finish_of
 from render.shot.shot import Shot
 from render.stage import Finding
+from usd_schemas.keys import keys
 from usd_schemas.validation import Problem
+from usd_schemas.values import is_animated
 
 _SQUARE = (64, 64)  # a picture's size, which no finish depends on
+_KEYS_LOOKED_AT = 50  # of a camera, or a few more
 
 
 def finish_findings(shot: Shot, time: float, validation: Iterable[Problem]) -> Iterator[Finding]:
-    """A finding for each camera whose pictures could not be finished at a time: what `record` would end with.
+    """A finding for each camera whose pictures could not be finished: what `record` would end with.
 
     Args:
         shot: the shot.
-        time: USD time code.
+        time: USD time code that is looked at first; then those of the keys of film and grade.
         validation: what the validators found: a camera with a wrong ``film:*`` in it is told of already.
 
     Yields:
@@ -28,11 +34,33 @@ def finish_findings(shot: Shot, time: float, validation: Iterable[Problem]) -> I
     for path in shot.cameras():
         if any(own.startswith(f"{path}.film:") for own in told):
             continue
-        try:
-            camera = shot.camera_at(path, time, *_SQUARE)
-        except PullfocusError:
-            continue
-        try:
-            finish_of(shot.stage, camera, time)
-        except PullfocusError as error:
-            yield Finding(error.code, path, error.detail)
+        for when in _times(shot.stage.GetPrimAtPath(path), time):
+            found = _unfinished(shot, path, when)
+            if found is not None:
+                yield found if when == time else replace(found, message=f"{found.message} (at time code {when:g})")
+                break
+
+
+def _times(prim: Usd.Prim, first: float) -> list[float]:
+    """The time, and those at which film or grade have keys; some of them where they are many."""
+    keyed = {
+        key.time
+        for attribute in prim.GetPropertiesInNamespace("film")
+        if isinstance(attribute, Usd.Attribute) and is_animated(attribute)
+        for key in keys(attribute)
+    }
+    others = sorted(keyed - {first})
+    return [first, *others[:: max(1, len(others) // _KEYS_LOOKED_AT)]]
+
+
+def _unfinished(shot: Shot, path: str, time: float) -> Finding | None:
+    """What is wrong with a camera's finish at a time; nothing where the camera itself cannot be read."""
+    try:
+        camera = shot.camera_at(path, time, *_SQUARE)
+    except PullfocusError:
+        return None
+    try:
+        finish_of(shot.stage, camera, time)
+    except PullfocusError as error:
+        return Finding(error.code, path, error.detail)
+    return None

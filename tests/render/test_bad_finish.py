@@ -95,6 +95,16 @@ def test_inspect_finds_it_without_a_picture(pullfocus: Command, bad: tuple[Path,
     assert all(word in about[0] for word in words)
 
 
+def test_a_key_that_makes_no_sense_is_found_where_it_stands(pullfocus: Command, tmp_path: Path) -> None:
+    camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').rstrip().removesuffix("}")
+    says = "double3 film:cdl:power.timeSamples = {1: (1, 1, 1), 9: (1, 0, 1), 12: (0, 0, 0)}\n    }\n"
+
+    found = json.loads(pullfocus("inspect", write_shot(tmp_path / "a.usda", SQUARE, camera + says), "--json").out)
+
+    [note] = found["notes"]
+    assert "power must be three numbers above 0, got 1, 0, 1 (at time code 9)" in note["message"]
+
+
 def test_a_finish_that_can_be_made_is_no_finding(pullfocus: Command, tmp_path: Path) -> None:
     camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').rstrip().removesuffix("}")
     says = 'token film:process = "negative"\n        string film:stock = "5219"\n    }\n'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -104,6 +105,25 @@ def add_frames(parser: argparse.ArgumentParser, without: str) -> None:
     parser.add_argument(
         "--frames", "-f", metavar="SPEC", help=f"such as 1:48 or 1,5:9x2, ends included; without it {without}"
     )
+
+
+def place(option: str, typed: str) -> tuple[float, float]:
+    """A place in the picture: 0,0 is its top left corner and 1,1 the bottom right one.
+
+    Args:
+        option: where it was typed, for the message.
+        typed: what the user typed.
+
+    Raises:
+        SettingsError: it is none.
+    """
+    try:
+        x, y = map(float, split_words(typed))
+    except ValueError:
+        x = y = math.nan
+    if not (0 <= x <= 1 and 0 <= y <= 1):
+        raise SettingsError(f"{option} takes a place in the picture such as 0.5,0.5, got {typed!r}")
+    return x, y
 
 
 def known_words(text: str, known: Sequence[str], option: str) -> tuple[str, ...]:

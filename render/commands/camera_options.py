@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from render.commands import arguments as shared
 from render.commands.report import say
 from render.errors import SettingsError
+from render.near_names import hint
 from render.optics.exposure import ExposureSettings, shutter_time_s
 from render.optics.framing import Gate, framing_guide, shape
 from render.output import format_of
@@ -25,7 +26,7 @@ if TYPE_CHECKING:  # matplotlib takes a second, and few ask for guides
 Viewed = Callable[[FloatArray, Camera], FloatArray]
 """A graded picture and the camera that took it, to the picture as it is looked at."""
 STOPS = ("exposure", "iris")
-METERING = ("manual", "spot", "center", "average")
+METERING = ("manual", "center", "average", "spot")
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="have ideal lenses darken the corners by cos⁴, as real ones do",
     )
-    group.add_argument("--metering", choices=METERING, help="expose by a light meter; see pullfocus meter")
+    group.add_argument(
+        "--metering",
+        metavar="MODE",
+        help="expose by a light meter, or not: manual, center, average, spot, spot:NAME of a focus point, or spot:X,Y; see"
+        " pullfocus meter",
+    )
     group.add_argument(
         "--guides",
         metavar="LIST",
@@ -196,8 +202,8 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
         "exposure_stop": arguments.expose_by,
         "stop_marking": arguments.stops_are,
         "natural_vignetting": True if arguments.natural_vignetting else None,
-        "metering_mode": arguments.metering,
     }
+    asked |= {} if arguments.metering is None else _metering(arguments.metering)
     return AskedCamera(
         body=_body(arguments.body),
         crop=None if arguments.crop is None else shape(arguments.crop),
@@ -214,6 +220,23 @@ def _body(name: str | None) -> LibraryBody | None:
         return None if name is None else library_body(name)
     except SchemaError as error:
         raise SettingsError(f"--body: {error}", code="unknown_body") from error
+
+
+def _metering(typed: str) -> dict[str, Any]:
+    """What is asked of the light meter, by the names that `Shot.set_photography` has."""
+    mode, _, spot = typed.partition(":")
+    if mode not in METERING or (spot and mode != "spot"):
+        known = f"{', '.join(METERING)}, spot:NAME or spot:X,Y"
+        raise SettingsError(f"--metering takes {known}, got {typed!r}: {hint(mode, METERING)}")
+    if not spot:
+        return {"metering_mode": mode}
+    if "," in spot:
+        return {
+            "metering_mode": mode,
+            "metering_focus_point": "",
+            "metering_spot": shared.place("--metering spot:", spot),
+        }
+    return {"metering_mode": mode, "metering_focus_point": spot}
 
 
 def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:

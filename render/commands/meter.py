@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
@@ -107,22 +106,12 @@ def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.point is not None:
         asked["focus_point"] = arguments.point
     if arguments.spot is not None:
-        asked |= {"focus_point": "", "spot": _place(arguments.spot)}
+        asked |= {"focus_point": "", "spot": shared.place("--spot", arguments.spot)}
     if arguments.point is not None or arguments.spot is not None:
         if arguments.mode not in (None, "spot"):
             raise SettingsError(f"--point and --spot are for --mode spot, got {arguments.mode}")
         asked["mode"] = "spot"
     return {name: value for name, value in asked.items() if value is not None}
-
-
-def _place(typed: str) -> tuple[float, float]:
-    try:
-        x, y = map(float, shared.split_words(typed))
-    except ValueError:
-        x = y = math.nan
-    if not (0 <= x <= 1 and 0 <= y <= 1):
-        raise SettingsError(f"--spot takes a place in the picture such as 0.5,0.5, got {typed!r}")
-    return x, y
 
 
 def _metered(shot: Shot, camera: str, frames: Sequence[float], shading: str, asked: dict[str, Any]) -> list[Metered]:

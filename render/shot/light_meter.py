@@ -20,6 +20,7 @@ import numpy as np
 from render.errors import CameraError, SettingsError
 from render.frame_settings import FrameSettings
 from render.lens import Lens
+from render.near_names import hint
 from render.optics.distortion import seen_at, shown_at
 from render.optics.exposure import MAX_COMPENSATION_STOPS, ExposureSettings
 from render.optics.metering import SPOT_ANGLE_RAD, MeterMode, Reading, meter, smoothed_keys
@@ -206,10 +207,7 @@ class LightMeter:
     def _point(self, time: float, name: str, view: PinholeView) -> Place:
         points = {placed.point.name: placed for placed in self._shot.focus_points(self._path, time)}
         if name not in points:
-            raise SettingsError(
-                f"camera {self._path} has no focus point named {name!r} to meter, it has: {', '.join(points) or 'none'}",
-                code="bad_meter",
-            )
+            raise SettingsError(f"no focus point to meter is named {name!r}: {hint(name, points)}", code="bad_meter")
         position_m = points[name].position_m
         places, _ = view.project(np.array([position_m if position_m is not None else [math.nan] * 3]))
         return float(places[0, 0]), float(places[0, 1])

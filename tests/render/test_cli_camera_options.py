@@ -77,6 +77,8 @@ def test_metered_for_one_run(command: Command, tmp_path: Path) -> None:
     luminance = [0.27222872, 0.67408177, 0.05368952]
     spot = recorded(command, tmp_path, "spot.exr", "--metering", "spot")[16, 24, :3] @ luminance
     assert spot == pytest.approx(MIDDLE_GREY, rel=0.02)
+    corner = recorded(command, tmp_path, "corner.exr", "--metering", "spot:0.5,0.45")[16, 24, :3] @ luminance
+    assert corner == pytest.approx(MIDDLE_GREY, rel=0.02)
     more = recorded(command, tmp_path, "more.exr", "--metering", "spot", "--compensation", 1)[16, 24, :3] @ luminance
     assert more == pytest.approx(2 * spot, rel=1e-3)
 
@@ -134,6 +136,12 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--guides", "thrids"], "did you mean 'thirds'"),
         (["--guides", "0:1"], "there is no framing guide named '0:1'"),
         (["--crop", "2.93"], "there is no picture of the shape '2.93': did you mean '2.39:1'"),
+        (
+            ["--metering", "matrix"],
+            "--metering takes manual, center, average, spot, spot:NAME or spot:X,Y, got 'matrix'",
+        ),
+        (["--metering", "average:hero"], "got 'average:hero'"),
+        (["--metering", "spot:2,2"], "--metering spot: takes a place in the picture such as 0.5,0.5, got '2,2'"),
         (["--iso", 0], "must be"),
         (["--exposure-time", "fast"], "--exposure-time takes seconds such as 0.02 or 1/50, got 'fast'"),
         (["--exposure-time", "1/0"], "--exposure-time takes seconds such as 0.02 or 1/50, got '1/0'"),

@@ -167,4 +167,4 @@ def test_a_black_shot_and_an_unknown_point_are_told(command: Command, tmp_path: 
     assert ended.status == 1
     assert "nothing to meter: every frame is black where the meter looks" in ended.err
     assert not (tmp_path / "keys.usda").exists()
-    assert "no focus point named 'midle' to meter, it has: middle" in command("meter", black, "--point", "midle").err
+    assert "no focus point to meter is named 'midle': did you mean 'middle'?" in command("meter", black, "--point", "midle").err

@@ -200,11 +200,11 @@ def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_p
 
 def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_path: Path) -> None:
     lost = open_shot(tmp_path, film_metering_mode="spot", film_metering_focusPoint="lampe")
-    with pytest.raises(CameraError, match="no focus point named 'lampe' to meter, it has: lamp, away"):
+    with pytest.raises(CameraError, match="camera /cam: no focus point to meter is named 'lampe': did you mean 'lamp'"):
         exposed(renderer, lost)
     (told,) = [finding.message for finding in lost.findings() if finding.code == "metering_point"]
     assert told == "/cam meters the focus point 'lampe', which it does not have: did you mean 'lamp'?"
-    with pytest.raises(SettingsError, match="no focus point named 'nobody'"):
+    with pytest.raises(SettingsError, match="no focus point to meter is named 'nobody'"):
         LightMeter(renderer, lost, CAMERA, mode="spot", focus_point="nobody").metered(1.0)
     with pytest.raises(SettingsError, match="metering must be one of manual, spot, center, average, got matrix"):
         LightMeter(renderer, lost, CAMERA, mode="matrix")

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from render.lens import DoubleArray, IrisShape
+from render.optics.glass import D_LINE_NM
 from render.optics.iris import rim_radius, transmission
 from render.optics.spectrum import Spectrum, spectrum
 from render.scene import FloatArray
@@ -22,6 +23,7 @@ VISIBLE = spectrum(24)
 _DIRECTIONS, _SHIFTS = 720, 512  # at least so many directions in half a turn
 _ROUND = 512  # corners of the iris between two neighbouring ones of its blades, or of a round one
 _CHORDS = 2048
+_CORE, _LEAST_CORE_PX = 3.0, 2.0  # of a star, in λ/D and at least
 _SIDE = 512
 # Of a picture's frequencies, in cycles a pixel, away from 0: those that look alike on its pixels. As many lie on either side of
 # half a cycle, so that the sum has no kink there, which would draw every other pixel too bright.
@@ -65,7 +67,7 @@ def star(
             the entrance pupil's diameter in nanometres.
         width: of the picture in pixels.
         height: likewise.
-        strength: 1 as it is; light far from its source grows in proportion.
+        strength: 1 as it is; light away from its source grows in proportion.
         light: the wavelengths.
     """
     turn_rad = iris.rotation_rad if iris.mask is None else 0.0
@@ -82,7 +84,7 @@ def _star(
     strength: float,
     light: Spectrum,
 ) -> Star:
-    table = _overlap(shape, light, strength)
+    table = _overlap(shape, light)
     padded = _padded(height), _padded(width)
     down = np.asarray(np.fft.fftfreq(padded[0])[:, None], np.float64)
     across = np.asarray(np.fft.rfftfreq(padded[1])[None], np.float64)
@@ -92,6 +94,10 @@ def _star(
     for start in range(0, padded[0], _ROWS):
         rows = slice(start, start + _ROWS)
         transfer[rows] = _transfer(table, across, down[rows], shift, turn_rad)
+    if strength != 1:
+        core_px = max(_CORE * max(spread_px) * D_LINE_NM, _LEAST_CORE_PX)
+        for channel in range(3):
+            transfer[..., channel] = _strengthened(transfer[..., channel], padded, strength, core_px)
     white = np.ones((height, width, 3), np.float32)
     return Star(transfer, _convolved(white, transfer, padded), padded)
 
@@ -112,6 +118,18 @@ def _transfer(
             total = total + weight * _looked_up(table, x * shift[0], -y * shift[1], turn_rad)
             whole = whole + weight
     return np.asarray(total / whole)
+
+
+def _strengthened(transfer: FloatArray, padded: tuple[int, int], strength: float, core_px: float) -> DoubleArray:
+    """The transfer of a star some times as strong: a weaker one all around its source, a stronger one away from the core alone,
+    lest it blur the picture. What light it has more, the source has less; where that is too much, all of it is dimmed."""
+    kernel = np.fft.irfft2(transfer, padded)
+    down, across = (np.fft.fftfreq(side) * side for side in padded)
+    away = np.clip(np.hypot(across, down[:, None]) / core_px - 1, 0.0, 1.0)
+    kernel *= 1 + (strength - 1) * (away if strength > 1 else 1.0)
+    kernel[0, 0] = 0.0
+    kernel[0, 0] = max(1 - kernel.sum(), 0.0)
+    return np.asarray(np.fft.rfft2(kernel / kernel.sum()).real)
 
 
 def _convolved(picture: FloatArray, transfer: FloatArray, padded: tuple[int, int]) -> FloatArray:
@@ -153,12 +171,9 @@ class _Shape:
 
 
 @lru_cache(maxsize=8)
-def _overlap(shape: _Shape, light: Spectrum, strength: float) -> DoubleArray:
+def _overlap(shape: _Shape, light: Spectrum) -> DoubleArray:
     """``(directions, _SHIFTS + 1, 3)`` share of the iris that overlaps itself, by direction over half a turn and by the root
     of the shift at the shortest wavelength, in diameters; the mean over the spectrum for each channel.
-
-    Of a strength, the power of it: with it the light that is taken off at small shifts grows in proportion, which is what lands
-    far from its source.
     """
     iris = shape.iris
     # Along and across a blade the overlap's change over the direction has a kink: those directions are among the table's.
@@ -173,7 +188,7 @@ def _overlap(shape: _Shape, light: Spectrum, strength: float) -> DoubleArray:
         at = np.minimum(np.sqrt(shifts * wavelength_nm / shortest_nm), 1.0) * _SHIFTS
         low = np.minimum(at.astype(np.int64), _SHIFTS - 1)
         share = at - low
-        mixed += ((one[:, low] * (1 - share) + one[:, low + 1] * share) ** strength)[..., None] * rgb
+        mixed += (one[:, low] * (1 - share) + one[:, low + 1] * share)[..., None] * rgb
     return mixed
 
 

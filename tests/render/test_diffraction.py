@@ -137,6 +137,13 @@ def test_strength_multiplies_what_lands_far_from_its_source() -> None:
     iris = IrisShape(blades=4)
     spike = [along(of_green(iris, 0.05, strength=s).spread(point()), np.pi / 4, radii).sum() for s in (1.0, 3.0)]
     assert spike[1] / spike[0] == pytest.approx(3.0, rel=0.05)
+    none, half, whole, twice = (of_green(iris, 2.0, strength=s).spread(point())[..., 1] for s in (0, 0.5, 1, 2))
+    np.testing.assert_allclose(none, point()[..., 1], atol=1e-6)
+    core = np.s_[125:132, 125:132]
+    np.testing.assert_allclose(half[core], (whole + none)[core] / 2, rtol=0.02)
+    around = whole[core] < whole.max()
+    np.testing.assert_allclose(twice[core][around], whole[core][around], rtol=0.01)  # it is no blur
+    assert twice.sum() == pytest.approx(whole.sum(), rel=0.01)
 
 
 def test_a_squeezed_pupil_spreads_wider_across() -> None:

@@ -18,6 +18,7 @@ from render.optics.exposure import ExposureSettings, equivalent
 from render.optics.view import PinholeView
 from render.scene import DoubleArray
 from render.shot import Picture, Shot, make_picture
+from render.shot.lens_choice import choose_lens
 from usd_schemas.applying import apply
 
 CAMERA = "/cam"
@@ -223,6 +224,18 @@ def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: 
     assert read.reading(4 * read.grey_nits).stops == pytest.approx(2)
     assert {round(e.scale / read.settings.scale, 9) for e in read.equivalents()} == {1.0}
     assert [round(e.f_stop, 1) for e in read.equivalents((-1, 0, 1))] == [2.0, 2.8, 4.0]
+
+
+def test_glass_that_does_not_open_as_far_as_it_is_set_exposes_by_what_it_reaches(tmp_path: Path) -> None:
+    shot = open_wall(tmp_path, **SET, **{"film:exposure:stop": "iris", "focusDistance": 4.0})
+    shot.mount_lens(CAMERA, choose_lens("planar_50"))
+    shot.set_camera(CAMERA, f_stop=0.5)
+    read = shot.exposure(CAMERA, 1.0)
+    assert read.path is not None
+    assert read.settings.f_stop == read.path.f_stop
+    assert 1.3 < read.path.f_stop < 1.5
+    shot.set_camera(CAMERA, f_stop=4.0)
+    assert shot.exposure(CAMERA, 1.0).settings.f_stop == pytest.approx(4, rel=1e-3)
 
 
 def test_what_the_picture_is_multiplied_by_is_what_the_readout_says(tmp_path: Path) -> None:

@@ -146,7 +146,7 @@ def _write(exposure: LongExposure, file: Path, viewed: Viewed) -> None:
 
 
 def _words(state: LongExposureState) -> str:
-    return f"{state.open_seconds:.4g} s ({state.open_frames:g} frames)"
+    return f"{state.open_seconds:.4g} s ({state.open_frames:g} frame{'' if state.open_frames == 1 else 's'})"
 
 
 def _as_json(state: LongExposureState) -> dict[str, Any]:

@@ -91,7 +91,7 @@ def _layout(sheet: ContactSheet) -> _Layout:
     if len(sheet.axes) == 1 and count > _MOST_COLUMNS:
         rows = math.ceil(count / _MOST_COLUMNS)
         columns = math.ceil(count / rows)
-    return _Layout(width, height, columns, math.ceil(count / columns), min(max(width / _USUAL_PX, 0.6), 4.0))
+    return _Layout(width, height, columns, math.ceil(count / columns), min(max(width / _USUAL_PX, 0.75), 4.0))
 
 
 def _write_head(figure: Figure, sheet: ContactSheet, layout: _Layout) -> None:
@@ -153,7 +153,7 @@ def _data(picture: ContactPicture) -> list[str]:
         told.append(f"T{exposure.path.t_stop:.3g}")
     told.append(f"EV {exposure.ev100:.1f}")
     if exposure.settings.compensation_stops:
-        told.append(f"{exposure.settings.compensation_stops:+.2g} stops")
+        told.append(f"{exposure.settings.compensation_stops:+.2g} stops".replace("-", "−"))
     if lens.f_stop > 0:
         sharp = f"focus {metres(lens.focus_distance_m)}, sharp {lens.near_m:.3g} to {metres(lens.far_m)}"
     else:

@@ -128,21 +128,20 @@ def light_path(camera: Camera) -> LightPath:
         SettingsError: it is a pinhole, or does not reach the focus distance.
     """
     passes = camera.lens.transmittance
-    if not camera.breathing:
-        f_stop = mounted(camera).f_stop if has_surfaces(camera) else camera.f_stop
-        return LightPath(f_stop, passes, pupil_magnification=camera.lens.pupil_magnification)
     if not has_surfaces(camera):
-        m = magnification(
-            camera.focal_length_mm, camera.focus_distance_m
-        )  # that of the picture, which is a thin lens's
+        f_mm, distance_m = camera.focal_length_mm, camera.focus_distance_m
+        m = magnification(f_mm, distance_m) if camera.breathing else 0.0  # that of the picture, which is a thin lens's
         return LightPath(camera.f_stop, passes, m, camera.lens.pupil_magnification)
     lens = mounted(camera)
+    pupils = lens.exit_pupil_radius_mm / lens.entrance_pupil_radius_mm
+    if not camera.breathing:
+        return LightPath(lens.f_stop, passes, pupil_magnification=pupils)
     distance_mm = 1000 * camera.focus_distance_m or math.inf
     return LightPath(
         f_stop=lens.first.focal_length_mm / (2 * lens.entrance_pupil_radius_mm),
         transmittance=passes,
         magnification=abs(lens.image_scale_mm) / distance_mm,
-        pupil_magnification=lens.exit_pupil_radius_mm / lens.entrance_pupil_radius_mm,
+        pupil_magnification=pupils,
     )
 
 
@@ -164,6 +163,7 @@ def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: b
     """
     sheet = camera.lens.data_sheet
     says_none = camera.lens.model == "dataSheet" and (sheet is None or not sheet.light)
+    is_pinhole = is_pinhole and (camera.lens.model != "dataSheet" or says_none)  # a sheet's light is put on the picture
     has_none = camera.lens.model in UNVIGNETTED or says_none or is_pinhole or camera.f_stop == 0
     if not (camera.lens.natural_vignetting and has_none and camera.lens.scales.vignetting != 0):
         return None

@@ -9,6 +9,7 @@ import numpy as np
 
 from render.errors import CameraError, SettingsError
 from render.scene import Camera, FloatArray, Moment, Opening
+from render.shot.image_space import ImageSpace
 from render.shot.shot import Shot
 from render.shutter import DoubleArray, moments, shares
 
@@ -27,7 +28,7 @@ def moving_frame(
     camera: str | None,
     lens: Camera,
     time: float,
-    settings: FrameSettings,
+    space: ImageSpace,
     on_progress: Callable[[float], None] | None = None,
 ) -> Frame:
     """Render what falls on the film while the shutter is open.
@@ -38,13 +39,14 @@ def moving_frame(
         camera: prim path; None for the shot's default camera.
         lens: that camera at the time; its shutter is the one that opens, and need not be the shot's own.
         time: USD time code.
-        settings: how it is rendered; ``motion_by`` says whether the scene is peeled at every moment or once.
+        space: how it is rendered, and around the frame; ``motion_by`` says whether the scene is peeled at every moment or once.
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
         CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
+    settings = space.asked
     size, count = (settings.width, settings.height), settings.motion
     try:
         times = time + moments(lens.shutter_open, lens.shutter_close, lens.shutter, count)
@@ -52,13 +54,13 @@ def moving_frame(
         raise CameraError(f"camera {lens.path}: {error.detail}", code=error.code, path=lens.path) from error
     parts = shares(lens.shutter_open, lens.shutter_close, lens.shutter, count, *size).astype(np.float32)
     if settings.motion_by == "velocities":
-        return _swept(renderer, shot, camera, lens, time, times, parts, settings, on_progress)
+        return _swept(renderer, shot, camera, lens, time, times, parts, space, on_progress)
 
     def at(index: int) -> Moment:
         when = float(times[index])
         return Moment(shot.scene_at(when), shot.camera_at(camera, when, *size), parts[index, ..., None])
 
-    return renderer.render_moving(count, at, settings, on_progress)
+    return renderer.render_moving(count, space.moments(at), space.settings, on_progress)
 
 
 def _swept(
@@ -69,16 +71,17 @@ def _swept(
     time: float,
     times: DoubleArray,
     parts: FloatArray,
-    settings: FrameSettings,
+    space: ImageSpace,
     on_progress: Callable[[float], None] | None,
 ) -> Frame:
     """The frame from one peeling, in the middle of all the time that any place of the picture is exposed."""
-    size = settings.width, settings.height
+    size = space.asked.width, space.asked.height
     begins, ends = time + lens.shutter_open, time + lens.shutter_close + lens.shutter.delay
     middle = (begins + ends) / 2
     opening = Opening(shot.scene_at(middle), shot.scene_at(begins), shot.scene_at(ends))
     seen = [
-        Moment(opening.middle, shot.camera_at(camera, float(when), *size), part[..., None])
+        space.moment(Moment(opening.middle, shot.camera_at(camera, float(when), *size), part[..., None]))
         for when, part in zip(times, parts, strict=True)
     ]
-    return renderer.render_swept(opening, shot.camera_at(camera, middle, *size), seen, settings, on_progress)
+    looks = space.camera(shot.camera_at(camera, middle, *size))
+    return renderer.render_swept(opening, looks, seen, space.settings, on_progress)

@@ -15,6 +15,7 @@ from render.output import FrameMetadata
 from render.scene import Camera, FloatArray
 from render.shot.finish import Finish, finish_of
 from render.shot.flare import flared
+from render.shot.image_space import ImageSpace
 from render.shot.light_meter import auto_exposed
 from render.shot.moving import moves, moving_frame
 from render.shot.shot import Shot
@@ -149,10 +150,12 @@ def light_on_film(
         CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
+    space = ImageSpace.of(lens, settings)
     if moves(lens, settings):
-        frame = moving_frame(renderer, shot, camera, lens, time, settings, on_progress)
+        frame = moving_frame(renderer, shot, camera, lens, time, space, on_progress)
     else:
-        frame = renderer.render(shot.scene_at(time), lens, settings, on_progress)
+        frame = renderer.render(shot.scene_at(time), space.camera(lens), space.settings, on_progress)
+    frame = space.finished(renderer, frame)
     light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
     if light is not None:
         frame.color[..., :3] *= light[..., None]

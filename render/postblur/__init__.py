@@ -1,0 +1,1 @@
+"""What single-image engines do to a finished picture."""

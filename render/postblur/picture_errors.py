@@ -1,0 +1,125 @@
+"""A data sheet's errors as a picture takes them: over the height in it, for passes that know the picture alone (Kyaw 2013).
+
+It is the second form of `render.optics.data_sheet`, whose first is rays. A picture that is sharp everywhere is bent, blurred,
+smeared by coma and darkened, each by what stands in a table over the distance from the axis (Kyaw 2013, section 7.3). His blur is
+even, along the radius and then across it; this one is Gaussian with the same spread, and what both directions share of it is done
+along lines and columns, since on the axis a radius points nowhere. What depends on depth is not to
+be had so: curvature of field and axial colour are there as they blur what is in the plane of focus.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.lens import AberrationScales, DataSheet
+from render.optics.data_sheet import MIDDLE_NM, SPAN_NM, at_heights, seen_slopes, sheet_errors
+from render.optics.spectrum import THREE_LINES
+from render.optics.view import PinholeView
+from render.scene import DoubleArray
+
+ROWS = 256
+SIGMAS = 3.5
+"""How far blur reaches, in standard deviations: 5e-4 of its light is left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class PictureErrors:
+    """Errors at even steps of the height, from the axis to ``last``; lengths are slopes, film lengths over the focal length.
+
+    Attributes:
+        last: height of the last row.
+        source: ``(n, 3)`` for red, green and blue: height in the picture without errors that is seen there, over the height.
+        even: ``(n, 3)`` standard deviation of the blur that is the same along the radius and across it.
+        along: ``(n, 3)`` of what there is more along the radius.
+        across: ``(n, 3)`` of what there is more across it.
+        coma: ``(n,)`` a third of the flare's length.
+        light: ``(n,)`` over that on the axis.
+        squeeze: what bending and blur are narrowed by from side to side (anamorphic).
+    """
+
+    last: float
+    source: DoubleArray
+    even: DoubleArray
+    along: DoubleArray
+    across: DoubleArray
+    coma: DoubleArray
+    light: DoubleArray
+    squeeze: float = 1.0
+
+    def at(self, heights: DoubleArray) -> DoubleArray:
+        """``(..., 14)`` source, even, along and across of the three channels, coma and light, joined linearly; beyond the last
+        row they stay."""
+        rows = self.rows
+        place = np.clip(heights / self.last, 0.0, 1.0) * (len(rows) - 1)
+        low = np.minimum(place.astype(np.int64), len(rows) - 2)
+        part = (place - low)[..., None]
+        return np.asarray((1 - part) * rows[low] + part * rows[low + 1])
+
+    @property
+    def rows(self) -> DoubleArray:
+        """``(n, 14)`` all of it, in the order of `at`."""
+        ends = [self.coma[:, None], self.light[:, None]]
+        return np.concatenate([self.source, self.even, self.along, self.across, *ends], axis=1)
+
+    def margin(self, view: PinholeView) -> tuple[int, int]:
+        """By how many pixels a picture has to be larger on the left and right, and at the top and bottom, so that nothing is
+        missing once it is bent and blurred."""
+        x = np.linspace(-view.cx, view.width - view.cx, 65) / view.fx
+        y = np.linspace(-view.cy, view.height - view.cy, 65) / view.fy
+        left, right = (np.stack([np.full(65, edge), y], axis=1) for edge in x[[0, -1]])
+        top, bottom = (np.stack([x, np.full(65, edge)], axis=1) for edge in y[[0, -1]])
+        margins = []
+        for axis, focal, edges in ((0, view.fx / self.squeeze, (left, right)), (1, view.fy, (top, bottom))):
+            rows = self.at(np.hypot(*np.concatenate(edges).T))
+            bent = np.abs(np.concatenate(edges)[:, axis]) * np.maximum(rows[:, :3].max(axis=1) - 1, 0.0)
+            blur = np.hypot(rows[:, 3:6], np.maximum(rows[:, 6:9], rows[:, 9:12])).max(axis=1)
+            reach = SIGMAS * blur + 3 * np.abs(rows[:, 12])
+            size = (view.width, view.height)[axis]
+            margins.append(min(math.ceil(focal * float((bent + reach).max())) + 2, size))
+        return margins[0], margins[1]
+
+
+def picture_errors(
+    sheet: DataSheet,
+    scales: AberrationScales,
+    *,
+    focal_length_mm: float,
+    f_stop: float,
+    last_slope: float,
+    squeeze: float = 1.0,
+    colours: bool = True,
+) -> PictureErrors:
+    """What a lens by its data sheet does to pictures.
+
+    Args:
+        sheet: what was measured.
+        scales: factors on its errors.
+        focal_length_mm: of the lens.
+        f_stop: above 0.
+        last_slope: field of the picture's farthest corner.
+        squeeze: of an anamorphic lens.
+        colours: whether colour errors are drawn.
+    """
+    slopes = np.linspace(0.0, last_slope, ROWS)
+    heights = slopes * focal_length_mm
+    errors = sheet_errors(sheet, heights, focal_length_mm=focal_length_mm, f_stop=f_stop, scales=scales)
+    channels = THREE_LINES.wavelengths_nm if colours else (MIDDLE_NM,) * 3
+    blur = np.stack([errors.spread_mm(wavelength, coma=False) for wavelength in channels], axis=1) / focal_length_mm
+    even, excess = blur.min(axis=-1), blur[..., 0] ** 2 - blur[..., 1] ** 2
+    near = np.maximum(heights, 1e-3 * focal_length_mm * last_slope)  # on the axis all ratios have their limits
+    bend = seen_slopes(sheet, near, focal_length_mm, scales.distortion) * focal_length_mm / near
+    lateral = -at_heights(sheet, "lateral_color_mm", near) * scales.chromatic / near
+    source = [bend - (MIDDLE_NM - wavelength) / SPAN_NM * lateral * errors.stretch[:, 0] for wavelength in channels]
+    return PictureErrors(
+        last_slope,
+        np.stack(source, axis=1),
+        even,
+        np.sqrt(np.maximum(excess, 0.0)),
+        np.sqrt(np.maximum(-excess, 0.0)),
+        errors.coma_mm * errors.edge**2 / focal_length_mm,
+        np.maximum(errors.light, 1e-6) ** scales.vignetting,
+        squeeze,
+    )

@@ -61,6 +61,7 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 "frame.exr",
                 "planar.png",
                 "swirl.png",
+                "flare.png",
                 "5219.png",
                 "slide.png",
                 "sheet.png",

@@ -64,7 +64,7 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 "flare.png",
                 "5219.png",
                 "slide.png",
-                "sheet.png",
+                "contact.png",
                 "trails.png",
                 "p3.png",
                 "framed.png",

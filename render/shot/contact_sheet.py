@@ -88,7 +88,7 @@ def make_contact_sheet(
         axes: what is compared.
         stock: a film of the library in place of the shot's, where stocks are not compared.
         choice: what is wanted of the grade, in place of parts of what the shot says.
-        on_picture: called with the name of the picture at work, and how much of it is done.
+        on_picture: called with the name of the picture at work, and how much of the sheet is done, from 0 to 1.
 
     Raises:
         SettingsError: the shot's film cannot be developed so.
@@ -99,8 +99,9 @@ def make_contact_sheet(
     before = shot.snapshot_edits()
     pictures = []
     try:
-        for wanted, label in _combinations(axes):
-            say = None if on_picture is None else _telling(on_picture, label)
+        combinations = _combinations(axes)
+        for index, (wanted, label) in enumerate(combinations):
+            say = None if on_picture is None else _telling(on_picture, label, index, len(combinations))
             shot.back_to(before)
             pictures.append(maker.picture(wanted, say))
     finally:
@@ -108,8 +109,8 @@ def make_contact_sheet(
     return ContactSheet(axes, tuple(pictures), shot.path.name, pictures[0].readout.camera)
 
 
-def _telling(on_picture: Callable[[str, float], None], label: str) -> Callable[[float], None]:
-    return lambda share: on_picture(label, share)
+def _telling(on_picture: Callable[[str, float], None], label: str, index: int, count: int) -> Callable[[float], None]:
+    return lambda share: on_picture(label, (index + share) / count)
 
 
 def _combinations(axes: tuple[Axis, ...]) -> list[tuple[dict[str, Value], str]]:

@@ -86,8 +86,15 @@ def test_light_is_rendered_once_for_all_that_is_done_to_it(
 
     monkeypatch.setattr(made, "light_on_film", counted)
     axes = parse_axes(["stock=velvia_50,5219,tri_x", "stop=2,4"])
-    made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
+    told: list[tuple[str, float]] = []
+    made.make_contact_sheet(
+        renderer, Shot.open(shot), None, 1.0, SETTINGS, axes, on_picture=lambda *said: told.append(said)
+    )
     assert len(rendered) == 2
+    assert told[0][0] == "Fuji Velvia 50, f/2"
+    shares = [share for _, share in told]
+    assert shares == sorted(shares)
+    assert 3 / 6 < shares[-1] <= 4 / 6  # the first of the second row is the last that is rendered
 
 
 def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:

@@ -37,6 +37,7 @@ from render.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.trace.aovs import MEASURED
 from render.trace.lens import LensEngine, OnPass
 from render.trace.rays import ray_pattern
+from render.trace.swept import Look
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -124,6 +125,8 @@ class FrameRenderer:
         moment_at: Callable[[int], Moment],
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None = None,
+        *,
+        at_once: int | None = None,
     ) -> Frame:
         """Render one frame of what moves while the shutter is open: its rays are spread over the moments, each of which has its
         own scene, camera and focus. Motion blur and depth of field are one integral, and are taken as one (Cook, Porter &
@@ -135,12 +138,15 @@ class FrameRenderer:
                 one.
             settings: how; each moment has at least one ray.
             on_progress: called with the share that is done, from 0 to 1.
+            at_once: over how many moments that follow each other the rays are spread: those at which a place is exposed; None
+                for all.
 
         Raises:
             CameraError: a camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
-        settings = replace(settings, rays=max(settings.rays, count))
+        apart = at_once or count
+        settings = replace(settings, rays=max(settings.rays, apart))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         frame = Frame(total)
         for i in range(count):
@@ -148,7 +154,7 @@ class FrameRenderer:
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
             with self._device():
                 lens = self._loaded(moment.scene, moment.camera, settings)
-                total += moment.share * self._drawn(view, lens, settings, (i, count))
+                total += moment.share * self._drawn(view, lens, settings, (i % apart, apart))
                 if i == count // 2:
                     aovs = self._aovs(
                         view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True)
@@ -165,6 +171,8 @@ class FrameRenderer:
         moments: Sequence[Moment],
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None = None,
+        *,
+        at_once: int | None = None,
     ) -> Frame:
         """Render one frame of what moves while the shutter is open from one peeling: as `render_moving`, many times faster, where
         things move straight on and keep their shading (`render.trace.swept`).
@@ -175,12 +183,14 @@ class FrameRenderer:
             moments: evenly over that time, in its order; their cameras and shares count, their scene does not.
             settings: how; each moment has at least one ray, and the engine is ``lens`` or ``pinhole``.
             on_progress: called with the share that is done, from 0 to 1.
+            at_once: as in `render_moving`.
 
         Raises:
             CameraError: a camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
-        settings = replace(settings, rays=max(settings.rays, len(moments)))
+        apart = at_once or len(moments)
+        settings = replace(settings, rays=max(settings.rays, apart))
         size = settings.width, settings.height
         view = PinholeView.from_camera(middle, *size)
         moves = movements(opening.middle, opening.opening, opening.closing)
@@ -190,9 +200,10 @@ class FrameRenderer:
             pictures = self._lens.swept.pictures(
                 self._peeler,
                 view,
-                self._cameras(moments, settings),
+                self._looks(moments, settings),
                 moves,
                 ray_pattern(settings.rays, middle.iris, seed=settings.seed, tiled=settings.tiled),
+                apart=apart,
                 wavelengths=settings.wavelengths,
                 layers=settings.layers,
                 supersample=settings.supersample,
@@ -204,14 +215,17 @@ class FrameRenderer:
             aovs = self._aovs(view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True))
         return Frame(total, aovs, opening.middle.prim_paths)
 
-    def _cameras(self, moments: Sequence[Moment], settings: FrameSettings) -> list[tuple[Camera, PinholeView, float]]:
-        """Camera and picture of each moment as the engine has them, and when it is."""
-        found = []
+    def _looks(self, moments: Sequence[Moment], settings: FrameSettings) -> list[Look]:
+        """What is looked at in each moment: its camera and picture as the engine has them, when, and the lines it falls on."""
+        looks = []
         for i, moment in enumerate(moments):
             camera = replace(moment.camera, f_stop=0.0) if settings.engine == "pinhole" else moment.camera
             view = PinholeView.from_camera(camera, settings.width, settings.height)
-            found.append((camera, view, (i + 0.5) / len(moments) - 0.5))
-        return found
+            exposed = np.broadcast_to(np.asarray(moment.share) > 0, (settings.height, settings.width, 1))
+            lines = np.flatnonzero(exposed.any(axis=(1, 2)))
+            span = (int(lines[0]), int(lines[-1]) + 1) if len(lines) else (0, 0)
+            looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, span))
+        return looks
 
     def _loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:
         """Put the scene on the device; the camera as the engine has it."""

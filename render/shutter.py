@@ -112,6 +112,15 @@ def shares(opens: float, closes: float, shutter: Shutter, count: int, width: int
     return np.asarray(passed / passed.sum(axis=0))
 
 
+def at_once(parts: NDArray[np.float32 | np.float64]) -> int:
+    """At how many of the moments any place is exposed, at most: where lines are bared one after the other these are few.
+
+    Args:
+        parts: `shares`.
+    """
+    return int(np.count_nonzero(parts, axis=0).max())
+
+
 def _delays(shutter: Shutter, width: int, height: int) -> DoubleArray:
     """``(height, 1)``, ``(1, width)`` or ``(1, 1)`` when places open after the first."""
     if shutter.delay == 0:

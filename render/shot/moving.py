@@ -11,7 +11,7 @@ from render.errors import CameraError, SettingsError
 from render.scene import Camera, FloatArray, Moment, Opening
 from render.shot.image_space import ImageSpace
 from render.shot.shot import Shot
-from render.shutter import DoubleArray, moments, shares
+from render.shutter import DoubleArray, at_once, moments, shares
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
@@ -60,7 +60,7 @@ def moving_frame(
         when = float(times[index])
         return Moment(shot.scene_at(when), shot.camera_at(camera, when, *size), parts[index, ..., None])
 
-    return renderer.render_moving(count, space.moments(at), space.settings, on_progress)
+    return renderer.render_moving(count, space.moments(at), space.settings, on_progress, at_once=at_once(parts))
 
 
 def _swept(
@@ -84,4 +84,4 @@ def _swept(
         for when, part in zip(times, parts, strict=True)
     ]
     looks = space.camera(shot.camera_at(camera, middle, *size))
-    return renderer.render_swept(opening, looks, seen, space.settings, on_progress)
+    return renderer.render_swept(opening, looks, seen, space.settings, on_progress, at_once=at_once(parts))

@@ -31,6 +31,23 @@ from render.trace.tracer import Tracer
 
 
 @dataclass(frozen=True, eq=False)
+class Look:
+    """What is looked at in one moment of the shutter's opening.
+
+    Attributes:
+        camera: with its lens.
+        view: its picture.
+        since: when: from -0.5, as the shutter opens, to 0.5.
+        lines: of the picture that are exposed then, from the first to before the last.
+    """
+
+    camera: Camera
+    view: PinholeView
+    since: float
+    lines: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
 class SweptMoment:
     """One moment of the shutter's opening.
 
@@ -38,11 +55,13 @@ class SweptMoment:
         glimpse: what the camera sees then.
         bundle: its rays.
         focus: where it is focused.
+        lines: of the picture that are exposed.
     """
 
     glimpse: Glimpse
     bundle: RayBundle
     focus: PictureFocus
+    lines: tuple[int, int]
 
 
 class SweptEngine:
@@ -63,10 +82,11 @@ class SweptEngine:
         self,
         peeler: Peeler,
         middle: PinholeView,
-        cameras: Sequence[tuple[Camera, PinholeView, float]],
+        looks: Sequence[Look],
         moves: Mapping[int, Movement],
         pattern: RayPattern,
         *,
+        apart: int,
         wavelengths: int = 3,
         layers: int,
         supersample: float,
@@ -78,23 +98,24 @@ class SweptEngine:
         Args:
             peeler: with the scene of the middle loaded.
             middle: the picture in the middle of the time.
-            cameras: of each moment the camera, its picture and when: from -0.5, when the shutter opens, to 0.5.
+            looks: the moments.
             moves: how the scene's batches move.
-            pattern: where the rays of all moments together start.
+            pattern: where the rays start of all moments that expose a place.
+            apart: how many these are at most: each moment has such a part of the rays.
             wavelengths: how many to trace, for a lens with colour errors.
             layers: at most this many layers.
             supersample: layer pixels per picture pixel along each axis.
             unlit: take base colour for radiance.
             on_progress: called with the share that is done.
         """
-        count = len(cameras)
         moments = [
             SweptMoment(
-                Glimpse(middle, view, since),
-                self._bundles.bundle(camera, view, pattern.part(i, count), wavelengths),
-                picture_focus(camera, view),
+                Glimpse(middle, look.view, look.since),
+                self._bundles.bundle(look.camera, look.view, pattern.part(i % apart, apart), wavelengths),
+                picture_focus(look.camera, look.view),
+                look.lines,
             )
-            for i, (camera, view, since) in enumerate(cameras)
+            for i, look in enumerate(looks)
         ]
         peeled, moments = self._peeled(peeler, middle, moments, moves, pattern, layers, supersample, unlit)
         if not peeled.may_move:
@@ -124,6 +145,7 @@ class SweptEngine:
                 moment.glimpse.view,
                 glimpse=moment.glimpse,
                 movers=movers,
+                lines=moment.lines,
             ):
                 pass
             yield self._tracer.picture()

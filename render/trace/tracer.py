@@ -69,6 +69,7 @@ class Tracer:
         bound_by_rays: bool = False,
         glimpse: Glimpse | None = None,
         movers: Movers | None = None,
+        lines: tuple[int, int] | None = None,
     ) -> Iterator[TracePass]:
         """Trace a picture pass by pass; each adds rays, and `picture` has the mean over those of whole passes.
 
@@ -82,6 +83,7 @@ class Tracer:
             bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form (as for a glimpse).
             glimpse: at which moment, where the camera may have moved since the layers were peeled.
             movers: of the layers, landed at that moment.
+            lines: of the picture that are wanted, from the first to before the last; None for all. Others may be left empty.
         """
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         focal_map = None if focus.affine is not None else self._maps.made(focus)
@@ -103,26 +105,27 @@ class Tracer:
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
             set_uniforms(program, first_ray=first, ray_count=count)
-            for share in self._bands(program, bundle, view, count):
+            for share in self._bands(program, bundle, view.width, lines or (0, view.height), count):
                 yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
 
     def _bands(
-        self, program: moderngl.ComputeShader, bundle: RayBundle, view: PinholeView, rays: int
+        self, program: moderngl.ComputeShader, bundle: RayBundle, width: int, wanted: tuple[int, int], rays: int
     ) -> Iterator[float]:
         """Work on the picture band by band, and tell the share that is done."""
-        lines = max(_TILE, _RAYS_PER_DISPATCH // (rays * len(bundle.rgb) * view.width) // _TILE * _TILE)
+        begin, end = wanted
+        lines = max(_TILE, _RAYS_PER_DISPATCH // (rays * len(bundle.rgb) * width) // _TILE * _TILE)
         light = (
             np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
         )
-        for first in range(0, view.height, lines):
+        for first in range(begin, end, lines):
             set_uniforms(program, first_line=first)
             for number in range(len(bundle.rgb)):
                 set_uniforms(program, light=tuple(light[number]))
                 self._buffers.choose_wavelength(program, bundle, number)
-                program.run(-(-view.width // _TILE), -(-min(lines, view.height - first) // _TILE))
+                program.run(-(-width // _TILE), -(-min(lines, end - first) // _TILE))
                 self._ctx.memory_barrier()
             self._ctx.finish()
-            yield min(1.0, (first + lines) / view.height)
+            yield min(1.0, (first + lines - begin) / (end - begin))
 
     def picture(self, share: float = 1.0) -> FloatArray:
         """Mean over the rays so far.

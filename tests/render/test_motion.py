@@ -15,7 +15,7 @@ from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
 from render.shot import Shot, make_picture
-from render.shutter import Shutter, moments, shares
+from render.shutter import Shutter, at_once, moments, shares
 from usd_schemas import FilmData, LensCamera
 from usd_schemas import Shutter as ShutterData
 
@@ -198,3 +198,12 @@ def test_impossible_shutters_are_refused() -> None:
     for wrong in ({"travel": -1.0}, {"efficiency": (0.0, 0.0)}, {"efficiency": (-1.0, 1.0)}):
         with pytest.raises(SettingsError, match="shutter"):
             Shutter(**wrong)  # type: ignore[arg-type]
+
+
+def test_where_lines_are_bared_one_by_one_each_has_all_of_its_rays() -> None:
+    """A slit that bares a line for a quarter of the way's time shows it at a quarter of the moments, not at all of them."""
+    slit = Shutter("focalPlane", "down", travel=0.75)
+    parts = shares(0.0, 0.25, slit, 16, 8, 64)
+    assert at_once(parts) == 5  # four, and one that is cut at both ends
+    assert at_once(shares(0.0, 0.25, Shutter(), 16, 8, 64)) == 16
+    assert at_once(shares(0.0, 0.0, slit, 16, 8, 64)) == 1

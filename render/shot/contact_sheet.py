@@ -149,7 +149,7 @@ class _Maker:
     def picture(self, wanted: dict[str, Value], on_progress: Callable[[float], None] | None) -> ContactPicture:
         """Take one; light that has been rendered before is not rendered again."""
         shot, settings = self._shot, self._settings
-        time = _number(wanted.get("frame", self._time))
+        time = _number(wanted["frame"]) if "frame" in wanted else self._time
         self._set(wanted, time)
         lens = shot.camera_at(self._camera, time, settings.width, settings.height)
         lens = auto_exposed(self._renderer, shot, lens, time, settings.shading)
@@ -174,8 +174,10 @@ class _Maker:
         if "push" in wanted:
             shot.set_photography(camera, push=_number(wanted["push"]))
         if "exposure" in wanted:
-            own = shot.photography(camera, time)["compensation_stops"] or 0.0
-            shot.set_photography(camera, compensation_stops=own + _number(wanted["exposure"]))
+            said = shot.photography(camera, time)
+            # What a meter says takes the place of the one compensation, and has another of its own.
+            name = "compensation_stops" if said["metering_mode"] == "manual" else "metering_compensation"
+            shot.set_photography(camera, **{name: (said[name] or 0.0) + _number(wanted["exposure"])})
 
 
 def _number(value: Value) -> float:

@@ -105,6 +105,16 @@ def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:
     assert means[2] > 1.2 * means[1]
 
 
+@pytest.mark.parametrize("metering", ["manual", "average"])
+def test_a_stop_over_is_twice_the_light_whoever_exposes(shot: Path, renderer: FrameRenderer, metering: str) -> None:
+    opened = Shot.open(shot)
+    opened.set_photography(None, metering_mode=metering)
+    sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
+    scales = [picture.camera.exposure_scale for picture in sheet.pictures]
+    assert scales[0] == pytest.approx(scales[1] / 2)
+    assert scales[2] == pytest.approx(scales[1] * 4)
+
+
 def test_guides_are_drawn_over_every_picture(pullfocus: Command, shot: Path) -> None:
     plain, guided, long = (shot.parent / f"{name}.png" for name in ("plain", "guided", "long"))
     compared = ("--contact-sheet", "stop=2,4", "--imageWidth", 160, "--rays", 4, "--supersample", 1)

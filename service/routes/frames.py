@@ -59,6 +59,12 @@ class FrameQuery(Model):
         description="Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion.",
         examples=[1],
     )
+    motion_by: Literal["moments", "velocities"] = Field(
+        default="moments",
+        description="`moments` draws the scene at each of them, which is exact; `velocities` draws it once, and things move "
+        "straight on over the opening: much quicker.",
+        examples=["velocities"],
+    )
     shading: Literal["lit", "unlit"] = Field(
         default="lit", description="`unlit`: base colour as radiance.", examples=["lit"]
     )

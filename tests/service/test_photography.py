@@ -180,10 +180,11 @@ def test_what_is_set_is_seen_as_the_command_line_has_it(client, shot, room_file,
 
 
 def test_a_frame_is_asked_for_on_another_film_and_for_another_display(client, shot, room_file, tmp_path):
-    asked = {"film": "velvia_50", "display": "Rec.1886 Rec.709 - Display", "motion": 2}
+    asked = {"film": "velvia_50", "display": "Rec.1886 Rec.709 - Display", "motion": 2, "motionBy": "velocities"}
     out = tmp_path / "out.png"
     arguments = ["record", str(room_file), str(out), "--imageWidth", "64", "--rays", "4", "--supersample", "1"]
     said = ["--film", "velvia_50", "--display", "Rec.1886 Rec.709 - Display", "--motion", "2", "--layers", "2"]
+    said += ["--motion-by", "velocities"]
     assert main([*arguments, *said]) == 0
     assert (np.asarray(Image.open(out)) == pixels(client, shot, **asked)).all()
     raw = pixels(client, shot, display="sRGB - Display", view="Raw")
@@ -199,6 +200,7 @@ def test_a_frame_is_asked_for_on_another_film_and_for_another_display(client, sh
         ({"look": "warm"}, "warm"),
         ({"motion": 0}, "motion"),
         ({"motion": 100_000}, "motion"),
+        ({"motion": 4, "motionBy": "velocities", "engine": "accumulation"}, "motion by moments"),
     ],
     ids=str,
 )

@@ -1,3 +1,4 @@
+import { restQuality } from "@/model/quality";
 import type { Command } from "@/model/command";
 import { complaintOf, errorOf, isAbort, UnreachableError } from "@/net/errors";
 import { HttpService } from "@/net/http";
@@ -39,7 +40,7 @@ describe("what the service says", () => {
 
   it("nothing under a click is null, not an error", async () => {
     answering(200, { hit: false });
-    const quality = { width: 64, height: 36, rays: 1, layers: 1, supersample: 1, motion: 1, format: "png" } as const;
+    const quality = restQuality(64, 36);
     expect(await new HttpService("http://host").pick(view, 1, [0.5, 0.5], quality)).toBeNull();
   });
 

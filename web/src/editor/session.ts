@@ -278,7 +278,9 @@ export class Session {
   /** The frame at this time, as large as a delivery: not as the viewer happens to be. */
   downloadFrame(format: PictureFormat): Promise<Download> {
     const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect, this.motion.value);
-    return this.#service.downloadFrame(this.document.view, this.playhead.time.value, quality, format);
+    // A file may take its time: the scene is drawn at each moment.
+    const exact = { ...quality, motionBy: "moments" as const };
+    return this.#service.downloadFrame(this.document.view, this.playhead.time.value, exact, format);
   }
 
   close(): void {

@@ -13,6 +13,8 @@ export interface Quality {
   readonly supersample: number;
   /** Moments of the shutter's opening; 1 stops motion. */
   readonly motion: number;
+  /** Whether the scene is drawn once, and things move straight on: quicker than at each moment anew. */
+  readonly motionBy: "moments" | "velocities";
   readonly format: "png" | "jpeg";
 }
 
@@ -41,16 +43,25 @@ const LADDER: readonly Rung[] = [
 /** A picture that fills a box of device pixels. */
 export function restQuality(widthPx: number, heightPx: number, motion = 1): Quality {
   const scale = Math.min(1, MOST_PX / Math.max(widthPx, heightPx));
-  return { ...even(widthPx * scale, heightPx * scale), rays: 100, layers: 4, supersample: 2, motion, format: "png" };
+  const size = even(widthPx * scale, heightPx * scale);
+  return { ...size, rays: 100, layers: 4, supersample: 2, motion, motionBy: "velocities", format: "png" };
 }
 
 /** Moments of a picture at rest that shows motion. */
-export const MOTION_MOMENTS = 8;
+export const MOTION_MOMENTS = 16;
 
 /** The picture for a rung of the ladder. */
 export function movingQuality(rest: Quality, rung: number): Quality {
   const { scale, rays, layers } = LADDER[Math.min(Math.max(rung, 0), LADDER.length - 1)] ?? CHEAPEST;
-  return { ...even(rest.width * scale, rest.height * scale), rays, layers, supersample: 1, motion: 1, format: "jpeg" };
+  return {
+    ...even(rest.width * scale, rest.height * scale),
+    rays,
+    layers,
+    supersample: 1,
+    motion: 1,
+    motionBy: "velocities",
+    format: "jpeg",
+  };
 }
 
 /** Rung to start from before anything is known of the service's speed. */

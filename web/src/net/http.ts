@@ -235,8 +235,11 @@ function ifStill(
 
 type PictureQuery = paths["/v1/shots/{shot}/frame"]["get"]["parameters"]["query"];
 
-function pictureOf(time: number, { width, height, rays, layers, supersample, motion }: Quality): PictureQuery {
-  return { time, width, height, rays, layers, supersample, motion };
+function pictureOf(
+  time: number,
+  { width, height, rays, layers, supersample, motion, motionBy }: Quality,
+): PictureQuery {
+  return { time, width, height, rays, layers, supersample, motion, motionBy };
 }
 
 function at<Query extends object>(

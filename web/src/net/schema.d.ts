@@ -8448,6 +8448,8 @@ export interface operations {
                 readonly look?: string | null;
                 /** @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion. */
                 readonly motion?: number;
+                /** @description `moments` draws the scene at each of them, which is exact; `velocities` draws it once, and things move straight on over the opening: much quicker. */
+                readonly motionBy?: "moments" | "velocities";
                 /** @description Lens rays for each pixel. */
                 readonly rays?: number;
                 /** @description Of the sampling pattern. */

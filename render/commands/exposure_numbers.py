@@ -109,13 +109,10 @@ def exposure_lines(read: ExposureReadout) -> list[str]:
     Args:
         read: of the camera.
     """
-    settings, path = read.settings, read.path
-    mark = "T" if read.is_t_stop else "f/"
-    stop = f"{mark}{settings.f_stop:.3g} ({'the iris' if read.stop == 'iris' else 'exposure:fStop'})"
+    path, mark = read.path, _mark(read)
     lines = [
         read.camera,
-        f"  exposed   {_seconds(settings.time_s)}, {stop}, ISO {settings.iso:g}, {settings.compensation_stops:+.2g} stops:"
-        f" EV {read.ev100:.2f}, middle grey is {read.grey_nits:.4g} nits",
+        f"  exposed   {exposed_line(read)}",
         f"  shutter   {math.degrees(read.shutter_angle_rad):.4g}°, {_seconds(read.shutter_time_s)}",
     ]
     if path is not None:
@@ -128,6 +125,24 @@ def exposure_lines(read: ExposureReadout) -> list[str]:
         lines.append(f"  filter    ND {read.neutral_density:g}, {read.nd_stops:.2g} stops")
     same = "   ".join(f"{mark}{e.f_stop:.2g} {_seconds(e.time_s)}" for e in read.equivalents((-2, -1, 0, 1, 2)))
     return [*lines, f"  the same  {same}"]
+
+
+def exposed_line(read: ExposureReadout) -> str:
+    """What a camera's exposure is set to, in a line.
+
+    Args:
+        read: of the camera.
+    """
+    settings = read.settings
+    stop = f"{_mark(read)}{settings.f_stop:.3g} ({'the iris' if read.stop == 'iris' else 'exposure:fStop'})"
+    return (
+        f"{_seconds(settings.time_s)}, {stop}, ISO {settings.iso:g}, {settings.compensation_stops:+.2g} stops:"
+        f" EV {read.ev100:.2f}, middle grey is {read.grey_nits:.4g} nits"
+    )
+
+
+def _mark(read: ExposureReadout) -> str:
+    return "T" if read.is_t_stop else "f/"
 
 
 def _seconds(time_s: float) -> str:

@@ -9,8 +9,10 @@ from dataclasses import asdict
 from typing import Any
 
 from render.commands import arguments as shared
+from render.commands.exposure_numbers import exposed_line, exposure_json
 from render.commands.report import camel_case_keys, finite, print_json
 from render.errors import one_line
+from render.optics.exposure import ExposureSettings
 from render.shot import Readout, Shot
 from render.shot.inspection import Inspection, inspect_shot
 
@@ -52,6 +54,7 @@ def as_json(found: Inspection) -> dict[str, Any]:
         "cameras": list(found.cameras),
         "defaultCamera": {"path": found.default_camera.path, "reason": found.default_camera.reason},
         "readouts": [finite(camel_case_keys(asdict(readout))) for readout in found.readouts],
+        "exposures": [{"camera": read.camera, **exposure_json(read)} for read in found.exposures],
         "primCount": found.prim_count,
         "triangleCount": found.triangle_count,
         "lightCount": found.light_count,
@@ -71,9 +74,12 @@ def _lines(stage: str, found: Inspection) -> Iterator[str]:
     )
     yield "cameras"
     default = found.default_camera
+    exposed = {read.camera: exposed_line(read) for read in found.exposures if read.settings != ExposureSettings()}
     described = {readout.camera: _lens(readout) for readout in found.readouts}
     for path in found.cameras:
         yield f"  {path}  {described.get(path, 'cannot be used')}{' (default)' if path == default.path else ''}"
+        if path in exposed:
+            yield f"    exposed {exposed[path]}"
     yield f"  without --camera: {default.path or 'one that frames the stage'} ({default.reason})"
     yield from _section("not honoured", [note.message for note in found.notes])
     problems = [f"{problem.severity}: {problem.path}: {problem.message}" for problem in found.validation]

@@ -53,7 +53,7 @@ class ExposureReadout:
         glass: share of the light that the glass lets through.
         filters: share that filters let through.
         neutral_density: of the filters, optical density.
-        path: what the lens is set to; None for a pinhole.
+        path: what the lens is set to, without filters; None for a pinhole.
         shutter_angle_rad: of a rotating shutter that is open for as long as ``shutter:open`` and ``shutter:close`` say; 0 for a
             moment.
         shutter_time_s: how long that is.
@@ -172,7 +172,8 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
             settings = ExposureSettings() if prim is None or not prim else _settings(prim, time)
             glass = view.lens.read(time) if view else None
             stop: Stop = view.film.read(time).exposure.stop if view else "exposure"
-        path = light_path(camera) if camera.f_stop > 0 else None
+        passes = glass.transmittance if glass else 1.0
+        path = replace(light_path(camera), transmittance=passes) if camera.f_stop > 0 else None
         density = glass.neutral_density if glass else 0.0
         if stop == "iris" and path is not None:
             settings = replace(settings, f_stop=path.f_stop)
@@ -187,7 +188,7 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
         settings=settings,
         stop=stop,
         is_t_stop=bool(glass and glass.stop_marking == "t"),
-        glass=glass.transmittance if glass else 1.0,
+        glass=passes,
         filters=filters,
         neutral_density=density,
         path=path,

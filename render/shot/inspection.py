@@ -10,6 +10,7 @@ from pxr import UsdGeom
 
 from render.errors import PullfocusError, StageError
 from render.scene import Scene
+from render.shot.exposure_reading import ExposureReadout
 from render.shot.finish_findings import finish_findings
 from render.shot.readout import Readout
 from render.shot.shot import Shot
@@ -29,6 +30,7 @@ class Inspection:
         cameras: prim paths.
         default_camera: the camera that is used when none is named, and why.
         readouts: the lens of each camera whose numbers are possible.
+        exposures: of each camera whose exposure makes sense.
         prim_count: prims with geometry that are drawn.
         triangle_count: drawn, instances counted.
         light_count: lights, a dome among them.
@@ -42,6 +44,7 @@ class Inspection:
     cameras: tuple[str, ...]
     default_camera: CameraChoice
     readouts: tuple[Readout, ...]
+    exposures: tuple[ExposureReadout, ...]
     prim_count: int
     triangle_count: int
     light_count: int
@@ -60,7 +63,7 @@ def inspect_shot(shot: Shot) -> Inspection:
     """
     first = shot.frame_range.start
     scene = shot.scene_at(first)
-    readouts, unusable = _read_lenses(shot, first)
+    readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
     notes = (*shot.findings(), *unusable, *finish_findings(shot, first, problems))
     told = {note.message for note in notes}
@@ -71,6 +74,7 @@ def inspect_shot(shot: Shot) -> Inspection:
         cameras=tuple(shot.cameras()),
         default_camera=_default_camera(shot),
         readouts=readouts,
+        exposures=exposures,
         prim_count=_drawn_prims(scene),
         triangle_count=scene.triangle_count,
         light_count=len(scene.lights) + (scene.dome is not None),
@@ -87,15 +91,18 @@ def _default_camera(shot: Shot) -> CameraChoice:
         return CameraChoice(None, error.detail)
 
 
-def _read_lenses(shot: Shot, time: float) -> tuple[tuple[Readout, ...], tuple[Finding, ...]]:
-    """The lens of each camera; a camera that cannot be used is a finding and does not hide the others."""
-    readouts, unusable = [], []
+def _read_cameras(
+    shot: Shot, time: float
+) -> tuple[tuple[Readout, ...], tuple[ExposureReadout, ...], tuple[Finding, ...]]:
+    """Lens and exposure of each camera; one that cannot be used is a finding and does not hide the others."""
+    readouts, exposures, unusable = [], [], []
     for path in shot.cameras():
         try:
             readouts.append(shot.readout(path, time))
+            exposures.append(shot.exposure(path, time))
         except PullfocusError as error:
             unusable.append(Finding(error.code, path, error.detail))
-    return tuple(readouts), tuple(unusable)
+    return tuple(readouts), tuple(exposures), tuple(unusable)
 
 
 def _drawn_prims(scene: Scene) -> int:

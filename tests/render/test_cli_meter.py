@@ -66,6 +66,15 @@ def test_what_it_says(command: Command, tmp_path: Path) -> None:
     assert "center" in ended.out
 
 
+def test_inspect_says_how_a_camera_is_exposed(command: Command, tmp_path: Path) -> None:
+    shot = shot_file(tmp_path)
+    assert "exposed 1/50 s, f/2.8 (exposure:fStop), ISO 400, +1.5 stops: EV 6.61" in command("inspect", shot).out
+    (read,) = json.loads(command("inspect", shot, "--json").out)["exposures"]
+    assert (read["camera"], read["exposure"]["iso"], read["lens"]["tStop"]) == (CAMERA, 400, 2)
+    shot.write_text(shot.read_text().replace("exposure:iso = 400", "exposure:iso = 0"))
+    assert "ISO must be a positive number, got 0" in command("inspect", shot).out
+
+
 @pytest.mark.gl
 def test_what_it_says_to_programs_fits_together(command: Command, tmp_path: Path) -> None:
     ended = command("meter", shot_file(tmp_path), "--frames", "1,12", "--point", "middle", "--json")

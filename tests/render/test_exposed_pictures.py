@@ -214,6 +214,7 @@ def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: 
     assert read.path.magnification == pytest.approx(0.25, rel=1e-6)
     assert read.path.effective_f_stop == pytest.approx(2.8 * 1.25, rel=1e-6)
     assert read.glass == pytest.approx(0.81)
+    assert read.path.t_stop == pytest.approx(2.8 / 0.9, rel=1e-6)  # of the lens; filters are beside it
     assert read.nd_stops == pytest.approx(1.993, abs=1e-3)
     assert math.degrees(read.shutter_angle_rad) == pytest.approx(180)
     assert read.shutter_time_s == pytest.approx(1 / 48)

@@ -114,7 +114,8 @@ class Photographer:
             exposure = self._shot.exposure(None, entry.frame)
             if entry.opening is None:
                 picture = make_picture(self._renderer, self._shot, None, entry.frame, settings, stock=stock)
-                shutter = f"{math.degrees(exposure.shutter_angle_rad):.0f}° in {entry.motion} moments"
+                angle = f"{math.degrees(exposure.shutter_angle_rad):.0f}°"
+                shutter = f"{angle} in {entry.motion} moments" if entry.motion > 1 else "motion stopped"
             else:
                 few = replace(settings, rays=max(1, size.rays // 2), motion_by="velocities")
                 taken = LongExposure(

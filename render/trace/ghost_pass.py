@@ -47,7 +47,16 @@ class GhostPass:
 
         Returns:
             ``(height, width, 3)`` radiance.
+
+        Raises:
+            GraphicsError: the device has no room for it.
         """
+        try:
+            return self._drawn(sheets, view, iris)
+        except moderngl.Error as error:
+            raise GraphicsError(f"ghosts could not be drawn: {error}") from error
+
+    def _drawn(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
         spread = np.zeros((view.height, view.width, 3))
         with Held() as held:
             canvas = held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))

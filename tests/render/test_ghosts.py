@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
+import moderngl
 import numpy as np
 import pytest
 from lens_kit import DOUBLE_GAUSS
 
+from render.errors import GraphicsError
 from render.frame import FrameRenderer
+from render.gl.compat import GL
 from render.lens import Glass, IrisShape, Prescription, Surface
 from render.optics.coating import reflectance
 from render.optics.completion import completed
@@ -26,6 +30,8 @@ from render.trace.ghost_pass import GhostPass
 N = 1.5
 ROUND = transmission(IrisShape(), 512)
 WHITE = np.ones(3)
+
+pytestmark = pytest.mark.gl
 
 
 @pytest.fixture
@@ -92,9 +98,10 @@ def test_near_the_axis_a_ghost_lies_where_first_order_optics_has_it(path: GhostP
     assert rays.film_mm[0, 0] == pytest.approx(y, rel=1e-5)
 
 
-def test_a_ghosts_energy_is_the_product_of_the_reflectances(ghost_pass: GhostPass) -> None:
+@pytest.mark.parametrize("side", [24, 200])  # small ghosts are spread over pixels, large ones are triangles
+def test_a_ghosts_energy_is_the_product_of_the_reflectances(ghost_pass: GhostPass, side: int) -> None:
     lens = singlet(22.0)
-    view = view_of(lens, 200, 200, 60.0)
+    view = view_of(lens, side, side, 60.0)
     picture = ghost_pass.draw(ghost_sheets(lens, [Source((0.0, 0.0), WHITE)], THREE_LINES), view, ROUND)
     assert energy(picture, view) == pytest.approx(((N - 1) / (N + 1)) ** 4, rel=0.01)
     assert not picture[0].any()  # all of it is in the picture
@@ -130,7 +137,7 @@ def test_the_picture_has_the_light_that_is_traced_ray_by_ray(ghost_pass: GhostPa
     drawn = drawn.reshape(12, 16, 18, 16).mean(axis=(1, 3))
     slow = _ray_by_ray(lens, slope, rough, iris, share)
     assert drawn.mean() == pytest.approx(slow.mean(), rel=0.02)
-    assert np.abs(drawn - slow).mean() < 0.04 * slow.mean()
+    assert np.abs(drawn - slow).mean() < 0.05 * slow.mean()
 
 
 def _ray_by_ray(
@@ -138,7 +145,7 @@ def _ray_by_ray(
 ) -> DoubleArray:
     """All ghosts by an even grid of rays over the front lens."""
     half = lens.prescription.surfaces[0].semi_diameter_mm + 2.0
-    side = 150
+    side = 110
     line = (np.arange(side) + 0.5) / side * 2 * half - half
     x, y = (a.ravel() for a in np.meshgrid(line, line))
     points = np.stack([x, y, np.full(x.shape, lens.vertices_mm[0])], axis=1)
@@ -160,6 +167,51 @@ def _ray_by_ray(
     return np.asarray(total * cell * view.fx * view.fy)
 
 
+class Full:
+    """A context with room for some objects, and then none."""
+
+    def __init__(self, ctx: moderngl.Context, room: int) -> None:
+        self._ctx, self._room = ctx, room
+
+    def __getattr__(self, name: str) -> Any:
+        made = getattr(self._ctx, name)
+        return self._counted(made) if name in ("texture", "framebuffer", "buffer", "vertex_array") else made
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name.startswith("blend"):
+            setattr(self._ctx, name, value)
+        else:
+            super().__setattr__(name, value)
+
+    def _counted(self, make: Any) -> Any:
+        def counted(*arguments: Any, **named: Any) -> Any:
+            if self._room == 0:
+                raise moderngl.Error("the device is full")
+            self._room -= 1
+            return make(*arguments, **named)
+
+        return counted
+
+
+def test_nothing_is_left_on_the_device_however_drawing_ends(renderer: FrameRenderer) -> None:
+    def living() -> dict[str, list[int]]:
+        kinds = ("Texture", "Buffer", "Framebuffer", "VertexArray")
+        return {kind: [name for name in range(1, 200) if getattr(GL, f"glIs{kind}")(name)] for kind in kinds}
+
+    lens, ctx = singlet(22.0), renderer.graphics.ctx
+    sheets = list(ghost_sheets(lens, [Source((0.0, 0.0), WHITE)], THREE_LINES))
+    before = living()
+    for room in (*range(6), 100):
+        ghost_pass = GhostPass(Full(ctx, room))  # type: ignore[arg-type]
+        if room < 6:
+            with pytest.raises(GraphicsError, match="the device is full"):
+                ghost_pass.draw(sheets, view_of(lens, 200, 200, 60.0), ROUND)
+        else:
+            assert ghost_pass.draw(sheets, view_of(lens, 200, 200, 60.0), ROUND).any()
+        ghost_pass.release()
+        assert living() == before
+
+
 def test_ghosts_turn_with_their_source(ghost_pass: GhostPass) -> None:
     lens = double_gauss(8.0)
     view = view_of(lens, 64, 64)
@@ -169,7 +221,7 @@ def test_ghosts_turn_with_their_source(ghost_pass: GhostPass) -> None:
 
 
 def test_a_source_far_away_is_one_at_infinity_and_two_sources_add_up(ghost_pass: GhostPass) -> None:
-    lens = double_gauss(8.0)
+    lens = singlet(5.6)
     view = view_of(lens, 64, 48)
 
     def drawn(*sources: Source) -> FloatArray:

@@ -56,6 +56,8 @@ def lens_rays(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -
 
 def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -> LensRays:
     lens = camera.lens
+    if camera.f_stop > 0 and lens.model == "dataSheet":
+        raise SettingsError("the ray-by-ray reference knows no lens by its data sheet")
     if camera.f_stop > 0 and lens.model == "seidel" and lens.seidel is not None:
         return _Seidel(camera, pupil, lens.seidel)
     if has_surfaces(camera):

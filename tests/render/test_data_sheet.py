@@ -12,6 +12,7 @@ from render.errors import SettingsError
 from render.lens import AberrationScales, DataSheet, DoubleArray, Lens
 from render.optics.data_sheet import SheetErrors, at_heights, open_pupil, sheet_errors
 from render.optics.distortion import chief_rays
+from render.reference.lens_rays import lens_rays
 from render.scene import Camera
 from render.trace.data_sheet_table import data_sheet_table
 from render.trace.field_focus import field_focus
@@ -170,3 +171,10 @@ def test_tables_that_no_lens_has_are_told(wrong: dict[str, object], words: str) 
     with pytest.raises(SettingsError) as caught:
         DataSheet(**{"heights_mm": (0.0, 10.0, 20.0)} | wrong)  # type: ignore[arg-type]
     assert words in caught.value.detail
+
+
+def test_the_ray_by_ray_reference_says_that_it_knows_none() -> None:
+    lens = Lens("dataSheet", data_sheet=SHEET)
+    camera = Camera(np.eye(4), 50.0, 36.0, 24.0, f_stop=1.4, focus_distance_m=3.0, near_m=0.1, lens=lens)
+    with pytest.raises(SettingsError, match="no lens by its data sheet"):
+        lens_rays(camera, np.zeros((1, 2)), (0.3, 0.2))

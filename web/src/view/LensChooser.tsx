@@ -44,7 +44,7 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
       <button
         type="button"
         class="button"
-        title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq or Optical Bench .txt"
+        title="Mount a lens from a file: pbrt .dat, Zemax .zmx, CODE V .seq, Optical Bench .txt or data sheet .lens"
         onClick={() => file.current?.click()}
       >
         File…
@@ -54,7 +54,7 @@ export function LensChooser({ editor, session, readout }: LensChooserProps): JSX
         type="file"
         hidden
         aria-label="Lens file"
-        accept=".dat,.zmx,.seq,.txt"
+        accept=".dat,.zmx,.seq,.txt,.lens"
         onChange={({ currentTarget }) => {
           const chosen = currentTarget.files?.[0];
           if (chosen) session.mountLensFile(chosen);

@@ -152,6 +152,8 @@ def _data(picture: ContactPicture) -> list[str]:
     if exposure.path is not None and exposure.path.transmittance not in (0.0, 1.0):
         told.append(f"T{exposure.path.t_stop:.3g}")
     told.append(f"EV {exposure.ev100:.1f}")
+    if exposure.nd_stops > 0:
+        told.append(f"ND {exposure.nd_stops:.1f} stops")
     if exposure.settings.compensation_stops:
         told.append(f"{exposure.settings.compensation_stops:+.2g} stops".replace("-", "−"))
     if lens.f_stop > 0:

@@ -71,6 +71,9 @@ def test_stops_blur_as_they_say_and_lenses_bring_their_own(shot: Path, renderer:
     depths = [picture.readout.far_m - picture.readout.near_m for picture in sheet.pictures]
     assert depths[1] > depths[0]
     assert _data(sheet.pictures[2])[0] == "50.4 mm   f/2.03   EV 0.0"
+    opened.set_photography(None, transmittance=0.5, neutral_density=0.6)
+    darker = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["stop=2,4"]))
+    assert _data(darker.pictures[0])[0] == "50 mm   f/2   T2.83   EV 0.0   ND 2.0 stops"
     assert draw_contact_sheet(sheet, "svg").lstrip().startswith(b"<?xml")
 
 

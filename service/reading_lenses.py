@@ -8,7 +8,7 @@ from render.lens import Surface
 from render.shot.lens_alone import library_lens_alone
 from render.shot.lens_choice import library_entry
 from render.stage.lenses import lens_of
-from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface
+from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
 from usd_schemas import LibraryLens, library_lenses
 
 
@@ -31,6 +31,7 @@ def read_lens(name: str) -> Lens:
         surfaces=[_surface(surface) for surface in prescription.surfaces] if prescription else [],
         focus_group=prescription.focus_group if prescription else None,
         errors=LensErrors.model_validate(entry.lens.seidel) if entry.lens.model == "seidel" else None,
+        tables=LensTables.model_validate(entry.lens.data_sheet) if entry.lens.model == "dataSheet" else None,
         iris=_iris(entry),
     )
 

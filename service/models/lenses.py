@@ -96,6 +96,24 @@ class LensErrors(Model):
     reference_height: float = Field(description="Image height for which they hold, mm.")
 
 
+class LensTables(Model):
+    """What was measured of a lens over the image height; a table that it does not have is empty."""
+
+    height: list[float] = Field(description="Image heights of the tables' entries, mm, from 0.")
+    distortion: list[float] = Field(description="Share by which the image is farther out than an ideal lens's.")
+    vignetting: list[float] = Field(description="Light over that on the axis.")
+    sagittal_blur: list[float] = Field(description="Standard deviation of the blur across the radius, mm.")
+    tangential_blur: list[float] = Field(description="Standard deviation of the blur along the radius, mm.")
+    spherical_aberration: list[float] = Field(
+        description="Share of the blur, -1 to 1: positive gives discs behind the focus a bright edge."
+    )
+    coma: list[float] = Field(description="Length of the flare, mm, outward.")
+    field_curvature: list[float] = Field(description="How far before the film the sharp image lies, mm.")
+    lateral_color: list[float] = Field(description="How much farther out red (650 nm) lies than blue (475 nm), mm.")
+    axial_color: list[float] = Field(description="How far behind blue red focuses, mm.")
+    f_stop: float = Field(description="At which they hold.")
+
+
 class LensIris(Model):
     """The lens's own iris."""
 
@@ -115,6 +133,7 @@ class Lens(LensSummary):
             "surfaces": [SURFACE_EXAMPLE, SURFACE_EXAMPLE | {"radiusMm": -50.2792, "glass": None, "isStop": False}],
             "focusGroup": None,
             "errors": None,
+            "tables": None,
             "iris": None,
         }
     )
@@ -123,4 +142,5 @@ class Lens(LensSummary):
     surfaces: list[LensSurface] = Field(description="Front to rear; empty for a lens that is not said by its surfaces.")
     focus_group: tuple[int, int] | None = Field(description="Indices of the surfaces that move to focus; null for all.")
     errors: LensErrors | None = Field(description="Of the model `seidel`.")
+    tables: LensTables | None = Field(description="Of the model `dataSheet`.")
     iris: LensIris | None = Field(description="Null where the camera's own iris stays.")

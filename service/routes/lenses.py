@@ -76,7 +76,8 @@ async def mount_lens_file(
     response: Response,
     shot: ShotId,
     file: Annotated[
-        UploadFile, File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.")
+        UploadFile,
+        File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file."),
     ],
     terms: TermsDep,
     camera: CameraQuery = None,

@@ -112,6 +112,26 @@ def test_what_cannot_be_mounted_is_refused_and_changes_nothing(client, shot):
     assert client.get(f"{shot}/edits").text == before
 
 
+def test_a_lens_by_its_data_sheet_is_told_and_mounted(client, shot):
+    planar = client.get("/v1/lenses/zeiss_planar_50").json()
+    assert (planar["model"], planar["surfaces"], planar["errors"]) == ("dataSheet", [], None)
+    assert planar["tables"]["fStop"] == 1.4
+    assert len(planar["tables"]["tangentialBlur"]) == len(planar["tables"]["height"])
+    assert client.get("/v1/lenses/planar_50").json()["tables"] is None
+    sheet = "name = Some 40\nfocal length = 40\nf-stops = 2 16\n\nheight_mm light_%\n0 100\n20 50\n"
+    answer = send_lens(client, shot, "some.lens", sheet)
+    assert answer.status_code == 200
+    camera = answer.json()
+    assert (camera["lensName"], camera["lensModel"], camera["focalLengthMm"]) == (
+        "Some 40",
+        "dataSheet",
+        pytest.approx(40),
+    )
+    assert camera["fStop"] >= 2
+    refused = send_lens(client, shot, "some.lens", sheet.replace("20 50", "20 dim"))
+    assert (refused.status_code, refused.json()["code"]) == (422, "bad_lens_file")
+
+
 def test_a_lens_file_is_mounted(client, shot):
     answer = send_lens(client, shot, "achromat.seq", ACHROMAT)
     assert answer.status_code == 200, answer.text

@@ -1110,7 +1110,7 @@ export interface components {
         readonly Body_mountLensFile: {
             /**
              * File
-             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq or an Optical Bench .txt file.
+             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file.
              */
             readonly file: string;
         };
@@ -1722,12 +1722,15 @@ export interface components {
          * ExposureSettings
          * @description How a camera exposes at one time.
          * @example {
+         *       "breathing": false,
          *       "camera": "/World/Camera",
          *       "compensationStops": 0,
          *       "etag": "\"92c4bf18a0860070\"",
          *       "exposureFStop": 2,
          *       "exposureStop": "iris",
          *       "exposureTimeS": 0.02083,
+         *       "flareGhosts": 0,
+         *       "flareStar": 1,
          *       "iso": 800,
          *       "keys": {
          *         "compensationStops": [
@@ -1793,6 +1796,16 @@ export interface components {
              * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
              */
             readonly exposureTimeS: number;
+            /**
+             * Flareghosts
+             * @description Strength of what the surfaces of a lens reflect of what is bright: 0 off, 1 as they have it. Frames take seconds longer.
+             */
+            readonly flareGhosts: number;
+            /**
+             * Flarestar
+             * @description Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.
+             */
+            readonly flareStar: number;
             /**
              * Iso
              * @description USD's `exposure:iso`.
@@ -1934,6 +1947,16 @@ export interface components {
              * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
              */
             readonly exposureTimeS?: number | null;
+            /**
+             * Flareghosts
+             * @description Strength of what the surfaces of a lens reflect of what is bright: 0 off, 1 as they have it. Frames take seconds longer.
+             */
+            readonly flareGhosts?: number | null;
+            /**
+             * Flarestar
+             * @description Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.
+             */
+            readonly flareStar?: number | null;
             /**
              * Iso
              * @description USD's `exposure:iso`.
@@ -4112,6 +4135,8 @@ export interface components {
              * @description Front to rear; empty for a lens that is not said by its surfaces.
              */
             readonly surfaces: readonly components["schemas"]["LensSurface"][];
+            /** @description Of the model `dataSheet`. */
+            readonly tables: components["schemas"]["LensTables"] | null;
             /**
              * Title
              * @description What is engraved on it; a camera's `lensName`.
@@ -4331,6 +4356,67 @@ export interface components {
              * @description To the next surface; of the last one to the film, 0 to be solved for.
              */
             readonly thicknessMm: number;
+        };
+        /**
+         * LensTables
+         * @description What was measured of a lens over the image height; a table that it does not have is empty.
+         */
+        readonly LensTables: {
+            /**
+             * Axialcolor
+             * @description How far behind blue red focuses, mm.
+             */
+            readonly axialColor: readonly number[];
+            /**
+             * Coma
+             * @description Length of the flare, mm, outward.
+             */
+            readonly coma: readonly number[];
+            /**
+             * Distortion
+             * @description Share by which the image is farther out than an ideal lens's.
+             */
+            readonly distortion: readonly number[];
+            /**
+             * Fieldcurvature
+             * @description How far before the film the sharp image lies, mm.
+             */
+            readonly fieldCurvature: readonly number[];
+            /**
+             * Fstop
+             * @description At which they hold.
+             */
+            readonly fStop: number;
+            /**
+             * Height
+             * @description Image heights of the tables' entries, mm, from 0.
+             */
+            readonly height: readonly number[];
+            /**
+             * Lateralcolor
+             * @description How much farther out red (650 nm) lies than blue (475 nm), mm.
+             */
+            readonly lateralColor: readonly number[];
+            /**
+             * Sagittalblur
+             * @description Standard deviation of the blur across the radius, mm.
+             */
+            readonly sagittalBlur: readonly number[];
+            /**
+             * Sphericalaberration
+             * @description Share of the blur, -1 to 1: positive gives discs behind the focus a bright edge.
+             */
+            readonly sphericalAberration: readonly number[];
+            /**
+             * Tangentialblur
+             * @description Standard deviation of the blur along the radius, mm.
+             */
+            readonly tangentialBlur: readonly number[];
+            /**
+             * Vignetting
+             * @description Light over that on the axis.
+             */
+            readonly vignetting: readonly number[];
         };
         /**
          * LongExposureBegin
@@ -6378,7 +6464,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description What the key is of, in the unit of its name. */
-                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
             };
@@ -6462,7 +6548,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description What the key is of, in the unit of its name. */
-                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
             };

@@ -32,8 +32,10 @@ class AskedFlare:
         Raises:
             InputError: there is no camera to set.
         """
-        if self != AskedFlare():
-            shot.set_flare(camera, ghosts=self.ghosts, star=self.star)
+        asked = {"flare_ghosts": self.ghosts, "flare_star": self.star}
+        said = {name: factor for name, factor in asked.items() if factor is not None}
+        if said:
+            shot.set_photography(camera, **said)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -43,12 +43,10 @@ EXPOSURE_SETTINGS = {
     "neutral_density": ("LensAPI", "lens:neutralDensity"),
     "stop_marking": ("LensAPI", "lens:stopMarking"),
     "natural_vignetting": ("LensAPI", "lens:naturalVignetting"),
+    "flare_ghosts": ("LensAPI", "lens:flare:ghosts"),
+    "flare_star": ("LensAPI", "lens:flare:star"),
 }
-"""How much light falls on the film, and when: schema, empty for what every USD camera has, and property."""
-
-
-FLARE_SETTINGS = {"ghosts": ("LensAPI", "lens:flare:ghosts"), "star": ("LensAPI", "lens:flare:star")}
-"""How strong the flare of its lens is."""
+"""How much light falls on the film, and when, stray light too: schema, empty for what every USD camera has, and property."""
 
 
 def _film_properties(kind: type = FilmData, group: str = "") -> Iterator[tuple[str, tuple[str, str]]]:
@@ -63,11 +61,7 @@ FILM_SETTINGS = dict(_film_properties())
 """FilmAPI by the names of `FilmData`'s fields, those of its groups after the group's: ``push``, ``grain_amount``."""
 
 _SETTINGS = (
-    {name: ("", usd) for name, usd in LENS_SETTINGS.items()}
-    | FOCUS_SETTINGS
-    | EXPOSURE_SETTINGS
-    | FLARE_SETTINGS
-    | FILM_SETTINGS
+    {name: ("", usd) for name, usd in LENS_SETTINGS.items()} | FOCUS_SETTINGS | EXPOSURE_SETTINGS | FILM_SETTINGS
 )
 _POSITIVE = ("exposure_time_s", "iso", "exposure_f_stop", "responsivity")
 
@@ -78,7 +72,7 @@ class CameraAttribute:
 
     Attributes:
         camera: the camera.
-        name: a key of `LENS_SETTINGS`, `FOCUS_SETTINGS`, `EXPOSURE_SETTINGS`, `FLARE_SETTINGS` or `FILM_SETTINGS`.
+        name: a key of `LENS_SETTINGS`, `FOCUS_SETTINGS`, `EXPOSURE_SETTINGS` or `FILM_SETTINGS`.
 
     Raises:
         SettingsError: it is none of these.

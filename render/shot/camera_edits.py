@@ -84,30 +84,6 @@ class CameraEdits(EditableShot):
                 aperture=choice.aperture,
             )
 
-    def set_flare(
-        self,
-        camera_path: str | None,
-        *,
-        ghosts: float | None = None,
-        star: float | None = None,
-        time: float | None = None,
-    ) -> None:
-        """Change how strong the flare of a camera's lens is. What is None stays as it is.
-
-        Args:
-            camera_path: of a camera.
-            ghosts: of the reflections between its surfaces: 0 off, 1 as the surfaces have them.
-            star: of the diffraction at its iris: 0 off, 1 as it is.
-            time: USD time code of the keys; None drops the keys there are and holds the values for all time.
-
-        Raises:
-            SettingsError: a value is out of range, or the time is not finite.
-        """
-        camera = self._editable(camera_path)
-        said = {name: value for name, value in (("ghosts", ghosts), ("star", star)) if value is not None}
-        with self._edits.editing(f"set the flare of {camera.prim.GetName()}"):
-            author_settings(camera, said, time)
-
     def import_focus_curve(self, camera_path: str | None, read: ReadCurve, *, baked: bool = False) -> None:
         """Give a camera the focus curve of a file, and let it be focused by hand.
 

@@ -23,6 +23,8 @@ EXPOSURE_EXAMPLE: JsonDict = {
     "transmittance": 0.9,
     "neutralDensity": 0.6,
     "naturalVignetting": False,
+    "flareGhosts": 0.0,
+    "flareStar": 1.0,
     "shutterOpen": 0.0,
     "shutterClose": 0.5,
     "shutterAngleDeg": 180.0,
@@ -50,6 +52,8 @@ ExposureKeyed = Literal[
     "responsivity",
     "transmittance",
     "neutralDensity",
+    "flareGhosts",
+    "flareStar",
     "shutterOpen",
     "shutterClose",
     "shutterTravelS",
@@ -70,6 +74,8 @@ _EXPOSURE: dict[str, str] = {
     "transmittance": "Share of the light that comes through the glass.",
     "neutral_density": "Of the filter in front; 0.3 takes about one stop.",
     "natural_vignetting": "Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.",
+    "flare_ghosts": "Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.",
+    "flare_star": "Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.",
     "shutter_open": "USD's `shutter:open`, time codes from the frame's own.",
     "shutter_close": "USD's `shutter:close`.",
     "shutter_angle_deg": "Opening of a rotating shutter that is open for as long; 360 is a whole frame.",
@@ -102,6 +108,8 @@ class ExposureSettings(Model):
     transmittance: float = Field(description=_EXPOSURE["transmittance"])
     neutral_density: float = Field(description=_EXPOSURE["neutral_density"])
     natural_vignetting: bool = Field(description=_EXPOSURE["natural_vignetting"])
+    flare_ghosts: float = Field(description=_EXPOSURE["flare_ghosts"])
+    flare_star: float = Field(description=_EXPOSURE["flare_star"])
     shutter_open: float = Field(description=_EXPOSURE["shutter_open"])
     shutter_close: float = Field(description=_EXPOSURE["shutter_close"])
     shutter_angle_deg: float = Field(description=_EXPOSURE["shutter_angle_deg"])
@@ -135,6 +143,8 @@ class ExposureSettingsEdit(Model):
         default=None, description=_EXPOSURE["neutral_density"]
     )
     natural_vignetting: bool | None = Field(default=None, description=_EXPOSURE["natural_vignetting"])
+    flare_ghosts: NotNegative | None = Field(default=None, description=_EXPOSURE["flare_ghosts"])
+    flare_star: NotNegative | None = Field(default=None, description=_EXPOSURE["flare_star"])
     shutter_open: Bounded | None = Field(default=None, description=_EXPOSURE["shutter_open"])
     shutter_close: Bounded | None = Field(default=None, description=_EXPOSURE["shutter_close"])
     shutter_angle_deg: Annotated[float, Field(ge=0, le=360_000)] | None = Field(

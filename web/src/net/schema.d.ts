@@ -1798,7 +1798,7 @@ export interface components {
             readonly exposureTimeS: number;
             /**
              * Flareghosts
-             * @description Strength of what the surfaces of a lens reflect of what is bright: 0 off, 1 as they have it. Frames take seconds longer.
+             * @description Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.
              */
             readonly flareGhosts: number;
             /**
@@ -1949,7 +1949,7 @@ export interface components {
             readonly exposureTimeS?: number | null;
             /**
              * Flareghosts
-             * @description Strength of what the surfaces of a lens reflect of what is bright: 0 off, 1 as they have it. Frames take seconds longer.
+             * @description Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.
              */
             readonly flareGhosts?: number | null;
             /**

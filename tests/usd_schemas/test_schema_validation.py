@@ -120,6 +120,11 @@ def film(**changes: object) -> Callable[[Usd.Stage], None]:
             "DataSheet",
             "lens:table:coma must have 2 entries",
         ),
+        (
+            lens(data_sheet=DataSheet(height=(0.0, 10.0), sagittal_blur=(0.01, -0.01))),
+            "DataSheet",
+            "entry 1 of lens:table:sagittalBlur must be at least 0, got -0.01",
+        ),
         (put("aperture:blades", 2), "Iris", "must be 0 (round) or at least 3, got 2"),
         (put("aperture:radialWeights", Vt.DoubleArray([0.0, 0.0])), "Iris", "let light through somewhere"),
         (put("aperture:radialWeights", Vt.DoubleArray([1.0, -1.0])), "Iris", "entry 1 of aperture:radialWeights"),

@@ -148,7 +148,13 @@ def data_sheet(prim: Usd.Prim) -> Iterator[Fault]:
         yield Fault(path, "lens:model is dataSheet, which needs tables, got none")
     if heights and (heights[0] != 0 or any(b <= a for a, b in pairwise(heights))):
         yield Fault(path, f"lens:table:height must increase from 0, got {heights}")
-    yield from _entries_at_least(prim.GetAttribute("lens:table:vignetting"), 0.0)
+    for name, least in (
+        ("vignetting", 0.0),
+        ("sagittalBlur", 0.0),
+        ("tangentialBlur", 0.0),
+        ("sphericalAberration", -1.0),
+    ):
+        yield from _entries_at_least(prim.GetAttribute(f"lens:table:{name}"), least)
 
 
 def iris(prim: Usd.Prim) -> Iterator[Fault]:

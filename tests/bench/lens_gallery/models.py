@@ -22,7 +22,7 @@ def model_sections() -> tuple[Section, ...]:
     return (
         Section(
             "Kinds of lens",
-            "The six models on the shot, 50 mm at f/2.8: from a hole in a wall to surfaces measured point by point.",
+            "The seven models on the shot, 50 mm at f/2.8: from a hole in a wall to surfaces measured point by point.",
             (
                 _entry("pinhole", "Pinhole", "Everything is sharp.", None, with_f_stop(0.0)),
                 _entry("thin", "Thin lens", "Ideal: round, even disks.", None, with_f_stop(_F_STOP)),
@@ -34,6 +34,13 @@ def model_sections() -> tuple[Section, ...]:
                     "The same glass as if cast and badly polished: waves of a few µm on both surfaces.",
                     "singlet_50",
                     cast_glass,
+                ),
+                _entry(
+                    "data-sheet",
+                    "Data sheet",
+                    "The Planar by what was measured of it, and no more.",
+                    "zeiss_planar_50",
+                    with_f_stop(_F_STOP),
                 ),
                 _entry("prescription", "Prescription", "The Planar's 13 surfaces.", "planar_50", with_f_stop(_F_STOP)),
             ),

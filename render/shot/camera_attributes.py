@@ -45,6 +45,7 @@ EXPOSURE_SETTINGS = {
     "natural_vignetting": ("LensAPI", "lens:naturalVignetting"),
     "flare_ghosts": ("LensAPI", "lens:flare:ghosts"),
     "flare_star": ("LensAPI", "lens:flare:star"),
+    "breathing": ("LensAPI", "lens:breathing"),
 }
 """How much light falls on the film, and when, stray light too: schema, empty for what every USD camera has, and property."""
 

@@ -25,6 +25,7 @@ EXPOSURE_EXAMPLE: JsonDict = {
     "naturalVignetting": False,
     "flareGhosts": 0.0,
     "flareStar": 1.0,
+    "breathing": False,
     "shutterOpen": 0.0,
     "shutterClose": 0.5,
     "shutterAngleDeg": 180.0,
@@ -74,6 +75,7 @@ _EXPOSURE: dict[str, str] = {
     "transmittance": "Share of the light that comes through the glass.",
     "neutral_density": "Of the filter in front; 0.3 takes about one stop.",
     "natural_vignetting": "Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.",
+    "breathing": "Whether the picture grows with focus as a real lens's does, and the bellows factor darkens it.",
     "flare_ghosts": "Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.",
     "flare_star": "Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.",
     "shutter_open": "USD's `shutter:open`, time codes from the frame's own.",
@@ -108,6 +110,7 @@ class ExposureSettings(Model):
     transmittance: float = Field(description=_EXPOSURE["transmittance"])
     neutral_density: float = Field(description=_EXPOSURE["neutral_density"])
     natural_vignetting: bool = Field(description=_EXPOSURE["natural_vignetting"])
+    breathing: bool = Field(description=_EXPOSURE["breathing"])
     flare_ghosts: float = Field(description=_EXPOSURE["flare_ghosts"])
     flare_star: float = Field(description=_EXPOSURE["flare_star"])
     shutter_open: float = Field(description=_EXPOSURE["shutter_open"])
@@ -143,6 +146,7 @@ class ExposureSettingsEdit(Model):
         default=None, description=_EXPOSURE["neutral_density"]
     )
     natural_vignetting: bool | None = Field(default=None, description=_EXPOSURE["natural_vignetting"])
+    breathing: bool | None = Field(default=None, description=_EXPOSURE["breathing"])
     flare_ghosts: NotNegative | None = Field(default=None, description=_EXPOSURE["flare_ghosts"])
     flare_star: NotNegative | None = Field(default=None, description=_EXPOSURE["flare_star"])
     shutter_open: Bounded | None = Field(default=None, description=_EXPOSURE["shutter_open"])

@@ -75,6 +75,7 @@ def test_everything_that_can_be_read_can_be_set(client, shot):
         "transmittance": 0.5,
         "neutralDensity": 0.3,
         "naturalVignetting": True,
+        "breathing": True,
         "flareGhosts": 2,
         "flareStar": 0.5,
         "shutterOpen": -0.25,

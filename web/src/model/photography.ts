@@ -15,6 +15,14 @@ export interface ExposureSettings {
   readonly stopMarking: "f" | "t";
   readonly compensationStops: number;
   readonly neutralDensity: number;
+  /** Share of the light that the glass lets through. */
+  readonly transmittance: number;
+  readonly naturalVignetting: boolean;
+  readonly breathing: boolean;
+  /** Strength of reflections in the lens; 0 is off. */
+  readonly flareGhosts: number;
+  /** Strength of the star around bright points; 0 is off. */
+  readonly flareStar: number;
   /** Of the shutter that motion is seen through; 0 is open for a moment. */
   readonly shutterAngleDeg: number;
   readonly shutterType: ShutterType;

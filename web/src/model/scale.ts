@@ -100,3 +100,4 @@ export const AMOUNTS = linearScale(0, 2, 0.1);
 export const HALATIONS = linearScale(0, 0.1, 0.005);
 export const RING_SPEEDS_DEG_S = linearScale(0, 720, 15);
 export const CIRCLES_MM = linearScale(0, 0.1, 0.001);
+export const FLARES = linearScale(0, 5, 0.25);

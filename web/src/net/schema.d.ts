@@ -1766,6 +1766,11 @@ export interface components {
          */
         readonly ExposureSettings: {
             /**
+             * Breathing
+             * @description Whether the picture grows with focus as a real lens's does, and the bellows factor darkens it.
+             */
+            readonly breathing: boolean;
+            /**
              * Camera
              * @description Prim path.
              */
@@ -1927,6 +1932,11 @@ export interface components {
          *     }
          */
         readonly ExposureSettingsEdit: {
+            /**
+             * Breathing
+             * @description Whether the picture grows with focus as a real lens's does, and the bellows factor darkens it.
+             */
+            readonly breathing?: boolean | null;
             /**
              * Compensationstops
              * @description USD's `exposure`. Where a meter decides, it does not count.

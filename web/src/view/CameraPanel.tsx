@@ -8,6 +8,7 @@ import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } 
 import { Choice, Options } from "./Choice";
 import { ExposurePanel } from "./ExposurePanel";
 import { FilmPanel, GradePanel } from "./FilmPanel";
+import { GlassPanel } from "./GlassPanel";
 import { trim } from "./numbers";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
@@ -28,6 +29,7 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
       <ExposurePanel session={session} said={said} />
       <FilmPanel editor={editor} session={session} film={said.film} />
       <GradePanel session={session} film={said.film} />
+      <GlassPanel session={session} exposure={said.exposure} />
       <Body editor={editor} session={session} film={said.film} />
       <Motion editor={editor} session={session} said={said} />
     </>

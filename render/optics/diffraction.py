@@ -27,7 +27,7 @@ _CORE, _LEAST_CORE_PX = 3.0, 2.0  # of a star, in λ/D and at least
 _SIDE = 512
 # Of a picture's frequencies, in cycles a pixel, away from 0: those that look alike on its pixels. As many lie on either side of
 # half a cycle, so that the sum has no kink there, which would draw every other pixel too bright.
-_NEIGHBOURS = (-2, -1, 0, 1)
+_NEIGHBOURS, _FAR = (-2, -1, 0, 1), (-2, 1)
 _ROWS = 128  # of frequencies at once: it bounds the memory
 
 
@@ -103,18 +103,20 @@ def _star(
 
 
 def _transfer(
-    table: DoubleArray, across: DoubleArray, down: DoubleArray, shift: tuple[float, float], turn_rad: float
-) -> DoubleArray:
+    table: FloatArray, across: DoubleArray, down: DoubleArray, shift: tuple[float, float], turn_rad: float
+) -> FloatArray:
     """What frequencies in cycles a pixel keep, once pixels have gathered the light that falls anywhere in them.
 
     A pixel of light meets a pixel of film: both are even squares, whose overlap over the distance is a triangle. So between
     pixels the star is weighed by triangles, and its transform is a sum over the frequencies that look alike on pixels.
     """
-    total, whole = np.zeros(1), np.zeros(1)
+    total, whole = np.zeros(1, np.float32), np.zeros(1, np.float32)
     for right in _NEIGHBOURS:
         for below in _NEIGHBOURS:
+            if right in _FAR and below in _FAR:
+                continue  # they weigh some thousandths
             x, y = across + right * np.copysign(1, across), down + below * np.copysign(1, down)
-            weight = (np.sinc(x) ** 2 * np.sinc(y) ** 2)[..., None]
+            weight = (np.sinc(x) ** 2 * np.sinc(y) ** 2).astype(np.float32)[..., None]
             total = total + weight * _looked_up(table, x * shift[0], -y * shift[1], turn_rad)
             whole = whole + weight
     return np.asarray(total / whole)
@@ -171,7 +173,7 @@ class _Shape:
 
 
 @lru_cache(maxsize=8)
-def _overlap(shape: _Shape, light: Spectrum) -> DoubleArray:
+def _overlap(shape: _Shape, light: Spectrum) -> FloatArray:
     """``(directions, _SHIFTS + 1, 3)`` share of the iris that overlaps itself, by direction over half a turn and by the root
     of the shift at the shortest wavelength, in diameters; the mean over the spectrum for each channel.
     """
@@ -189,7 +191,7 @@ def _overlap(shape: _Shape, light: Spectrum) -> DoubleArray:
         low = np.minimum(at.astype(np.int64), _SHIFTS - 1)
         share = at - low
         mixed += (one[:, low] * (1 - share) + one[:, low + 1] * share)[..., None] * rgb
-    return mixed
+    return mixed.astype(np.float32)
 
 
 def _of_outline(iris: IrisShape, directions: DoubleArray, shifts: DoubleArray) -> DoubleArray:
@@ -239,7 +241,7 @@ def _of_image(iris: IrisShape, directions: DoubleArray, shifts: DoubleArray) -> 
     return np.asarray(np.maximum(values / overlap[_SIDE, _SIDE], 0.0))
 
 
-def _looked_up(table: DoubleArray, across: DoubleArray, up: DoubleArray, turn_rad: float) -> DoubleArray:
+def _looked_up(table: FloatArray, across: DoubleArray, up: DoubleArray, turn_rad: float) -> FloatArray:
     """The table ``(directions, shifts, 3)`` at shifts in diameters; nothing overlaps beyond 1."""
     across, up = np.broadcast_arrays(across, up)
     shift = np.hypot(across, up)
@@ -247,7 +249,7 @@ def _looked_up(table: DoubleArray, across: DoubleArray, up: DoubleArray, turn_ra
     turn = np.mod(np.arctan2(up, across) - turn_rad, np.pi) / np.pi * directions
     at = np.sqrt(np.minimum(shift, 1.0)) * _SHIFTS
     i, j = np.minimum(turn.astype(np.int64), directions - 1), np.minimum(at.astype(np.int64), _SHIFTS - 1)
-    turned, shifted = (turn - i)[..., None], (at - j)[..., None]
+    turned, shifted = (turn - i).astype(np.float32)[..., None], (at - j).astype(np.float32)[..., None]
     low = table[i, j] * (1 - shifted) + table[i, j + 1] * shifted
     high = table[i + 1, j] * (1 - shifted) + table[i + 1, j + 1] * shifted
     return np.asarray((low * (1 - turned) + high * turned) * (shift < 1)[..., None])

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from render.errors import PullfocusError, SettingsError
+from render.film.stock import camera_stock
 from render.shot.camera_attributes import EXPOSURE_SETTINGS, FILM_SETTINGS, CameraAttribute, author_settings
 from render.shot.camera_edits import CameraEdits
 from render.shot.edits import schema_errors_as_settings
@@ -148,7 +149,7 @@ def _load(camera: LensCamera, stock: LibraryFilm | None) -> None:
         print_stock=said.print_stock if had_film and film.process == said.process else film.print_stock,
         grain=replace(said.grain, rms=new.grain.rms),
     )
-    if stock is not None and stock.granularity and not had_film:
+    if stock is not None and not had_film and camera_stock(stock.name).granularity:
         wanted = replace(wanted, grain=replace(wanted.grain, amount=1.0))
     values = dict(property_values(wanted))
     properties = [usd for name, (_, usd) in FILM_SETTINGS.items() if name.startswith(_OF_THE_STOCK)]

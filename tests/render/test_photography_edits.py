@@ -10,7 +10,7 @@ from pxr import Usd
 from render.errors import CameraError, SettingsError
 from render.shot import Shot
 from render.shot.finish import finish_of
-from usd_schemas import Key, library_body, library_film
+from usd_schemas import Key, film_names, library_body, library_film
 
 CAMERA = """#usda 1.0
 (
@@ -105,6 +105,20 @@ def test_film_is_put_in_with_its_print_and_grain_and_taken_out(shot):
     assert (film_of(shot).process, film_of(shot).print_stock) == ("reversal", None)
     shot.mount_film(None, None)
     assert film_of(shot) is None
+
+
+@pytest.mark.parametrize("name", film_names())
+def test_film_in_a_camera_is_what_the_same_film_for_one_run_is(shot, name):
+    stock = library_film(name)
+    if stock.kind == "print":
+        return
+    camera = shot.camera_at(None, 1, 16, 9)
+    asked = finish_of(shot.stage, camera, 1, stock=name).film
+    shot.mount_film(None, stock)
+    put_in = film_of(shot)
+    assert (put_in.process, put_in.grain, put_in.push) == (asked.process, asked.grain, asked.push)
+    assert put_in.stock.name == asked.stock.name
+    assert getattr(put_in.print_stock, "name", None) == getattr(asked.print_stock, "name", None)
 
 
 def test_a_drawn_curve_makes_way_for_the_stocks(shot):

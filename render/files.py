@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import tempfile
 import uuid
 from pathlib import Path
 
@@ -25,7 +26,7 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
         OutputError: the file cannot be written; what was there before is still there.
     """
     target = Path(path)
-    _check_kind(target)
+    check_replaceable(target)
     beside = target.with_name(f".{target.name[:100]}.{uuid.uuid4().hex}.part")
     try:
         try:
@@ -49,15 +50,24 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         OutputError: it cannot be written.
     """
     target = Path(path)
-    _check_kind(target)
+    check_replaceable(target)
     if not os.path.isdir(target.parent):
         raise _explained(OSError(errno.ENOENT, os.strerror(errno.ENOENT)), target)
     if not os.access(target.parent, os.W_OK | os.X_OK):
         raise _explained(OSError(errno.EACCES, os.strerror(errno.EACCES)), target)
+    try:  # what permissions do not tell: folders of the kernel's take no files from anybody
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise _explained(error, target) from error
 
 
-def _check_kind(target: Path) -> None:
-    """Raise `OutputError` where a folder, a device or a pipe is in the file's place: it is not to be renamed over."""
+def check_replaceable(target: Path) -> None:
+    """See that no folder, device or pipe is in a file's place: it is not to be renamed over.
+
+    Raises:
+        OutputError: there is one.
+    """
     if os.path.exists(target) and not os.path.isfile(target):  # unlike Path, these raise nothing
         what = "a folder" if os.path.isdir(target) else "a device or a pipe"
         raise OutputError(f"cannot write {target}: it is {what}, expected a file", path=str(target))
@@ -76,6 +86,8 @@ def _explained(error: OSError, target: Path) -> OutputError:
         code, reason = "disk_full", f"the disk is full ({error.strerror})"
     elif error.errno in _NOT_ALLOWED:
         code, reason = "not_allowed", f"writing in the folder {target.parent} is not allowed ({error.strerror})"
+    elif error.errno in (errno.ENOENT, errno.ENOTDIR) and os.path.isdir(target.parent):
+        code, reason = "output", f"no file can be made in the folder {target.parent} ({error.strerror})"
     elif error.errno in (errno.ENOENT, errno.ENOTDIR):
         code, reason = "missing_folder", f"the folder {target.parent} does not exist"
     else:

@@ -12,6 +12,9 @@ from itertools import pairwise
 from render.errors import SettingsError
 from render.frame_spec import MAX_FRAMES
 
+MAX_ND_STOPS = 40
+"""Of a filter before its lens. More than any glass takes: the sun itself is looked at through 17."""
+
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+))"
 _OPENING = re.compile(rf"{_NUMBER}:{_NUMBER}(?:x{_NUMBER})?")
 _SLACK = 1e-6  # of an interval: what rounding leaves over is no interval of its own

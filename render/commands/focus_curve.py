@@ -14,7 +14,7 @@ from typing import Any
 from render.commands import arguments as shared
 from render.commands.report import say, warn_of
 from render.errors import CameraError, InputError, SettingsError
-from render.files import write_atomic
+from render.files import check_writable, write_atomic
 from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
 from render.frame_spec import every_frame, parse_frames
 from render.shot import Shot
@@ -94,6 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
     shot = Shot.open(arguments.stage, edits=arguments.edits)
     if arguments.out is not None:
         shot.check_not_own(arguments.out)
+        check_writable(arguments.out)
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise _no_camera(arguments.stage, shot.cameras())

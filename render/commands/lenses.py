@@ -14,7 +14,7 @@ from render.commands.lens_numbers import as_json, as_table
 from render.commands.report import print_json, print_result, say
 from render.commands.sheet_path import sheet_path
 from render.errors import InputError, NotFoundError, SettingsError
-from render.files import write_atomic
+from render.files import check_writable, write_atomic
 from render.optics.lens_files import data_sheet_text, is_data_sheet
 from render.optics.report import LensReport, lens_report
 from render.shot.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
@@ -96,8 +96,10 @@ def run_show(arguments: argparse.Namespace) -> None:
         OutputError: the sheet cannot be written.
     """
     lens = _asked(arguments.lens)
-    if arguments.tables is not None and not is_data_sheet(arguments.tables):
-        raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
+    if arguments.tables is not None:
+        if not is_data_sheet(arguments.tables):
+            raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
+        check_writable(arguments.tables)
     target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
     if arguments.json:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import time as clock
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from render.commands.report import FrameProgress, say
 from render.errors import SettingsError
 from render.film import GradeChoice
 from render.frame_settings import FrameSettings
-from render.openings import Opening, parse_openings
+from render.openings import MAX_ND_STOPS, Opening, parse_openings
 from render.output import write_frame
 from render.shot import Shot
 from render.shot.long_exposure import LongExposure, LongExposureState
@@ -84,9 +85,12 @@ def _stops(typed: str) -> float | None:
     if typed == KEEPS_EXPOSURE:
         return None
     try:
-        return float(typed)
+        stops = float(typed)
     except ValueError:
-        raise SettingsError(f"--nd takes a number of stops or {KEEPS_EXPOSURE}, got {typed!r}") from None
+        stops = math.nan
+    if not 0 <= stops <= MAX_ND_STOPS:
+        raise SettingsError(f"--nd takes a number of stops from 0 to {MAX_ND_STOPS} or {KEEPS_EXPOSURE}, got {typed!r}")
+    return stops
 
 
 def record_long_exposure(

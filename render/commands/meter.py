@@ -12,13 +12,15 @@ from render.commands import arguments as shared
 from render.commands.exposure_numbers import meter_json, print_meter
 from render.commands.report import FrameProgress, print_json, say, warn_of
 from render.errors import CameraError, SettingsError
-from render.files import write_atomic
+from render.files import check_writable, write_atomic
 from render.frame_spec import every_frame, parse_frames
 from render.shot import Shot
 from render.shot.exposure_keys import exposure_layer, keyed_stops
 from render.shot.light_meter import LightMeter, Metered, metering_of
 
 MODES = ("spot", "center", "average")
+KEY_SUFFIXES = (".usda", ".usd")
+"""Endings under which the text of a layer is what USD takes it for."""
 MANUALLY = "center"
 """How is metered where neither the user nor the shot says it: as cameras do that are taken out of their box."""
 
@@ -71,6 +73,8 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the layer cannot be written.
     """
     asked = _asked(arguments)
+    if arguments.key is not None:
+        _check_key(arguments.key)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
     lens = shared.asked_lens(arguments.lens)
     shot = Shot.open(arguments.stage, edits=arguments.edits)
@@ -95,6 +99,12 @@ def run(arguments: argparse.Namespace) -> None:
         print_json({"stage": arguments.stage, "camera": camera, "frames": [meter_json(one) for one in said]})
     elif arguments.key is None:
         print_meter(said)
+
+
+def _check_key(layer: Path) -> None:
+    if layer.suffix.lower() not in KEY_SUFFIXES:
+        raise SettingsError(f"--key writes a layer as text, a {' or '.join(KEY_SUFFIXES)} file, got {layer}")
+    check_writable(layer)
 
 
 def _asked(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -15,7 +15,8 @@ from render.commands import arguments as shared
 from render.commands import camera_options, contact_sheet_options, flare_options, grade_options, long_exposure_options
 from render.commands.camera_options import AskedCamera
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
-from render.errors import OutputError, SettingsError
+from render.errors import SettingsError
+from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
 from render.film.stock import library_stock
 from render.frame_settings import MAX_MOTION, FrameSettings
@@ -143,7 +144,7 @@ def run(arguments: argparse.Namespace) -> None:
     shot = _open(arguments)
     frames = asked or [shot.frame_range.start if long is None else long.begin]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
-    _check_folders(files)
+    _check_files(files)
     for file in files:
         shot.check_not_own(file)
     camera = shared.choose_camera(shot, arguments.camera)
@@ -179,11 +180,12 @@ def _check_output(arguments: argparse.Namespace) -> None:
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
 
 
-def _check_folders(files: Sequence[Path]) -> None:
+def _check_files(files: Sequence[Path]) -> None:
     """Before anything is rendered: an hour's work would fail when it is to be written."""
-    for folder in {file.parent for file in files}:
-        if not folder.is_dir():
-            raise OutputError(f"the folder {folder} does not exist", code="missing_folder", path=str(folder))
+    for file in {file.parent: file for file in files}.values():
+        check_writable(file)
+    for file in files:
+        check_replaceable(file)
 
 
 def _open(arguments: argparse.Namespace) -> Shot:

@@ -11,6 +11,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.film.gathering import GatheredLight
+from render.openings import MAX_ND_STOPS
 from render.optics.sampling import MAX_RAYS
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import finish_of
@@ -100,8 +101,10 @@ class LongExposure:
         """
         if set(settings.aovs) != {"color"}:
             raise SettingsError("a long exposure has colour alone: nothing is at one depth while it moves")
-        if nd_stops is not None and not math.isfinite(nd_stops):
-            raise SettingsError(f"the neutral density of a long exposure must be a number of stops, got {nd_stops:g}")
+        if nd_stops is not None and not 0 <= nd_stops <= MAX_ND_STOPS:
+            raise SettingsError(
+                f"the neutral density of a long exposure must be from 0 to {MAX_ND_STOPS} stops, got {nd_stops:g}"
+            )
         self.shot = shot
         self._renderer, self._camera, self._settings = renderer, camera, settings
         self._begin, self._nd_stops = begin, nd_stops

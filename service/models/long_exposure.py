@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
 from render.frame_settings import MAX_MOTION
+from render.openings import MAX_ND_STOPS
 from service.models.base import Model, PrimPath, TimeCode, shown_as
 
 BEGIN_EXAMPLE: JsonDict = {"first": 40.0, "last": 88.0, "step": 2.0, "width": 480, "rays": 16}
@@ -37,8 +38,8 @@ class LongExposureBegin(Model):
     step: float = Field(default=1.0, gt=0, le=1e6, description="Frames that are exposed at once.")
     nd_stops: float | None = Field(
         default=None,
-        ge=-40,
-        le=40,
+        ge=0,
+        le=MAX_ND_STOPS,
         description="Of a neutral density filter; one that keeps the exposure of a single frame when left out.",
     )
     width: int = Field(default=480, ge=1, le=8192, description="px")

@@ -261,6 +261,15 @@ def test_a_missing_folder_is_said_before_anything_renders(pullfocus: Command, go
     assert_one_sentence(pullfocus("record", good, out), FAILED, "no_such", "does not exist")
 
 
+def test_a_folder_in_the_files_place_is_said_before_anything_renders(
+    pullfocus: Command, good: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (good.parent / "frame.0002.png").mkdir()
+    monkeypatch.setattr("render.frame.FrameRenderer", lambda: pytest.fail("it began to render"))
+    ended = pullfocus("record", good, good.parent / "frame.####.png", "--frames", "1:3")
+    assert_one_sentence(ended, FAILED, "frame.0002.png: it is a folder, expected a file")
+
+
 def test_a_layer_of_edits_that_is_none_is_named(pullfocus: Command, good: Path) -> None:
     edits = good.parent / "edits.usda"
     ended = pullfocus("record", good, good.parent / "frame.png", "--edits", edits)

@@ -193,6 +193,15 @@ def test_a_sheet_that_cannot_be_written_is_refused_before_anything_is_computed(
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]
 
 
+def test_tables_that_cannot_be_written_are_refused_likewise(
+    pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("render.commands.lenses.lens_report", lambda *_: pytest.fail("it was computed"))
+    ended = pullfocus("lenses", "show", "thin_50", "--tables", tmp_path / "missing" / "t.lens")
+    assert (ended.status, ended.out) == (1, "")
+    assert "missing does not exist" in ended.err
+
+
 def test_a_full_disk_leaves_the_numbers_and_what_was_there(
     pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

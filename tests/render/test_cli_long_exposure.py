@@ -73,7 +73,9 @@ def test_control_c_closes_the_shutter_and_keeps_what_is_there(
         (("--long-exposure", "9:3"), "a shutter cannot close before it opens: it opens at 9 and closes at 3"),
         (("--long-exposure", "9"), "expected when the shutter opens and closes, such as 1:241"),
         (("--long-exposure", "1:3", "--frames", "1:3"), "leave out --frames"),
-        (("--long-exposure", "1:3", "--nd", "dark"), "--nd takes a number of stops or auto, got 'dark'"),
+        (("--long-exposure", "1:3", "--nd", "dark"), "--nd takes a number of stops from 0 to 40 or auto, got 'dark'"),
+        (("--long-exposure", "1:3", "--nd", "-2000"), "from 0 to 40 or auto, got '-2000'"),
+        (("--long-exposure", "1:3", "--nd", "1e9"), "from 0 to 40 or auto, got '1e9'"),
         (("--nd", "3"), "needs --long-exposure"),
     ],
 )

@@ -159,6 +159,9 @@ def test_the_meter_s_grey_is_grey_in_the_picture(renderer: FrameRenderer, comman
         (["--spot", "left"], "--spot takes a place in the picture such as 0.5,0.5, got 'left'"),
         (["--camera", "/World/none"], "there is no camera at /World/none"),
         (["--key", "SHOT"], "the shot itself is made of"),
+        (["--key", "k.usdc"], "--key writes a layer as text, a .usda or .usd file, got k.usdc"),
+        (["--key", "k.png"], "got k.png"),
+        (["--key", "no_folder/k.usda"], "the folder no_folder does not exist"),
     ],
 )
 def test_wrong_arguments_are_told_in_one_line(command: Command, tmp_path: Path, typed: list[str], words: str) -> None:
@@ -176,4 +179,7 @@ def test_a_black_shot_and_an_unknown_point_are_told(command: Command, tmp_path: 
     assert ended.status == 1
     assert "nothing to meter: every frame is black where the meter looks" in ended.err
     assert not (tmp_path / "keys.usda").exists()
-    assert "no focus point to meter is named 'midle': did you mean 'middle'?" in command("meter", black, "--point", "midle").err
+    assert (
+        "no focus point to meter is named 'midle': did you mean 'middle'?"
+        in command("meter", black, "--point", "midle").err
+    )

@@ -242,8 +242,9 @@ def test_openings_that_make_no_sense_are_one_clear_error(typed: str, told: str) 
 def test_what_cannot_be_exposed_is_told(renderer: FrameRenderer, shot: Shot) -> None:
     with pytest.raises(SettingsError, match="colour alone"):
         LongExposure(renderer, shot, "/cam", 1.0, replace(SETTINGS, aovs=("color", "depth")))
-    with pytest.raises(SettingsError, match="neutral density"):
-        LongExposure(renderer, shot, "/cam", 1.0, SETTINGS, nd_stops=float("nan"))
+    for stops in (float("nan"), -1.0, 41.0):
+        with pytest.raises(SettingsError, match="neutral density"):
+            LongExposure(renderer, shot, "/cam", 1.0, SETTINGS, nd_stops=stops)
     exposure = LongExposure(renderer, shot, "/cam", 1.0, SETTINGS, grade=Grade())
     with pytest.raises(SettingsError, match="never open"):
         exposure.picture()

@@ -234,6 +234,10 @@ def test_what_cannot_be_written_is_known_before(tmp_path: Path, monkeypatch: pyt
     assert os.listdir(tmp_path) == []
     with pytest.raises(OutputError, match=r"cannot write .*: the folder .*/no/such does not exist"):
         check_writable(tmp_path / "no" / "such" / "a.png")
+    with pytest.raises(
+        OutputError, match=r"cannot write /proc/a.png: (no file can be made|writing) in the folder /proc"
+    ):
+        check_writable("/proc/a.png")
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(OutputError, match=r"writing in the folder .* is not allowed"):
         check_writable(tmp_path / "a.png")

@@ -117,6 +117,7 @@ def test_a_shot_that_is_removed_takes_its_exposure_along(service, client, room_f
         ({"width": 8192, "height": 8192}, "px are rendered"),
         ({"rays": 10**9}, "rays"),
         ({"ndStops": 1000}, "ndStops"),
+        ({"ndStops": -1}, "ndStops"),
         ({"unknown": 1}, "unknown"),
     ],
 )

@@ -16,6 +16,7 @@ from render.optics.sampling import MAX_RAYS
 from render.scene import Camera, FloatArray, Moment
 from render.shot.finish import finish_of
 from render.shot.light_meter import auto_exposed
+from render.shot.moving import check_shutter
 from render.shot.picture import Picture, light_on_film, picture_of
 from render.shot.shot import Shot
 from render.shot.travel import farthest_travel_px, moment_of
@@ -108,7 +109,7 @@ class LongExposure:
         self.shot = shot
         self._renderer, self._camera, self._settings = renderer, camera, settings
         self._begin, self._nd_stops = begin, nd_stops
-        self._lens = shot.camera_at(camera, begin, settings.width, settings.height)
+        self._lens = self._at(begin)
         self._finish = finish_of(shot.stage, self._lens, begin, grade, stock, choice)
         self._metered = auto_exposed(renderer, shot, self._lens, begin, settings.shading)
         self._light = GatheredLight()
@@ -189,7 +190,9 @@ class LongExposure:
         return replace(picture, metadata=metadata)
 
     def _at(self, time: float) -> Camera:
-        return self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
+        lens = self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
+        check_shutter(lens)
+        return lens
 
     def _moments_of(self, begin: float, end: float) -> int:
         """As many as pixels that what moves fastest moves by."""

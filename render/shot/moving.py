@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from render.errors import CameraError, SettingsError
+from render.errors import CameraError
 from render.scene import Camera, FloatArray, Moment, Opening
 from render.shot.image_space import ImageSpace
 from render.shot.shot import Shot
@@ -20,6 +20,21 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 def moves(lens: Camera, settings: FrameSettings) -> bool:
     """Whether motion is asked for and the camera's shutter is open for long enough to see any."""
     return settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay != 0)
+
+
+def check_shutter(lens: Camera) -> None:
+    """See that a camera's shutter opens before it closes: no camera takes a picture else, motion or not.
+
+    Raises:
+        CameraError: it closes before it opens.
+    """
+    if not lens.shutter_close >= lens.shutter_open:
+        raise CameraError(
+            f"camera {lens.path}: a shutter cannot close before it opens: shutter:open is {lens.shutter_open:g} and "
+            f"shutter:close is {lens.shutter_close:g}",
+            code="bad_shutter",
+            path=lens.path,
+        )
 
 
 def moving_frame(
@@ -43,15 +58,12 @@ def moving_frame(
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
-        CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
+        CameraError: the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
     settings = space.asked
     size, count = (settings.width, settings.height), settings.motion
-    try:
-        times = time + moments(lens.shutter_open, lens.shutter_close, lens.shutter, count)
-    except SettingsError as error:
-        raise CameraError(f"camera {lens.path}: {error.detail}", code=error.code, path=lens.path) from error
+    times = time + moments(lens.shutter_open, lens.shutter_close, lens.shutter, count)
     parts = shares(lens.shutter_open, lens.shutter_close, lens.shutter, count, *size).astype(np.float32)
     if settings.motion_by == "velocities":
         return _swept(renderer, shot, camera, lens, time, times, parts, space, on_progress)

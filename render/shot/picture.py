@@ -17,7 +17,7 @@ from render.shot.finish import Finish, finish_of
 from render.shot.flare import flared
 from render.shot.image_space import ImageSpace
 from render.shot.light_meter import auto_exposed
-from render.shot.moving import moves, moving_frame
+from render.shot.moving import check_shutter, moves, moving_frame
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -71,10 +71,11 @@ def make_picture(
 
     Raises:
         SettingsError: the time is not finite, the library has no such stock, or no such grade can be made.
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
         GraphicsError: the device refuses.
     """
     lens = shot.camera_at(camera, time, settings.width, settings.height)
+    check_shutter(lens)
     # What is wrong with the finish is told before anything slow is done.
     finish = finish_of(shot.stage, lens, time, grade, stock, choice)
     lens = auto_exposed(renderer, shot, lens, time, settings.shading)
@@ -150,6 +151,7 @@ def light_on_film(
         CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
+    check_shutter(lens)
     space = ImageSpace.of(lens, settings)
     if moves(lens, settings):
         frame = moving_frame(renderer, shot, camera, lens, time, space, on_progress)

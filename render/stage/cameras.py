@@ -12,11 +12,12 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 from render.errors import CameraError, SettingsError, StageError
 from render.scene import Camera
 from render.shutter import Shutter
+from render.stage.camera_exposure import camera_number, exposure_scale
 from render.stage.camera_list import list_cameras
 from render.stage.lenses import iris_of, lens_of
 from render.stage.opening import confinement, reading
 from render.stage.poses import world_pose
-from render.stage.values import number, shown
+from render.stage.values import shown
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
 from usd_schemas import Shutter as ShutterData
@@ -27,8 +28,6 @@ Conform = Literal[
 ]
 # The nearest depth that is drawn, where a camera says 0 or less: nothing can be projected at the pinhole itself.
 _NEAREST_M = 1e-4
-# Read by USD for the exposure scale, which passes over what is not a number.
-_EXPOSURE = ("exposure", "exposure:time", "exposure:iso", "exposure:fStop", "exposure:responsivity")
 
 
 @dataclass(frozen=True)
@@ -192,7 +191,7 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     transforms = UsdGeom.XformCache(time)
 
     def mm(attribute: Usd.Attribute) -> float:
-        return mm_from_tenths(_number(attribute, time), stage)
+        return mm_from_tenths(camera_number(attribute, time), stage)
 
     near, far = _clipping(usd, time)
     return Camera(
@@ -208,14 +207,6 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     )
 
 
-def _number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
-    try:
-        return number(attribute, time)
-    except TypeError as problem:
-        path = str(attribute.GetPrim().GetPath())
-        raise CameraError(f"{attribute.GetName()} of camera {path} {problem}", path=path) from problem
-
-
 def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
     """The nearest and the farthest depth, in stage units."""
     value = usd.GetClippingRangeAttr().Get(time)
@@ -228,9 +219,7 @@ def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
 def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     """The camera with its focus, iris, shutter and exposure, its lens moved up and aside against the film."""
     lens = LensCamera(usd.GetPrim())
-    focus = _number(usd.GetFocusDistanceAttr(), time)
-    for name in _EXPOSURE:
-        _number(usd.GetPrim().GetAttribute(name), time)
+    focus = camera_number(usd.GetFocusDistanceAttr(), time)
     at = time.GetValue()
     aperture, glass, moved = lens.aperture.read(at), lens.lens.read(at), lens.tilt_shift.read(at)
     shutter = lens.film.read(at).shutter
@@ -239,19 +228,25 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
         camera,
         horizontal_offset_mm=camera.horizontal_offset_mm + moved.shift,
         vertical_offset_mm=camera.vertical_offset_mm + moved.rise,
-        f_stop=0.0 if glass.model == "pinhole" else _number(usd.GetFStopAttr(), time),
+        f_stop=0.0 if glass.model == "pinhole" else camera_number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
-        exposure_scale=float(usd.ComputeLinearExposureScale(time)),
+        exposure_scale=exposure_scale(usd, time),
         iris=iris_of(aperture, camera.path, confined_to),
         lens=lens_of(glass, camera.path, confined_to),
-        shutter_open=_number(usd.GetShutterOpenAttr(), time),
-        shutter_close=_number(usd.GetShutterCloseAttr(), time),
+        shutter_open=camera_number(usd.GetShutterOpenAttr(), time),
+        shutter_close=camera_number(usd.GetShutterCloseAttr(), time),
         shutter=_shutter(shutter, stage, camera.path),
         breathing=glass.breathing,
     )
 
 
 def _shutter(said: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
+    if not 0 <= said.travel_time < math.inf:
+        raise CameraError(
+            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {said.travel_time:g} s",
+            code="bad_shutter",
+            path=path,
+        )
     travel = said.travel_time * stage.GetTimeCodesPerSecond()
     try:
         return Shutter(said.type, said.direction, travel, tuple(said.efficiency))
@@ -271,11 +266,16 @@ def _check(camera: Camera) -> None:
     settings = {
         "fStop": camera.f_stop,
         "focusDistance": camera.focus_distance_m,
-        "exposure": camera.exposure_scale,
         "clippingRange": camera.near_m,
     }
     for name, value in settings.items():
         _require(camera, math.isfinite(value) and value >= 0, name, "0 or more", f"{value:g}")
+    finite = {
+        "shutter:open": camera.shutter_open,
+        "shutter:close": camera.shutter_close,
+    }
+    for name, value in finite.items():
+        _require(camera, math.isfinite(value), name, "a finite number of frames", f"{value:g}", code="bad_shutter")
     offsets = {
         "horizontalApertureOffset": camera.horizontal_offset_mm,
         "verticalApertureOffset": camera.vertical_offset_mm,
@@ -299,6 +299,6 @@ def _check(camera: Camera) -> None:
     )
 
 
-def _require(camera: Camera, holds: bool, name: str, expected: str, got: str) -> None:
+def _require(camera: Camera, holds: bool, name: str, expected: str, got: str, code: str = "bad_camera") -> None:
     if not holds:
-        raise CameraError(f"{name} of camera {camera.path} must be {expected}, got {got}", path=camera.path)
+        raise CameraError(f"{name} of camera {camera.path} must be {expected}, got {got}", code=code, path=camera.path)

@@ -73,7 +73,7 @@ def test_record_ends_with_one_sentence(pullfocus: Command, bad: tuple[Path, tupl
     shot, words = bad
     out = shot.parent / "frame.png"
 
-    ended = pullfocus("record", shot, out, *small("--motion", 2))
+    ended = pullfocus("record", shot, out, *small())
 
     said = ended.err.splitlines()
     assert ended.status == 1, ended.err

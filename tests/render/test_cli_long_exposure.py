@@ -93,3 +93,14 @@ def test_a_long_exposure_has_no_depth(pullfocus: Command, shot: Path) -> None:
     ended = pullfocus("record", shot, shot.parent / "f.exr", "--long-exposure", "1:3", "--aov", "color,depth", *small())
     assert ended.status == 2
     assert "a long exposure has colour alone" in ended.err
+
+
+def test_a_shutter_that_closes_before_it_opens_takes_no_long_exposure_either(pullfocus: Command, shot: Path) -> None:
+    backwards = CAMERA.replace(
+        "float fStop", "double shutter:open = 0.5\n        double shutter:close = -0.5\n        float fStop"
+    )
+    write_shot(shot, SQUARE, backwards)
+    ended = pullfocus("record", shot, shot.parent / "f.png", "--long-exposure", "1:3", *small())
+    assert ended.status == 1
+    assert "camera /World/main_cam: a shutter cannot close before it opens: shutter:open is 0.5" in ended.err
+    assert not (shot.parent / "f.png").exists()

@@ -72,7 +72,7 @@ def test_inspect_says_how_a_camera_is_exposed(command: Command, tmp_path: Path) 
     (read,) = json.loads(command("inspect", shot, "--json").out)["exposures"]
     assert (read["camera"], read["exposure"]["iso"], read["lens"]["tStop"]) == (CAMERA, 400, 2)
     shot.write_text(shot.read_text().replace("exposure:iso = 400", "exposure:iso = 0"))
-    assert "ISO must be a positive number, got 0" in command("inspect", shot).out
+    assert "exposure:iso of camera /World/main_cam must be a positive number, got 0" in command("inspect", shot).out
 
 
 @pytest.mark.gl

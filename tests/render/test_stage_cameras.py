@@ -150,6 +150,14 @@ def test_an_unknown_policy_and_an_impossible_shape() -> None:
         ("horizontalApertureOffset", float("nan"), "horizontalApertureOffset"),
         ("clippingRange", Gf.Vec2f(10, 1), "clippingRange"),
         ("projection", "orthographic", "perspective"),
+        ("exposure", 999.0, "exposure of camera /cam must be from -100 to 100 stops, got 999"),
+        ("exposure", float("nan"), "exposure of camera /cam must be"),
+        ("exposure__time", float("inf"), "exposure:time of camera /cam must be a positive number, got inf"),
+        ("exposure__iso", 0.0, "exposure:iso of camera /cam must be a positive number, got 0"),
+        ("exposure__fStop", -2.0, "exposure:fStop of camera /cam must be a positive number, got -2"),
+        ("exposure__responsivity", -1.0, "exposure:responsivity of camera /cam must be a positive number, got -1"),
+        ("shutter__open", float("nan"), "shutter:open of camera /cam must be a finite number of frames, got nan"),
+        ("shutter__close", float("inf"), "shutter:close of camera /cam must be a finite number of frames, got inf"),
     ],
 )
 def test_impossible_numbers_are_named(name: str, value: object, says: str) -> None:

@@ -15,8 +15,11 @@ from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
 from usd_schemas.values import is_animated, limit_problem, read_value
 from usd_schemas.view import LensCamera
 
-_POSITIVE = ("focalLength", "horizontalAperture", "verticalAperture", "exposure:time", "exposure:fStop", "exposure:iso")
-_NOT_NEGATIVE = ("fStop", "focusDistance", "exposure:responsivity")
+_POSITIVE = (
+    *("focalLength", "horizontalAperture", "verticalAperture"),
+    *("exposure:time", "exposure:fStop", "exposure:iso", "exposure:responsivity"),
+)
+_NOT_NEGATIVE = ("fStop", "focusDistance")
 
 
 def camera_numbers(prim: Usd.Prim) -> Iterator[Fault]:
@@ -32,7 +35,11 @@ def camera_numbers(prim: Usd.Prim) -> Iterator[Fault]:
         if not 0 < near < far:
             yield Fault(clipping.GetPath(), f"clippingRange{where} must be 0 < near < far, got ({near:g}, {far:g})")
     opening, closing = (read_value(prim.GetAttribute(f"shutter:{end}")) or 0.0 for end in ("open", "close"))
-    if not opening <= closing:
+    for end, value in (("open", opening), ("close", closing)):
+        if not math.isfinite(value):
+            path = prim.GetPath().AppendProperty(f"shutter:{end}")
+            yield Fault(path, f"shutter:{end} must be a finite number of frames, got {value:g}")
+    if opening > closing:
         path = prim.GetPath().AppendProperty("shutter:close")
         yield Fault(path, f"shutter:close must not be before shutter:open ({opening:g}), got {closing:g}")
 

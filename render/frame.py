@@ -9,7 +9,7 @@ The stage reader, the focus solver, film and output stand on either side; `rende
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import TracebackType
@@ -29,6 +29,7 @@ from render.layers.movement import movements
 from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
+from render.lens import IrisShape
 from render.optics.distortion import seen_at
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
@@ -36,7 +37,7 @@ from render.reference.accumulation import Accumulator, accumulated_rays, accumul
 from render.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.trace.aovs import MEASURED
 from render.trace.lens import LensEngine, OnPass
-from render.trace.rays import ray_pattern
+from render.trace.rays import RayPattern, ray_pattern
 from render.trace.swept import Look
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
@@ -63,6 +64,21 @@ class Frame:
 
 
 _WHOLE = (0, 1)  # all rays: the first of one part
+
+
+class _Patterns:
+    """The patterns of cameras whose iris mostly stays the same."""
+
+    def __init__(self, settings: FrameSettings) -> None:
+        self._settings = settings
+        self._made: tuple[IrisShape, RayPattern] | None = None
+
+    def of(self, camera: Camera) -> RayPattern:
+        """The pattern of all rays of a camera."""
+        if self._made is None or self._made[0] != camera.iris:
+            s = self._settings
+            self._made = camera.iris, ray_pattern(s.rays, camera.iris, seed=s.seed, tiled=s.tiled)
+        return self._made[1]
 
 
 class FrameRenderer:
@@ -200,31 +216,31 @@ class FrameRenderer:
             pictures = self._lens.swept.pictures(
                 self._peeler,
                 view,
-                self._looks(moments, settings),
+                self._looks(moments, settings, apart),
                 moves,
-                ray_pattern(settings.rays, middle.iris, seed=settings.seed, tiled=settings.tiled),
-                apart=apart,
                 wavelengths=settings.wavelengths,
                 layers=settings.layers,
                 supersample=settings.supersample,
                 unlit=settings.shading == "unlit",
                 on_progress=on_progress,
             )
-            for moment, picture in zip(moments, pictures, strict=True):
-                total += moment.share * picture
+            with closing(pictures):
+                for moment, picture in zip(moments, pictures, strict=True):
+                    total += moment.share * picture
             aovs = self._aovs(view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True))
         return Frame(total, aovs, opening.middle.prim_paths)
 
-    def _looks(self, moments: Sequence[Moment], settings: FrameSettings) -> list[Look]:
-        """What is looked at in each moment: its camera and picture as the engine has them, when, and the lines it falls on."""
-        looks = []
+    def _looks(self, moments: Sequence[Moment], settings: FrameSettings, apart: int) -> list[Look]:
+        """What is looked at in each moment: camera and picture as the engine has them, when, by which rays, in which lines."""
+        looks, patterns = [], _Patterns(settings)
         for i, moment in enumerate(moments):
             camera = replace(moment.camera, f_stop=0.0) if settings.engine == "pinhole" else moment.camera
             view = PinholeView.from_camera(camera, settings.width, settings.height)
             exposed = np.broadcast_to(np.asarray(moment.share) > 0, (settings.height, settings.width, 1))
             lines = np.flatnonzero(exposed.any(axis=(1, 2)))
             span = (int(lines[0]), int(lines[-1]) + 1) if len(lines) else (0, 0)
-            looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, span))
+            pattern = patterns.of(camera).part(i % apart, apart)
+            looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, pattern, span))
         return looks
 
     def _loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from render.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
+from render.optics.view import PinholeView
+from render.scene import Batch, DoubleArray, FloatArray, Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,21 +22,22 @@ class Movement:
         closing_poses: likewise, when it ends.
         opening_positions: ``(n, 3)`` float32 of its vertices when the time begins; None where the geometry does not bend.
         closing_positions: likewise, when it ends.
-        reach_m: no point of it moves farther than this.
+        corners: ``(3, k, 8, 3)`` of boxes around its instances in the world, metres: when the time begins, in the middle, and
+            when it ends.
     """
 
     opening_poses: DoubleArray
     closing_poses: DoubleArray
     opening_positions: FloatArray | None
     closing_positions: FloatArray | None
-    reach_m: float
+    corners: DoubleArray
 
 
 def movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Movement]:
     """How the batches of a scene move.
 
-    Surfaces are known again by the prim and face that they begin with, their size, and the numbers of their instances; what is
-    not there at both ends, or is cut into other triangles, is taken to stand still.
+    Surfaces are known again by the prim and face that they begin with, their triangles, and the numbers of their instances; what
+    is not there at both ends, or is cut into other triangles, is taken to stand still.
 
     Args:
         middle: the scene in the middle of a time.
@@ -49,10 +53,41 @@ def movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Moveme
         first, last = before.get(key), after.get(key)
         if first is None or last is None or (first is batch and last is batch):
             continue
-        movement = _movement(batch, first, last)
-        if movement.reach_m > 0:
-            found[id(batch)] = movement
+        if _is_cut_alike(batch, first) and _is_cut_alike(batch, last):
+            movement = _movement(batch, first, last)
+            if movement is not None:
+                found[id(batch)] = movement
     return found
+
+
+def slopes_crossed(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:
+    """Where in the middle of the time that is which comes into view at some time, as far as it moves: ``(4,)`` slopes of left,
+    top, right and bottom, of the picture and of what is beside it.
+
+    Args:
+        moves: what moves.
+        view: the picture, in the middle of the time.
+    """
+    first = np.array([-view.cx / view.fx, -view.cy / view.fy])
+    last = np.array([(view.width - view.cx) / view.fx, (view.height - view.cy) / view.fy])
+    low, high = first.copy(), last.copy()
+    for movement in moves:
+        slopes, seen = _slopes(movement.corners, view)
+        begins, ends = slopes.min(axis=(0, 2)), slopes.max(axis=(0, 2))
+        comes = seen & (ends >= first).all(axis=1) & (begins <= last).all(axis=1)
+        way = np.abs(slopes - slopes[1]).max(axis=(0, 2))[comes]
+        low = np.minimum(low, np.maximum(slopes[1].min(axis=1)[comes], first - way).min(axis=0, initial=np.inf))
+        high = np.maximum(high, np.minimum(slopes[1].max(axis=1)[comes], last + way).max(axis=0, initial=-np.inf))
+    return np.concatenate([low, high])
+
+
+def _slopes(corners: DoubleArray, view: PinholeView) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """``(3, k, 8, 2)`` of corners, x right and y down, what is behind the near plane drawn to it; and ``(k,)`` whether any of an
+    instance is before the eye at any time."""
+    points = corners @ view.camera_from_world[:3, :3].T + view.camera_from_world[:3, 3]
+    depth = -points[..., 2]
+    slopes = points[..., :2] * [1.0, -1.0] / np.maximum(depth, view.near_m)[..., None]
+    return slopes, np.asarray((depth > view.near_m).any(axis=(0, 2)))
 
 
 Key = tuple[int, ...]
@@ -75,45 +110,49 @@ def _by_key(scene: Scene) -> dict[Key, Batch]:
     return dict(_keys(scene))
 
 
-def _movement(batch: Batch, first: Batch, last: Batch) -> Movement:
-    bends = first.geometry is not last.geometry
-    starts, ends = first.geometry.positions, last.geometry.positions
+def _is_cut_alike(batch: Batch, other: Batch) -> bool:
+    return batch.geometry is other.geometry or np.array_equal(batch.geometry.triangles, other.geometry.triangles)
+
+
+def _movement(batch: Batch, first: Batch, last: Batch) -> Movement | None:
+    """How a batch moves between two others of the same surfaces; None where it does not."""
     opening, closing = _poses_of(batch, first), _poses_of(batch, last)
-    there = np.flatnonzero(np.isnan(opening).any(axis=(1, 2)) | np.isnan(closing).any(axis=(1, 2)))
-    opening[there] = closing[there] = batch.poses[there]
-    if bends and np.array_equal(starts, ends):
-        bends = False
-    box = _corners(starts), _corners(ends)
-    moved = _placed(box[1], closing) - _placed(box[0], opening)
-    reach_m = float(np.linalg.norm(moved, axis=-1).max(initial=0.0))
-    if bends:
-        scales = np.linalg.norm(closing[:, :3, :3], ord=2, axis=(1, 2))
-        reach_m += float(np.linalg.norm(ends - starts, axis=-1).max(initial=0.0) * scales.max(initial=0.0))
-    return Movement(opening, closing, starts if bends else None, ends if bends else None, reach_m)
+    absent = np.flatnonzero(np.isnan(opening).any(axis=(1, 2)) | np.isnan(closing).any(axis=(1, 2)))
+    opening[absent] = closing[absent] = batch.poses[absent]
+    shapes = [other.geometry.positions for other in (first, batch, last)]
+    bends = any(not _is_shaped_alike(shape, shapes[1]) for shape in shapes[::2])
+    if not bends and np.array_equal(opening, batch.poses) and np.array_equal(closing, batch.poses):
+        return None
+    times = zip(shapes, (opening, batch.poses, closing), strict=True)
+    corners = np.stack([_placed(_corners(shape), poses) for shape, poses in times])
+    return Movement(opening, closing, shapes[0] if bends else None, shapes[2] if bends else None, corners)
+
+
+def _is_shaped_alike(one: FloatArray, other: FloatArray) -> bool:
+    return one is other or np.array_equal(one, other)
 
 
 def _poses_of(batch: Batch, other: Batch) -> DoubleArray:
-    """``(k, 4, 4)`` the poses that the batch's instances have in another; NaN for those that are not there."""
-    if len(batch.poses) == len(other.poses) and _same(batch, other):
+    """``(k, 4, 4)`` the poses that the batch's instances have in another; NaN for those that are not there.
+
+    Where their number differs, only ids tell them apart: numbers that merely count them do not.
+    """
+    names, others = _names(batch), _names(other)
+    if names == others:
         return np.array(other.poses)
-    places = {name: i for i, name in enumerate(_names(other))}
     poses = np.full(batch.poses.shape, np.nan)
-    for i, name in enumerate(_names(batch)):
+    if _only_counts(batch) or _only_counts(other):
+        return poses
+    places = {name: i for i, name in enumerate(others)}
+    for i, name in enumerate(names):
         if name in places:
             poses[i] = other.poses[places[name]]
     return poses
 
 
-def _same(batch: Batch, other: Batch) -> bool:
-    return _equal(batch.instance_prim_ids, other.instance_prim_ids) and _equal(
-        batch.instance_numbers, other.instance_numbers
-    )
-
-
-def _equal(one: IntArray | None, other: IntArray | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return np.array_equal(one, other)
+def _only_counts(batch: Batch) -> bool:
+    numbers = batch.instance_numbers
+    return numbers is not None and np.array_equal(numbers, np.arange(len(numbers)))
 
 
 def _names(batch: Batch) -> list[tuple[int, int]]:

@@ -7,15 +7,17 @@ from types import TracebackType
 import moderngl
 import numpy as np
 
+from render.gl.held import Making
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 
-_FASTEST, _LANDING, _SWEPT = 9, 10, 11  # as the shaders bind them
-_GROUP = 64  # of landing.comp
-_MOST_TRIES = 16  # of march_moving.glsl, in one stretch of a ray
+_LANDING, _SWEPT = 10, 11  # as the shaders bind them
+_GROUP = 8
+_MOST_TRIES = 20  # of march_moving.glsl, in one stretch of a ray
+_KINDS = 4  # of movers that are kept of a block and layer: the fastest and the slowest, in either half of the time
 
 
 def blocks_of(view: PinholeView) -> tuple[int, int]:
@@ -33,33 +35,31 @@ class Movers:
     """
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, layers: Layers) -> None:
-        self._ctx, self._programs, self._layers = ctx, programs, layers
+        motion = layers.targets.motion
+        if motion is None:
+            raise ValueError("these layers do not keep how surfaces move")
+        self._ctx, self._programs, self._layers, self._motion = ctx, programs, layers, motion
         self._blocks = blocks_of(layers.view)
-        blocks = self._blocks[0] * self._blocks[1]
-        self._count = layers.count * blocks
-        self._index_bits = self._count.bit_length()
-        self._fastest = ctx.buffer(reserve=max(1, self._count) * 16)
-        self._landing = ctx.buffer(reserve=blocks * 4)
-        empty = np.array([EMPTY_MIN, 0.0], np.float32)
-        self._swept = ctx.buffer(np.tile(empty, blocks).tobytes())
-        self._find()
+        count = self._blocks[0] * self._blocks[1]
+        with Making() as making:
+            # halves do: they say where to look first
+            self._movers = making.keep(ctx.texture_array((*self._blocks, _KINDS * layers.count), 4, dtype="f2"))
+            self._movers.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            self._landing = making.keep(ctx.buffer(reserve=count * 16))
+            empty = np.array([EMPTY_MIN, 0.0], np.float32)
+            self._swept = making.keep(ctx.buffer(np.tile(empty, count).tobytes()))
+            self._find()
 
     def _find(self) -> None:
-        targets = self._layers.targets
+        packs = self._layers.targets.packed_w
         program = self._programs.compute("movers.comp")
-        if targets.motion is None:
-            raise ValueError("these layers do not keep how surfaces move")
-        packs = targets.packed_w
         packs[0].use(0)
         packs[min(1, len(packs) - 1)].use(1)
-        targets.motion.use(2)
+        self._motion.use(2)
         set_uniforms(program, near_w=0, far_w=1, motion=2)
-        self._carry(program)
-        set_uniforms(program, layers=min(self._layers.count, LAYERS_PER_PACK * len(packs)))
-        self._fastest.bind_to_storage_buffer(_FASTEST)
         self.bind_swept()
-        program.run(-(-self._blocks[0] // 8), -(-self._blocks[1] // 8))
-        self._ctx.memory_barrier()
+        self._movers.bind_to_image(0, read=False, write=True)
+        self._run(program)
 
     def bind_swept(self) -> None:
         """Let a program see the ranges of inverse depth that are swept."""
@@ -69,25 +69,31 @@ class Movers:
         """Find what may be in each block at a moment: from -0.5, when the shutter opens, to 0.5."""
         self._landing.clear()
         program = self._programs.compute("landing.comp")
-        self._carry(program)
-        set_uniforms(program, count=self._count, index_bits=self._index_bits, since=since)
-        self._fastest.bind_to_storage_buffer(_FASTEST)
+        self._movers.use(0)
         self._landing.bind_to_storage_buffer(_LANDING)
-        program.run(max(1, -(-self._count // _GROUP)))
-        self._ctx.memory_barrier()
+        for settles in (False, True):
+            set_uniforms(program, movers=0, since=since, settles=settles)
+            self._run(program)
 
-    def bind(self, program: moderngl.ComputeShader, unit: int, since: float) -> None:
-        """Let the tracer see what has landed; the motion takes a texture unit."""
-        motion = self._layers.targets.motion
-        assert motion is not None
-        motion.use(unit)
-        set_uniforms(program, motion=unit, since=since, key_mask=(1 << self._index_bits) - 1, most_tries=_MOST_TRIES)
-        self._fastest.bind_to_storage_buffer(_FASTEST)
+    def bind(self, program: moderngl.ComputeShader, first_unit: int) -> None:
+        """Let the tracer see what has landed; textures take two units."""
+        self._motion.use(first_unit)
+        self._movers.use(first_unit + 1)
+        set_uniforms(program, motion=first_unit, movers=first_unit + 1, most_tries=_MOST_TRIES)
         self._landing.bind_to_storage_buffer(_LANDING)
 
-    def _carry(self, program: moderngl.ComputeShader) -> None:
+    def _run(self, program: moderngl.ComputeShader) -> None:
         view = self._layers.view
-        set_uniforms(program, layer_axis=(view.cx, view.cy), layer_focal=(view.fx, view.fy), blocks=self._blocks)
+        set_uniforms(
+            program,
+            layer_axis=(view.cx, view.cy),
+            layer_focal=(view.fx, view.fy),
+            nearest_m=view.near_m,
+            blocks=self._blocks,
+            layers=min(self._layers.count, LAYERS_PER_PACK * len(self._layers.targets.packed_w)),
+        )
+        program.run(-(-self._blocks[0] // _GROUP), -(-self._blocks[1] // _GROUP))
+        self._ctx.memory_barrier()
 
     def __enter__(self) -> Movers:
         return self
@@ -95,5 +101,5 @@ class Movers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for buffer in (self._fastest, self._landing, self._swept):
-            buffer.release()
+        for held in (self._movers, self._landing, self._swept):
+            held.release()

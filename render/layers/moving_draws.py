@@ -8,9 +8,11 @@ from types import TracebackType
 import moderngl
 import numpy as np
 
+from render.errors import GraphicsError
+from render.gl.held import Making
 from render.layers.index import Draw
 from render.layers.movement import Movement
-from render.scene import Batch, DoubleArray
+from render.scene import DoubleArray
 
 _POSES, _POSITIONS = 9, 10  # as surface.vert binds them
 
@@ -32,26 +34,19 @@ class MovingDraws:
         moves: Mapping[int, Movement],
         camera_from_world: DoubleArray,
     ) -> None:
-        self._ctx = ctx
         self._poses: dict[int, moderngl.Buffer] = {}
         self._positions: dict[int, moderngl.Buffer] = {}
-        for draw in draws:
-            movement = moves.get(id(draw.batch))
-            if movement is None:
-                continue
-            ends = [
-                camera_from_world @ poses[draw.instances] for poses in (movement.opening_poses, movement.closing_poses)
-            ]
-            columns = np.stack(ends, axis=1).transpose(0, 1, 3, 2)
-            self._poses[id(draw)] = ctx.buffer(np.ascontiguousarray(columns, np.float32).tobytes())
-            self._keep_positions(draw.batch, movement)
-
-    def _keep_positions(self, batch: Batch, movement: Movement) -> None:
-        first, last = movement.opening_positions, movement.closing_positions
-        if first is None or last is None or id(batch) in self._positions:
-            return
-        both = np.stack([first, last], axis=1)
-        self._positions[id(batch)] = self._ctx.buffer(np.ascontiguousarray(both, np.float32).tobytes())
+        with Making() as making:
+            for draw in draws:
+                movement = moves.get(id(draw.batch))
+                if movement is None:
+                    continue
+                times = movement.opening_poses, draw.batch.poses, movement.closing_poses
+                poses = np.stack([camera_from_world @ there[draw.instances] for there in times], axis=1)
+                self._poses[id(draw)] = making.keep(_buffer(ctx, poses.transpose(0, 1, 3, 2)))
+                first, last = movement.opening_positions, movement.closing_positions
+                if first is not None and last is not None and id(draw.batch) not in self._positions:
+                    self._positions[id(draw.batch)] = making.keep(_buffer(ctx, np.stack([first, last], axis=1)))
 
     @property
     def any(self) -> bool:
@@ -82,3 +77,15 @@ class MovingDraws:
     ) -> None:
         for buffer in (*self._poses.values(), *self._positions.values()):
             buffer.release()
+
+
+def _buffer(
+    ctx: moderngl.Context, values: np.ndarray[tuple[int, ...], np.dtype[np.float64 | np.float32]]
+) -> moderngl.Buffer:
+    most = int(ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
+    if values.size * 4 > most:
+        raise GraphicsError(
+            f"what moves has {values.size * 4 / 2**20:.0f} MB of places, and the device holds {most / 2**20:.0f} MB at once:"
+            " ask for motion by moments"
+        )
+    return ctx.buffer(np.ascontiguousarray(values, np.float32).tobytes())

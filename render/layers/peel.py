@@ -117,11 +117,6 @@ class Peeler:
         """
         return 1.0 / nearest_depth_m(self.index, view)
 
-    def reach_of(self, moves: Mapping[int, Movement], view: PinholeView) -> float:
-        """How far anything moves that may be in view, metres."""
-        seen = (moves.get(id(draw.batch)) for draw in self._renderer.seen(view))
-        return max((movement.reach_m for movement in seen if movement is not None), default=0.0)
-
     def peel(
         self,
         view: PinholeView,
@@ -140,7 +135,8 @@ class Peeler:
         Args:
             view: the picture that the layers are drawn for, guard band included.
             layers: at most this many, up to `MAX_LAYERS`; fewer where the scene is opaque and `layers_needed` says so.
-            umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`.
+            umbra: reach of an opaque surface's umbra in inverse depth, 1/m: `umbra_reach`, or `HIDES_ALL`; shorter by itself
+                where surfaces move apart.
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: how batches move (`render.layers.movement`), where the layers shall keep it.
@@ -149,21 +145,22 @@ class Peeler:
         draws = self._renderer.seen(view)
         layers = min(layers, MAX_LAYERS)
         faded = _any_faded(draws)
-        if not faded:
+        if not faded and not any(id(draw.batch) in (moves or {}) for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         with MovingDraws(self._ctx, draws, moves or {}, view.camera_from_world) as moving:
             targets = self._sized_targets(view, layers, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
-            layer = LayerPass(
-                view, draws, slots[0], umbra, None, layers == 1, unlit, sampling, moving if moving.any else None
-            )
+            layer = LayerPass(view, draws, slots[0], umbra, None, layers == 1, unlit, sampling)
+            if targets.motion is not None and moving.any:
+                layer = replace(layer, moving=moving, motion=targets.motion)
             count = 0
             while self._draw_counted(layer):
                 count += 1
                 if count == layers:
                     break
-                layer = replace(layer, slot=slots[count], previous=layer.slot, solid_first=count + 1 == layers)
+                solid_first = count + 1 == layers
+                layer = replace(layer, slot=slots[count], previous=layer.slot, number=count, solid_first=solid_first)
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
         return Layers(view, targets, count, faded, moving.any)

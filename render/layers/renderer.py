@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import moderngl
 import numpy as np
 
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
@@ -26,7 +27,7 @@ _ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
-_PREVIOUS_UNIT, _OWN_UNIT = 8, 11
+_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT = 8, 11, 12
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -68,7 +69,9 @@ class LayerPass:
         solid_first: take the nearest opaque surface, and one that is partly transparent only where there is no opaque one.
         unlit: base colour for radiance.
         sampling: how finely the finished picture samples surfaces.
-        moving: what moves, where the slot keeps how far; None where it does not.
+        number: of the layer, from 0.
+        moving: what moves, where the slots keep how; None where they do not.
+        motion: where they do.
     """
 
     view: PinholeView
@@ -79,7 +82,9 @@ class LayerPass:
     solid_first: bool = False
     unlit: bool = False
     sampling: SurfaceSampling = PLAIN
+    number: int = 0
     moving: MovingDraws | None = None
+    motion: moderngl.TextureArray | None = None
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -132,8 +137,11 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         layer.slot.w.use(_OWN_UNIT)
         layer.slot.begin_depth()
         for draw in draws:
-            program = self._depth_program(draw, least_opacity, peel=layer.previous is not None, fill=fill)
+            program = self._depth_program(
+                draw, least_opacity, peel=layer.previous is not None, fill=fill, moving=layer.moving
+            )
             GL.glUseProgram(program._program_id)
+            self._set_motion(program, draw, layer)
             GL.glUniform1f(program.location("umbra"), layer.umbra)
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
@@ -145,8 +153,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         for draw in draws:
             program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
             GL.glUseProgram(program._program_id)
-            if layer.moving is not None:
-                layer.moving.bind(draw)
+            self._set_motion(program, draw, layer)
             GL.glUniform3f(program.location("eye"), view.eye_x_m, view.eye_y_m, 0.0)
             GL.glUniform1ui(program.location("first_object"), draw.first_object)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
@@ -156,6 +163,18 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._draw(draw, program, view.camera_from_world, clip)
         GL.glColorMask(True, True, True, True)
         self._end()
+
+    def _set_motion(self, program: SourceProgram, draw: Draw, layer: LayerPass) -> None:
+        """Tell a program how its draw moves, and what the layer before has of that."""
+        if layer.moving is None or layer.motion is None:
+            return
+        view = layer.view
+        layer.moving.bind(draw)
+        layer.motion.use(_MOTION_UNIT)
+        GL.glUniform2f(program.location("layer_axis"), view.cx, view.cy)
+        GL.glUniform2f(program.location("layer_focal"), view.fx, view.fy)
+        GL.glUniform1f(program.location("nearest_m"), view.near_m)
+        GL.glUniform1i(program.location("previous_layer"), layer.number - 1)
 
     def draw_shadow(self, side_px: int, clip_from_world: DoubleArray) -> None:
         """Draw the depth of everything into the bound shadow map; what is more than half transparent casts nothing."""
@@ -207,11 +226,21 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
             texture._bind()
 
-    def _depth_program(self, draw: Draw, least_opacity: float, *, peel: bool, fill: bool = False) -> SourceProgram:
+    def _depth_program(
+        self,
+        draw: Draw,
+        least_opacity: float,
+        *,
+        peel: bool,
+        fill: bool = False,
+        moving: MovingDraws | None = None,
+    ) -> SourceProgram:
         """The program that finds depths. Where nothing can be clear it reads no material, and the device tests depth early."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
         if fill:
             defines["FILL"] = 1
+        if moving is not None:
+            defines |= moving.defines(draw)
         if draw.may_be_clear:
             defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
         return self._program("depth.frag", draw, defines)

@@ -19,7 +19,7 @@ from render.gl.held import Making
 
 LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
-"""Some 125 bytes each, eight layers together: ten gigabytes."""
+"""Some 125 bytes each, eight layers together: ten gigabytes; twice that where they keep how surfaces move."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
@@ -74,7 +74,7 @@ class LayerTargets:
             where partly transparent.
         packed_slopes: RGBA16UI, how these slope, packed likewise (``slopes.glsl``); of no meaning where w is 0.
         background: RGBA16F, what a ray sees that meets no surface.
-        motion: a slice of RGBA16F for each layer, how far its surface moves while the shutter is open (``surface.frag``), of no
+        motion: a slice of RGBA32UI for each layer, how its surface moves while the shutter is open (``carried.glsl``), of no
             meaning where w is 0; None where nothing keeps it.
         slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.
@@ -104,7 +104,7 @@ class LayerTargets:
                 packed_w = tuple(making.keep(ctx.texture(size, 4, dtype="f4")) for _ in packs)
                 slopes = tuple(making.keep(ctx.texture(size, 4, dtype="u2")) for _ in packs)
                 background = making.keep(ctx.texture(size, 4, dtype="f2"))
-                moves = making.keep(ctx.texture_array((*size, layers), 4, dtype="f2")) if motion else None
+                moves = making.keep(ctx.texture_array((*size, layers), 4, dtype="u4")) if motion else None
             except moderngl.Error as error:
                 raise GraphicsError(f"the device cannot hold {layers} layers of {width}x{height}: {error}") from error
             radiance.filter = _NEAREST
@@ -125,7 +125,7 @@ class LayerTargets:
     def hold(self, width: int, height: int, layers: int, *, motion: bool = False) -> bool:
         """Whether so many layers of this size can be drawn here, and how they move where asked."""
         fits = (self.width, self.height) == (width, height) and len(self.slots) >= layers
-        return fits and motion == (self.motion is not None)
+        return fits and (self.motion is not None or not motion)
 
     @property
     def bytes(self) -> int:

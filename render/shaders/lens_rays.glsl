@@ -141,7 +141,7 @@ LensRay from_where_the_camera_is(LensRay ray)
 {
     vec3 along = camera_turn * vec3((ray.a - axis) / focal_px, 1.0);
     vec3 origin = camera_turn * vec3(ray.b / focal_px, 0.0) + camera_move;
-    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it turned away: it sees none of the layers
+    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it turned away: it sees the layers' edge
     vec2 slope = along.xy / along.z;
     return LensRay(layer_axis + layer_focal * slope, layer_focal * (origin.xy - origin.z * slope), ray.weight);
 }

@@ -17,13 +17,12 @@ uniform sampler2D background;
 
 #ifdef MOVERS
 #include "carried.glsl"
-uniform sampler2DArray motion;  // how far a surface moves while the shutter is open, and 1 where it does (surface.frag)
-uniform uint key_mask;          // of the bits of `landing` that tell a place in `fastest`
-layout(std430, binding = 9) readonly buffer Fastest { vec4 fastest[]; };    // motion and w (movers.comp)
-layout(std430, binding = 10) readonly buffer Landing { uint landing[]; };   // of each block (landing.comp)
+uniform usampler2DArray motion; // how surfaces move while the shutter is open (surface.frag)
+uniform sampler2DArray movers;  // what moves in each block (movers.comp)
+layout(std430, binding = 10) readonly buffer Landing { uvec4 landing[]; };  // what lands in it (landing.comp)
 
-// What may move into a pixel at this moment; 0 for nothing.
-uint landing_at(ivec2 pixel)
+// What may move into a pixel at this moment; nothing where its third is 0.
+uvec4 landing_at(ivec2 pixel)
 {
     return landing[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
 }
@@ -131,7 +130,7 @@ bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
         at.high = high + pad;
         if (may_meet(at)) return true;
 #ifdef MOVERS
-        if (landing_at(at.pixel) != 0u) return true;
+        if (landing_at(at.pixel).z != 0u) return true;
 #endif
     }
 }

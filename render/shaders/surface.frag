@@ -2,8 +2,8 @@
 // Shades the surfaces that depth.frag found: radiance, inverse depth and ids of one peeled layer.
 // in:  surface.vert's outputs
 // out: radiance (scene-linear, not premultiplied) and opacity; inverse depth w = 1/z in 1/m, negative where the surface
-//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl); where MOTION is defined, how far the surface
-//      moves while the shutter is open (m: x right, y down, z away from the eye), and 1 where it does
+//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl); where MOTION is defined, how the surface moves
+//      while the shutter is open (carried.glsl)
 // Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
 
 #include "material.glsl"
@@ -21,10 +21,8 @@ layout(location = 1) out vec4 out_w;     // in every channel; the layer's own is
 layout(location = 2) out uvec2 out_id;
 layout(location = 3) out uvec4 out_slope; // in every channel, as w
 #ifdef MOTION
-layout(location = 4) out vec4 out_motion;
-#endif
-#ifdef MOVES
-in vec3 frag_motion;
+#include "drifting.glsl"
+layout(location = 4) out uvec4 out_motion;
 #endif
 
 uniform vec3 eye;                // where this view looks from, camera space, m
@@ -46,10 +44,8 @@ void main()
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
     out_w = vec4(s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w);
     out_slope = uvec4(packed_slope(slope));
-#ifdef MOVES
-    out_motion = vec4(frag_motion, 1.0);
-#elif defined(MOTION)
-    out_motion = vec4(0.0);
+#ifdef MOTION
+    out_motion = packed_motion(own_first(), own_second(), drifts());
 #endif
     out_id = uvec2(first_object + frag_instance + 1u, uint(gl_PrimitiveID));
 }

@@ -2,7 +2,7 @@
 // Vertices of a batch, into camera space.
 // in:  positions (m), normals, texture coordinates, display colour; one pose for each instance (pyrender's attributes)
 // out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number; where MOVES is defined, how far
-//      the vertex moves while the shutter is open (m: x right, y down, z away from the eye)
+//      the vertex moves in both halves of the time that the shutter is open (m: x right, y down, z away from the eye)
 
 layout(location = 0) in vec3 position;
 layout(location = NORMAL_LOC) in vec3 normal;
@@ -15,11 +15,12 @@ layout(location = COLOR_0_LOC) in vec4 color_0;
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 #ifdef MOVES
-layout(std430, binding = 9) readonly buffer EndPoses { mat4 end_poses[]; };         // camera from geometry: of each instance, at both ends
+layout(std430, binding = 9) readonly buffer Poses { mat4 poses[]; };            // camera from geometry: of each instance, at both ends and between
 #ifdef BENDS
 layout(std430, binding = 10) readonly buffer EndPositions { float end_positions[]; }; // of each vertex, at both ends
 #endif
-out vec3 frag_motion;
+out vec3 frag_first;
+out vec3 frag_second;
 #endif
 
 uniform mat4 camera_from_node;
@@ -40,8 +41,8 @@ mat3 cofactor(mat3 m)
 }
 
 #ifdef MOVES
-// How far the vertex moves from one end of the time to the other.
-vec3 motion()
+// How far the vertex moves in both halves of the time.
+void move(out vec3 first, out vec3 second)
 {
     vec3 from = position, to = position;
 #ifdef BENDS
@@ -49,8 +50,9 @@ vec3 motion()
     from = vec3(end_positions[i], end_positions[i + 1], end_positions[i + 2]);
     to = vec3(end_positions[i + 3], end_positions[i + 4], end_positions[i + 5]);
 #endif
-    vec4 moved = end_poses[2 * gl_InstanceID + 1] * vec4(to, 1.0) - end_poses[2 * gl_InstanceID] * vec4(from, 1.0);
-    return vec3(moved.x, -moved.y, -moved.z);
+    vec3 middle = (poses[3 * gl_InstanceID + 1] * vec4(position, 1.0)).xyz;
+    first = (middle - (poses[3 * gl_InstanceID] * vec4(from, 1.0)).xyz) * vec3(1.0, -1.0, -1.0);
+    second = ((poses[3 * gl_InstanceID + 2] * vec4(to, 1.0)).xyz - middle) * vec3(1.0, -1.0, -1.0);
 }
 #endif
 
@@ -73,7 +75,7 @@ void main()
 #endif
     frag_instance = uint(gl_InstanceID);
 #ifdef MOVES
-    frag_motion = motion();
+    move(frag_first, frag_second);
 #endif
     gl_Position = clip_from_camera * p;
 }

@@ -55,6 +55,7 @@ class Glimpse:
             "focal_px": (scale * self.view.fx, scale * self.view.fy),
             "layer_axis": (layers.cx, layers.cy),
             "layer_focal": (layers.fx, layers.fy),
+            "nearest_m": layers.near_m,
             "camera_turn": tuple(self.turn.T.ravel()),
             "camera_move": tuple(self.move_m),
             "since": self.since,

@@ -27,7 +27,7 @@ SHOWN_RAYS_PER_PASS = 32
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
-_LAYER_UNITS = 10
+_LAYER_UNITS = 11
 """Textures of layers, N-buffers, focus and motion that a program reads at most."""
 _TILE = 8  # side of the shader's work groups
 
@@ -100,7 +100,7 @@ class Tracer:
         if glimpse is not None:
             set_uniforms(program, **glimpse.uniforms(layers.view))
             if movers is not None:
-                movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 1, glimpse.since)
+                movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)

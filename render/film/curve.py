@@ -18,6 +18,11 @@ Knots = tuple[tuple[float, float], ...]
 
 DoubleArray = NDArray[np.float64]
 
+MAX_LOG_EXPOSURE = 30.0
+"""How far log10 exposures of curves lie to either side of 0: ten times what any film holds, and single precision suffices."""
+MAX_DENSITY = 20.0
+"""Four times what any film reaches."""
+
 # A picture is looked up in a table of this many even steps: under 2e-6 of density from the cubic on any stock of the library.
 _TABLE_STEPS = 4096
 _STEPS = 32  # knots in each bend and on the line
@@ -33,7 +38,7 @@ class Curve:
         name: whose curve it is, for messages.
 
     Raises:
-        SettingsError: the knots are fewer, are not finite, or run backwards.
+        SettingsError: the knots are fewer, are beyond `MAX_LOG_EXPOSURE` or `MAX_DENSITY`, or run backwards.
     """
 
     knots: Knots
@@ -43,8 +48,11 @@ class Curve:
         if len(self.knots) < 2:
             raise _bad(f"{self.name} needs at least 2 knots (log10 exposure, density), got {len(self.knots)}")
         for knot in self.knots:
-            if not all(map(math.isfinite, knot)) or knot[1] < 0:
-                raise _bad(f"{self.name} needs finite log exposures and densities from 0 up, got {knot}")
+            if not (abs(knot[0]) <= MAX_LOG_EXPOSURE and 0 <= knot[1] <= MAX_DENSITY):
+                raise _bad(
+                    f"{self.name} needs log10 exposures from {-MAX_LOG_EXPOSURE:g} to {MAX_LOG_EXPOSURE:g} and densities "
+                    f"from 0 to {MAX_DENSITY:g}, got ({knot[0]:g}, {knot[1]:g})"
+                )
         for before, after in pairwise(self.knots):
             if not after[0] > before[0]:
                 raise _bad(f"log exposure of {self.name} must increase, got {after[0]:g} after {before[0]:g}")

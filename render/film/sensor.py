@@ -13,6 +13,11 @@ from render.film.noise import normal_noise
 from render.film.stock import MIDDLE_GREY
 from render.scene import FloatArray
 
+MIN_ISO, MAX_ISO = 0.01, 1e7
+"""The slowest plates, and beyond the fastest sensors."""
+MAX_CLIP_STOPS = 40.0
+"""Far beyond any sensor's range."""
+
 
 @dataclass(frozen=True)
 class SensorSettings:
@@ -42,14 +47,20 @@ class SensorSettings:
     photosites: tuple[int, int] = (0, 0)
 
     def __post_init__(self) -> None:
-        positive = (self.full_well_e, self.base_iso, self.iso, *self.sensitivity)
+        positive = (self.full_well_e, *self.sensitivity)
         if not all(0 < number < math.inf for number in positive):
-            raise _bad(f"a full well, speeds and sensitivities above 0, got {', '.join(f'{n:g}' for n in positive)}")
-        if not (0 <= self.read_noise_e < math.inf and 0 <= self.clip_stops < math.inf and min(self.photosites) >= 0):
+            raise _bad(f"a full well and sensitivities above 0, got {', '.join(f'{n:g}' for n in positive)}")
+        if not all(MIN_ISO <= speed <= MAX_ISO for speed in (self.base_iso, self.iso)):
             raise _bad(
-                f"read noise, clip and photosites from 0 up, got {self.read_noise_e:g}, {self.clip_stops:g}, "
+                f"speeds from ISO {MIN_ISO:g} to {MAX_ISO:g}, got base {self.base_iso:g} and set to {self.iso:g}"
+            )
+        if not (0 <= self.read_noise_e < math.inf and min(self.photosites) >= 0):
+            raise _bad(
+                f"read noise and photosites from 0 up, got {self.read_noise_e:g}, "
                 f"{self.photosites[0]} x {self.photosites[1]}"
             )
+        if not 0 <= self.clip_stops <= MAX_CLIP_STOPS:
+            raise _bad(f"a clip from 0 to {MAX_CLIP_STOPS:g} stops above middle grey, got {self.clip_stops:g}")
 
     @property
     def clip(self) -> float:

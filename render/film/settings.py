@@ -8,6 +8,7 @@ from typing import get_args
 from render.errors import SettingsError
 from render.film.balance import balance_gains
 from render.film.halation import halation_shares
+from render.film.ranges import MAX_GRAIN_UM, MAX_PUSH, check_numbers
 from render.film.sensor import SensorSettings
 from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
 from render.near_names import hint
@@ -15,9 +16,6 @@ from usd_schemas import FilmData
 from usd_schemas.data import FilmProcess
 
 DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
-MAX_PUSH = 5.0
-MAX_GRAIN_UM = 500.0
-"""The coarsest grain: far beyond any film's, and a kernel of some hundred pixels."""
 PROCESSES: tuple[str, ...] = get_args(FilmProcess)
 
 
@@ -130,7 +128,8 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
         name: a stock of the library that takes the place of the shot's, process and print included, as after ``--film NAME``.
 
     Raises:
-        SettingsError: a stock is unknown, does not go with the process, or something is out of range.
+        SettingsError: a stock is unknown, does not go with the process, or something is out of range, whether the process uses
+            it or not.
     """
     if name is not None:
         entry = library_stock(name)
@@ -139,6 +138,7 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
     process = data.process
     if process not in PROCESSES:
         raise SettingsError(f"there is no film process '{process}': {hint(process, PROCESSES)}", code="unknown_process")
+    check_numbers(data)
     settings = FilmSettings(
         push=data.push,
         white_balance_k=data.white_balance,

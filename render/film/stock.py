@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.curve import Curve, Knots, parametric_knots
+from render.film.curve import MAX_LOG_EXPOSURE, Curve, Knots, parametric_knots
 from usd_schemas import CharacteristicCurve, LibraryFilm, PrintCurve, SchemaError, library_film
 
 MIDDLE_GREY = 0.18
@@ -37,7 +37,7 @@ class Stock:
             is not known.
 
     Raises:
-        SettingsError: the curves do not all rise or all fall.
+        SettingsError: the curves do not all rise or all fall, or grey lands beyond all exposures.
     """
 
     name: str
@@ -49,6 +49,12 @@ class Stock:
         if any(curve.rises != self.curves[0].rises for curve in self.curves):
             raise SettingsError(
                 f"the curves of {self.name} must all rise (a negative) or all fall (a reversal stock) with exposure",
+                code="bad_curve",
+            )
+        if not all(abs(middle) <= MAX_LOG_EXPOSURE for middle in self.middle_log_exposure):
+            raise SettingsError(
+                f"middle grey of {self.name} must land from {-MAX_LOG_EXPOSURE:g} to {MAX_LOG_EXPOSURE:g} of log10 "
+                f"exposure, got {', '.join(f'{middle:g}' for middle in self.middle_log_exposure)}",
                 code="bad_curve",
             )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from render.errors import NotFoundError, SettingsError
-from render.film.settings import MAX_PUSH
+from render.film.ranges import MAX_PUSH
 from render.film.stock import library_stock
 from render.optics.exposure import MAX_COMPENSATION_STOPS
 from render.shot.lens_choice import LensChoice, choose_lens
@@ -73,9 +73,11 @@ def _axis(text: str) -> Axis:
     words = [word.strip() for word in values.split(",") if word.strip()]
     if not words:
         raise SettingsError(f"a contact sheet of {name} needs what to compare, such as {name}={EXAMPLES[name]}")
-    if len(set(words)) < len(words):
+    choices = tuple(AXES[name](word) for word in words)
+    same = [word if isinstance(own.value, LensChoice) else own.value for word, own in zip(words, choices, strict=True)]
+    if len(set(same)) < len(same):
         raise SettingsError(f"a contact sheet shows each {name} once, got {values}")
-    return Axis(name, tuple(AXES[name](word) for word in words))
+    return Axis(name, choices)
 
 
 def _stock(word: str) -> Choice:

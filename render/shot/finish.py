@@ -94,10 +94,10 @@ def finish_of(
     data = _film_data(stage, camera, time)
     with _told_of(camera, wanted=choice is not None):
         own = Grade.from_film_data(data.grade, confinement(stage), choice) if grade is None else grade
-    if stock is None and data.process == "none" and data.white_balance == 0 and data.tint == 0:
-        return Finish(own)
     with _told_of(camera, wanted=stock is not None):
         film = film_settings(data, iso=_set_to(stage, camera, time), name=stock)
+        if film.process == "none" and film.white_balance_k == 0 and film.tint == 0:
+            return Finish(own)
         if stock is not None and data.grain.amount == 0 and film.stock is not None and film.stock.granularity:
             film = replace(film, grain=replace(film.grain, amount=1.0))
         return Finish(own, film)

@@ -9,6 +9,8 @@ import pytest
 from cli_shots import CAMERA, SQUARE, Command, small, write_shot
 
 NEGATIVE = 'token film:process = "negative"'
+STOCK = 'string film:stock = "5219"'
+CHANNELS = ("red", "green", "blue")
 CURVES = 'token film:curve:source = "knots"'
 BACKWARDS = "double2[] film:curve:red = [(-1, 0.1), (0, 1), (1, 0.5)]"
 RISING = "double2[] film:curve:{} = [(-1, 0.1), (0, 1), (1, 1.5)]"
@@ -45,6 +47,48 @@ BAD: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "light": (("double film:whiteBalance = 100",), ("1000 to 40000 kelvin", "got 100")),
     "push": ((NEGATIVE, 'string film:stock = "5219"', "double film:push = 9"), ("5", "got 9")),
     "sensor": (('token film:process = "digital"', "double film:sensor:fullWell = -1"), ("full", "-1")),
+    "clip": (
+        ('token film:process = "digital"', "double film:sensor:clip = 5000"),
+        ("film:sensor:clip must be from 0 to 40 stops, got 5000",),
+    ),
+    "read noise": (
+        ('token film:process = "digital"', "double film:sensor:readNoise = 1e30"),
+        ("film:sensor:readNoise must be from 0 to 1e+06 electrons, got 1e+30",),
+    ),
+    "speed below nothing": ((NEGATIVE, STOCK, "double film:speed = -100"), ("film:speed", "-100")),
+    "speed that is no number": ((NEGATIVE, STOCK, "double film:speed = nan"), ("film:speed", "nan")),
+    "speed beyond all": (
+        (NEGATIVE, STOCK, "double film:speed = 1e300"),
+        ("film:speed must be from 0.01 to 1e+07 ISO",),
+    ),
+    "speed that is next to nothing": (
+        (NEGATIVE, STOCK, "double film:speed = 1e-300"),
+        ("film:speed must be from 0.01 to 1e+07 ISO, or 0 for", "got 1e-300"),
+    ),
+    "middle grey far away": (
+        (NEGATIVE, CURVES, *(RISING.format(c) for c in CHANNELS), "double film:curve:middleGray = 50"),
+        ("film:curve:middleGray must be from -30 to 30 of log10 exposure, got 50",),
+    ),
+    "middle grey that is no number": (
+        (NEGATIVE, CURVES, *(RISING.format(c) for c in CHANNELS), "double film:curve:middleGray = nan"),
+        ("film:curve:middleGray", "nan"),
+    ),
+    "knots beyond all": (
+        ('token film:process = "monochrome"', CURVES, "double2[] film:curve:green = [(-1e300, 0), (1e300, 1e300)]"),
+        ("the green curve of film:curve needs log10 exposures from -30 to 30", "got (-1e+300, 0)"),
+    ),
+    "grain beyond all": (
+        (NEGATIVE, STOCK, "double film:grain:amount = 1e30"),
+        ("film:grain:amount must be from 0 to 100, got 1e+30",),
+    ),
+    "granularity that is no number": (
+        (NEGATIVE, STOCK, "double film:grain:amount = 1", "double3 film:grain:rms = (nan, 5, 5)"),
+        ("film:grain:rms", "nan"),
+    ),
+    "granularity below nothing": (
+        (NEGATIVE, STOCK, "double film:grain:amount = 1", "double3 film:grain:rms = (-5, 5, 5)"),
+        ("film:grain:rms must be from 0 to 1000 thousandths of density each, got -5, 5, 5",),
+    ),
     "shutter that lets nothing through": (("double[] film:shutter:efficiency = [0, 0]",), ("efficiency of a shutter",)),
     "shutter that closes before it opens": (
         ("double shutter:open = 0.5", "double shutter:close = 0.25"),

@@ -66,8 +66,9 @@ def test_of_a_level_stretch_the_middle_is_taken() -> None:
         (((1.0, 0.1), (0.5, 0.2)), "log exposure of the red curve must increase, got 0.5 after 1"),
         (((0.0, 0.1), (1.0, 0.9), (2.0, 0.7)), "the red curve runs backwards: .* got 0.9 at 1 and 0.7 at 2"),
         (((0.0, 0.9), (1.0, 0.95), (2.0, 0.1)), "the red curve runs backwards: .* got 0.9 at 0 and 0.95 at 1"),
-        (((0.0, float("nan")), (1.0, 0.5)), "finite"),
-        (((0.0, -0.1), (1.0, 0.5)), "densities from 0 up"),
+        (((0.0, float("nan")), (1.0, 0.5)), "densities from 0 to 20, got .0, nan."),
+        (((-1e300, 0.0), (1e300, 1.0)), "log10 exposures from -30 to 30"),
+        (((0.0, -0.1), (1.0, 0.5)), "densities from 0 to 20"),
     ],
 )
 def test_curves_that_go_backwards_are_refused(knots: Knots, words: str) -> None:

@@ -85,7 +85,15 @@ def test_the_shot_s_sensor_is_developed_with_its_speed_and_balance() -> None:
 
 @pytest.mark.parametrize(
     "said",
-    [{"full_well_e": 0.0}, {"iso": -1.0}, {"read_noise_e": -1.0}, {"sensitivity": (1, 0, 1)}, {"clip_stops": -2.0}],
+    [
+        {"full_well_e": 0.0},
+        {"iso": -1.0},
+        {"iso": 1e300},
+        {"read_noise_e": -1.0},
+        {"sensitivity": (1, 0, 1)},
+        {"clip_stops": -2.0},
+        {"clip_stops": 5000.0},
+    ],
 )
 def test_an_impossible_sensor_is_refused(said: dict[str, float]) -> None:
     with pytest.raises(SettingsError, match="a sensor needs"):

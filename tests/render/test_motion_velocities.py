@@ -10,13 +10,16 @@ import pytest
 from pxr import Gf, Usd, UsdGeom
 from test_motion import STILL, coverage, write_moving
 
+from render.demo import write_demo
 from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
 from render.layers.movement import movements
 from render.optics.view import PinholeView
+from render.reference.metrics import psnr_db
 from render.scene import Camera, FloatArray
 from render.shot import Shot, make_picture
+from render.shot.picture import light_on_film
 from render.trace.glimpse import Glimpse
 from usd_schemas import Shutter as ShutterData
 
@@ -324,3 +327,15 @@ def test_the_reference_has_no_velocities() -> None:
         FrameSettings(engine="accumulation", motion=4, motion_by="velocities")
     with pytest.raises(SettingsError, match="motion_by must be one of moments, velocities"):
         FrameSettings(motion=4, motion_by="guess")
+
+
+def test_the_demo_shot_moves_alike_both_ways(renderer: FrameRenderer, tmp_path: Path) -> None:
+    """Robots that walk, an umbrella that sways, a camera that travels and racks its focus; lit, `bench motion` measures it."""
+    shot = Shot.open(write_demo(tmp_path / "demo"))
+    settings = FrameSettings(240, 135, shading="unlit", rays=32, motion=8)
+    lens = shot.camera_at(None, 48, settings.width, settings.height)
+    exact, fast = (
+        light_on_film(renderer, shot, None, lens, 48, replace(settings, motion_by=way)).color
+        for way in ("moments", "velocities")
+    )
+    assert psnr_db(exact, fast) > 35

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from importlib import metadata
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from render.commands import bench, bodies, demo, films, focus_curve, inspect, lenses, meter, record
 from render.commands.report import say
@@ -82,9 +83,15 @@ def _added_commands() -> dict[str, metadata.EntryPoint]:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """Says what is wrong in one line, and takes numbers below nothing for values: ``--cdl -1,1,1`` and ``--shutter -1/50``."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf$|nan$)")  # argparse knows plain numbers alone
 
     def error(self, message: str) -> NoReturn:
+        if message.endswith("expected one argument"):
+            message += "; one that begins with - is written after a =, such as --look=-NAME"
         self.exit(WRONG_ARGUMENTS, f"{self.prog}: {one_line(message)} ({self.prog} --help says more)\n")
 
 

@@ -76,6 +76,8 @@ def _reason(name: str, error: Exception) -> str:
         known = ["default", "cg-config-latest", "studio-config-latest"]
         known += [row[0] for row in ocio.BuiltinConfigRegistry().getBuiltinConfigs()]
         return f"there is none built in of that name: {hint(name, (BUILTIN_PREFIX + own for own in known))}"
+    if os.path.isdir(name):
+        return "it is a folder, expected a file"
     if isinstance(error, UnicodeDecodeError):
         return "it is no text"
     # OpenColorIO names the file once more, in front of what is wrong with it.

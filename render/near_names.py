@@ -19,10 +19,12 @@ def hint(name: str, known: Iterable[str]) -> str:
         known: all that would have been right.
     """
     names = list(dict.fromkeys(known))
+    if not names:
+        return "there are none"
     near = near_names(name, names)
     if near:
         return "did you mean " + " or ".join(f"'{n}'" for n in near) + "?"
-    return "expected one of " + (", ".join(f"'{n}'" for n in names) or "none")
+    return "expected one of " + ", ".join(f"'{n}'" for n in names)
 
 
 def near_names(name: str, known: Iterable[str]) -> list[str]:

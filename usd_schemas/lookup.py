@@ -5,6 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+_ALIKE = 0.5  # share of letters in the same order, of difflib's ratio
+_AT_MOST = 3
+_SHORTEST_PART = 3  # letters: shorter ones are like everything
+
 
 def hint(name: str, names: Iterable[str]) -> str:
     """The second half of a message: the nearest names, else all that there are.
@@ -14,5 +18,15 @@ def hint(name: str, names: Iterable[str]) -> str:
         names: of the library.
     """
     known = list(names)
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-    return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
+    alike = {own: _likeness(name, own) for own in known}
+    near = [own for own in sorted(known, key=lambda own: alike[own], reverse=True) if max(alike[own]) >= _ALIKE]
+    return f"did you mean {' or '.join(near[:_AT_MOST])}?" if near else f"the library has {', '.join(known)}"
+
+
+def _likeness(name: str, known: str) -> tuple[float, float]:
+    """How much a name is like that word of a library's name, a maker or a number, which it is most like, and like all of it."""
+    whole, *words = (
+        difflib.SequenceMatcher(None, name, own).ratio()
+        for own in (known, *(word for word in known.split("_") if len(word) >= _SHORTEST_PART))
+    )
+    return max([whole, *words]), whole

@@ -51,6 +51,15 @@ def read_value(attribute: Usd.Attribute, time: Time = None) -> Any:
     return value if value is not None and _fits(attribute.GetTypeName(), value) else None
 
 
+def misfit(attribute: Usd.Attribute, time: Time = None) -> str:
+    """The type of a value that `read_value` passes over because it is another than the schema's; empty where it is not."""
+    is_uniform = time is not None and attribute.GetVariability() == Sdf.VariabilityUniform
+    value = attribute.Get(time_code(None if is_uniform else time))
+    if value is None or _fits(attribute.GetTypeName(), _plain(value)):
+        return ""
+    return str(Sdf.GetValueTypeNameForValue(value)) or type(value).__name__
+
+
 def usd_value(attribute: Usd.Attribute, value: Any) -> Any:
     """Return a plain Python value as USD wants it for this attribute.
 
@@ -142,7 +151,8 @@ def _double(value: Any) -> float:
 
 
 def _single(value: Any) -> float:
-    return float(np.float32(_double(value)))
+    with np.errstate(over="ignore"):  # what single precision cannot hold is infinite
+        return _double(np.float32(_double(value)))
 
 
 def _text(value: Any) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from render.commands.report import say
 from render.errors import NotFoundError, SettingsError
+from render.optics.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
 from render.shot.lens_choice import LensChoice, choose_lens
 
@@ -124,6 +125,34 @@ def place(option: str, typed: str) -> tuple[float, float]:
     if not (0 <= x <= 1 and 0 <= y <= 1):
         raise SettingsError(f"{option} takes a place in the picture such as 0.5,0.5, got {typed!r}")
     return x, y
+
+
+def number_within(option: str, value: float | None, low: float, high: float, what: str) -> float | None:
+    """A number that an option takes.
+
+    Args:
+        option: where it was typed, for the message.
+        value: as it was typed; None where it was not.
+        low: the least that makes sense.
+        high: the most.
+        what: it is, in words that follow "takes".
+
+    Raises:
+        SettingsError: it is no such number.
+    """
+    if value is not None and not low <= value <= high:
+        raise SettingsError(f"{option} takes {what} from {low:g} to {high:g}, got {value:g}")
+    return value
+
+
+def compensation(value: float | None) -> float | None:
+    """The stops of --compensation, which mean the same for every command.
+
+    Raises:
+        SettingsError: they are none that an exposure can have.
+    """
+    most = MAX_COMPENSATION_STOPS
+    return number_within("--compensation", value, -most, most, "stops")
 
 
 def known_words(text: str, known: Sequence[str], option: str) -> tuple[str, ...]:

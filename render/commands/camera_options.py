@@ -27,6 +27,10 @@ Viewed = Callable[[FloatArray, Camera], FloatArray]
 """A graded picture and the camera that took it, to the picture as it is looked at."""
 STOPS = ("exposure", "iris")
 METERING = ("manual", "center", "average", "spot")
+MAX_DENSITY = 12.0
+"""Of a filter: 40 stops."""
+MAX_SECONDS = 1e6
+"""That a shutter is open: twelve days."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +202,7 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
         else _seconds("--exposure-time", arguments.exposure_time),
         "exposure_f_stop": arguments.exposure_stop,
         "iso": arguments.iso,
-        "neutral_density": arguments.filter,
+        "neutral_density": shared.number_within("--filter", arguments.filter, 0.0, MAX_DENSITY, "a density"),
         "exposure_stop": arguments.expose_by,
         "stop_marking": arguments.stops_are,
         "natural_vignetting": True if arguments.natural_vignetting else None,
@@ -210,7 +214,7 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
         f_stop=arguments.stop,
         shutter=None if arguments.shutter is None else _opening(arguments.shutter),
         settings={name: value for name, value in asked.items() if value is not None},
-        compensation_stops=arguments.compensation,
+        compensation_stops=shared.compensation(arguments.compensation),
         guides=_guides(arguments),
     )
 
@@ -246,7 +250,10 @@ def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
         raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg), got {arguments.out}")
     from render.drawing.guides import guides_of  # imports matplotlib, which takes a second
 
-    return guides_of(shared.split_words(arguments.guides))
+    names = shared.split_words(arguments.guides)
+    if not names:
+        raise SettingsError(f"--guides takes shapes such as 2.39:1, and safe, thirds, center, got {arguments.guides!r}")
+    return guides_of(names)
 
 
 def _opening(typed: str) -> Opening:
@@ -270,6 +277,7 @@ def _seconds(option: str, typed: str) -> float:
         seconds = float(over) / float(under or 1)
     except (ValueError, ZeroDivisionError):
         seconds = math.nan
-    if not (seconds > 0 and math.isfinite(seconds)):
-        raise SettingsError(f"{option} takes seconds such as 0.02 or 1/50, got {typed!r}")
+    if not 0 < seconds <= MAX_SECONDS:
+        most = f", up to {MAX_SECONDS:g}" if seconds > MAX_SECONDS else ""
+        raise SettingsError(f"{option} takes seconds such as 0.02 or 1/50{most}, got {typed!r}")
     return seconds

@@ -8,12 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from render.commands.arguments import split_words
 from render.commands.camera_options import Viewed
 from render.commands.report import FrameProgress
 from render.errors import SettingsError
 from render.files import write_atomic
 from render.film import GradeChoice
 from render.frame_settings import FrameSettings
+from render.frame_spec import parse_frames
 from render.shot import Shot
 from render.shot.contact_axes import AXES, EXAMPLES, Axis, parse_axes
 
@@ -47,11 +49,18 @@ def asked_axes(arguments: argparse.Namespace) -> tuple[Axis, ...] | None:
     if Path(arguments.out).suffix.lower() not in SUFFIXES:
         raise SettingsError(f"a contact sheet is a {' or '.join(SUFFIXES)} file, got {arguments.out}")
     axes = parse_axes(arguments.contact_sheet)
-    for option, name in (("film", "stock"), ("lens", "lens"), ("frames", "frame")):
+    for option, name in (("film", "stock"), ("lens", "lens"), ("frames", "frame"), ("stop", "stop")):
         if getattr(arguments, option) is not None and any(axis.name == name for axis in axes):
             raise SettingsError(f"--{option} and a contact sheet of {name}s are one too many: leave out --{option}")
     if arguments.long_exposure is not None:
         raise SettingsError("a contact sheet has no long exposures: leave out --long-exposure")
+    if split_words(arguments.aov) != ("color",):
+        raise SettingsError("a contact sheet has pictures alone: leave out --aov")
+    if arguments.frames is not None and len(parse_frames(arguments.frames)) > 1:
+        raise SettingsError(
+            f"a contact sheet is of one frame, got --frames {arguments.frames}; frames are compared by"
+            f" --contact-sheet frame={EXAMPLES['frame']}"
+        )
     return axes
 
 

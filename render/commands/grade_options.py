@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 
+from render.commands.report import say
 from render.errors import SettingsError
 from render.film.cdl import Cdl, read_cdl
 from render.film.grade_choice import GradeChoice
@@ -41,12 +42,37 @@ def asked_grade(arguments: argparse.Namespace) -> GradeChoice | None:
         arguments: as `add_arguments` declares them.
 
     Raises:
-        SettingsError: the CDL's numbers are none.
+        SettingsError: the CDL's numbers are none, or an option is empty.
         InputError: its file is missing or damaged.
     """
+    for option, typed in (
+        ("--display", arguments.display),
+        ("--view", arguments.view),
+        ("--ocio-config", arguments.ocio_config),
+        ("--cdl", arguments.cdl),
+    ):
+        if typed is not None and not typed.strip():
+            raise SettingsError(f"{option} is empty: name one, or leave it out for what the shot says")
+    if arguments.look and not arguments.look.strip(" ,:|+-"):
+        raise SettingsError(f"--look takes names of looks, or '' for none, got {arguments.look!r}")
     cdl = None if arguments.cdl is None else _cdl(arguments.cdl)
     choice = GradeChoice(arguments.ocio_config, arguments.display, arguments.view, arguments.look, cdl)
     return None if choice == GradeChoice() else choice
+
+
+def warn_of_unseen(arguments: argparse.Namespace) -> None:
+    """Say which of the options, and --film, a scene-linear file does not show.
+
+    Args:
+        arguments: as `add_arguments` declares them, ``film`` and ``out``.
+    """
+    options = ("film", "display", "view", "look", "cdl", "ocio_config")
+    unseen = [f"--{name.replace('_', '-')}" for name in options if getattr(arguments, name) is not None]
+    if unseen and arguments.out.lower().endswith(".exr"):
+        say(
+            f"warning: an EXR file stays scene-linear: {', '.join(unseen)} {'is' if len(unseen) == 1 else 'are'} not"
+            " applied, its header says how it is meant to be shown"
+        )
 
 
 def _cdl(text: str) -> Cdl:

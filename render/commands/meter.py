@@ -21,6 +21,8 @@ from render.shot.light_meter import LightMeter, Metered, metering_of
 MODES = ("spot", "center", "average")
 KEY_SUFFIXES = (".usda", ".usd")
 """Endings under which the text of a layer is what USD takes it for."""
+LEAST_S, MOST_S = 0.001, 3600.0
+"""Of smoothing: below it nothing is smoothed, beyond it no light would ever be followed."""
 MANUALLY = "center"
 """How is metered where neither the user nor the shot says it: as cameras do that are taken out of their box."""
 
@@ -112,7 +114,8 @@ def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
     for option, is_given in (("--hold", arguments.hold), ("--baked", arguments.baked)):
         if is_given and arguments.key is None:
             raise SettingsError(f"{option} is for --key, which writes the exposure")
-    asked = {"mode": arguments.mode, "compensation": arguments.compensation, "smoothing": arguments.smoothing}
+    asked = {"mode": arguments.mode, "compensation": shared.compensation(arguments.compensation)}
+    asked["smoothing"] = shared.number_within("--smoothing", arguments.smoothing, LEAST_S, MOST_S, "seconds")
     if arguments.point is not None:
         asked["focus_point"] = arguments.point
     if arguments.spot is not None:

@@ -19,7 +19,7 @@ from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
 from render.film.stock import library_stock
-from render.frame_settings import MAX_MOTION, FrameSettings
+from render.frame_settings import MAX_MOTION, MOTIONS, FrameSettings
 from render.frame_spec import frame_file_names, parse_frames
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.output import format_of, write_frame
@@ -28,6 +28,8 @@ from render.shot.size import picture_height
 
 PURPOSES = ("default", "render", "proxy", "guide")
 COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+MOMENTS = 16
+"""At which motion is looked at where somebody says how and not how often."""
 
 
 def add_parser(commands: Any) -> None:
@@ -103,15 +105,13 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--motion",
         type=int,
-        default=1,
         metavar="N",
         help=f"moments of the shutter's opening to look at, from 1 to {MAX_MOTION}, over which the rays are spread;"
-        " 1 stops motion",
+        f" 1, as without it, stops motion; with --motion-by {MOMENTS}",
     )
     group.add_argument(
         "--motion-by",
-        default="moments",
-        metavar="WAY",
+        choices=MOTIONS,
         help="moments: the scene is drawn anew at each, which is exact; velocities: drawn once and moved, many times faster",
     )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
@@ -147,6 +147,7 @@ def run(arguments: argparse.Namespace) -> None:
     _check_files(files)
     for file in files:
         shot.check_not_own(file)
+    grade_options.warn_of_unseen(arguments)
     camera = shared.choose_camera(shot, arguments.camera)
     shared.mount(shot, camera, lens)
     body.set_on(shot, camera)
@@ -235,11 +236,20 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         supersample=arguments.supersample,
         wavelengths=arguments.wavelengths,
         shading=arguments.shading,
-        motion=arguments.motion,
-        motion_by=arguments.motion_by,
+        motion=_moments(arguments),
+        motion_by=arguments.motion_by or MOTIONS[0],
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),
     )
+
+
+def _moments(arguments: argparse.Namespace) -> int:
+    """How often motion is looked at; a long exposure without --motion finds out itself."""
+    if arguments.motion is None:
+        return 1 if arguments.motion_by is None or arguments.long_exposure is not None else MOMENTS
+    if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
+        raise SettingsError("--motion-by is how motion is looked at, which --motion 1 stops: leave out one of them")
+    return int(arguments.motion)
 
 
 def _record(

@@ -80,6 +80,8 @@ def read_cdl(path: str | Path, correction: str = "") -> Cdl:
             the nearest ids).
     """
     name = str(path)
+    if Path(name).is_dir():
+        raise InputError(f"{name} is a folder, expected a CDL file", code="bad_cdl", path=name)
     if not Path(name).is_file():
         raise InputError(f"there is no CDL file {name}", code="bad_cdl", path=name)
     decisions = _decisions(name, file_stamp(name))

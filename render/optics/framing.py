@@ -16,6 +16,8 @@ from render.errors import SettingsError
 from render.near_names import hint
 
 FULL_FRAME_MM = (36.0, 24.0)
+MAX_ASPECT = 20.0
+"""Width over height, or height over width: three times the widest panorama that was ever projected."""
 _RATIO = re.compile(r"(\d+(?:\.\d+)?):(\d+(?:\.\d+)?)")
 
 ASPECTS: Mapping[str, float] = MappingProxyType(
@@ -120,7 +122,7 @@ def shape(name: str) -> float:
         name: of `ASPECTS`, or a ratio such as ``2.2:1``.
 
     Raises:
-        SettingsError: it is no shape; the message has the nearest names.
+        SettingsError: it is no shape, the message has the nearest names; or one that nobody could look at.
     """
     if name in ASPECTS:
         return ASPECTS[name]
@@ -130,7 +132,12 @@ def shape(name: str) -> float:
             f"there is no picture of the shape {name!r}: {hint(name, ASPECTS)}, or a ratio such as 2.2:1",
             code="bad_aspect",
         )
-    return float(ratio[1]) / float(ratio[2])
+    aspect = float(ratio[1]) / float(ratio[2])
+    if not 1 / MAX_ASPECT <= aspect <= MAX_ASPECT:
+        raise SettingsError(
+            f"a picture's shape is from 1:{MAX_ASPECT:g} to {MAX_ASPECT:g}:1, got {name!r}", code="bad_aspect"
+        )
+    return aspect
 
 
 def field_of_view(gate: Gate, focal_length_mm: float) -> FieldOfView:

@@ -271,8 +271,11 @@ def _check(asked: Metering) -> None:
         )
     if not (asked.smoothing > 0 and math.isfinite(asked.smoothing)):
         raise SettingsError(f"the smoothing of metering must be above 0 s, got {asked.smoothing:g}", code="bad_meter")
-    if not math.isfinite(asked.compensation):
-        raise SettingsError(f"the compensation of metering must be a number of stops, got {asked.compensation:g}")
+    if not abs(asked.compensation) <= MAX_COMPENSATION_STOPS:
+        limits = f"from -{MAX_COMPENSATION_STOPS} to {MAX_COMPENSATION_STOPS} stops"
+        raise SettingsError(
+            f"the compensation of metering must be {limits}, got {asked.compensation:g}", code="bad_meter"
+        )
     if not all(map(math.isfinite, asked.spot)):
         raise SettingsError(f"the spot to meter must be two finite numbers, got {asked.spot}", code="bad_meter")
 

@@ -82,6 +82,12 @@ def test_a_picture_is_graded_as_it_is_asked_for(pullfocus: Command, shot: Path) 
         (("--cdl", "1,1,1,0,0,0,1,1,nan"), ("power must be",)),
         (("--ocio-config", "ocio://cg-config-latests"), ("did you mean 'ocio://cg-config-latest'",)),
         (("--film", "vision3_500t_5218"), ("no film stock", "vision3_500t_5219")),
+        (("--film", "kodak"), ("no film stock named 'kodak' in the library: did you mean kodachrome_64",)),
+        (("--cdl", "-1,1,1"), ("--cdl takes a file, or 9 numbers", "got 3")),
+        (("--cdl", ""), ("--cdl is empty",)),
+        (("--ocio-config", ""), ("--ocio-config is empty",)),
+        (("--ocio-config", "/"), ("the OpenColorIO configuration /: it is a folder",)),
+        (("--look", ","), ("--look takes names of looks, or '' for none, got ','",)),
     ],
 )
 def test_words_that_mean_nothing_are_wrong_arguments(
@@ -100,6 +106,7 @@ def test_words_that_mean_nothing_are_wrong_arguments(
         ("gone.cdl", ("there is no CDL file", "gone.cdl")),
         ("grades.ccc#nigth", ("no correction 'nigth'", "did you mean 'night'")),
         ("damaged.cdl", ("damaged.cdl is damaged",)),
+        (".", (". is a folder, expected a CDL file",)),
     ],
 )
 def test_cdl_files_that_are_none_are_named(
@@ -124,6 +131,18 @@ def test_a_broken_configuration_is_told_in_one_sentence(pullfocus: Command, shot
     assert ended.status == 2
     assert f"cannot read the OpenColorIO configuration {broken}" in ended.err.splitlines()[-1]
     assert "Traceback" not in ended.err
+
+
+@pytest.mark.gl
+def test_an_exr_says_once_that_it_is_not_graded(pullfocus: Command, shot: Path) -> None:
+    graded = ("--film", "velvia_50", "--cdl", "1,1,1,0,0,0,1,1,1")
+    ended = pullfocus(
+        "record", shot, shot.parent / "f.##.exr", "--frames", "1:2", *small("--engine", "pinhole"), *graded
+    )
+    assert ended.status == 0, ended.err
+    assert ended.err.count("warning") == 1
+    assert "an EXR file stays scene-linear: --film, --cdl are not applied" in ended.err
+    assert "scene-linear" not in pullfocus("record", shot, shot.parent / "f.png", *small(), *graded).err
 
 
 @pytest.mark.gl

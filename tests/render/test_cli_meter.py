@@ -161,6 +161,8 @@ def test_the_meter_s_grey_is_grey_in_the_picture(renderer: FrameRenderer, comman
         (["--key", "SHOT"], "the shot itself is made of"),
         (["--key", "k.usdc"], "--key writes a layer as text, a .usda or .usd file, got k.usdc"),
         (["--key", "k.png"], "got k.png"),
+        (["--compensation", "nan"], "--compensation takes stops from -100 to 100, got nan"),
+        (["--smoothing", "0"], "--smoothing takes seconds from 0.001 to 3600, got 0"),
         (["--key", "no_folder/k.usda"], "the folder no_folder does not exist"),
     ],
 )

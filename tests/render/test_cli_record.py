@@ -70,6 +70,14 @@ def test_each_frame_gets_its_file_and_json_lists_them(pullfocus: Command, shot: 
     )
 
 
+@pytest.mark.parametrize(("options", "moments"), [((), 1), (("--motion-by", "moments"), 16)])
+def test_who_says_how_motion_is_looked_at_wants_motion(
+    options: tuple[str, ...], moments: int, pullfocus: Command, shot: Path
+) -> None:
+    ended = pullfocus("record", shot, shot.parent / "f.png", "--json", *small("--engine", "pinhole"), *options)
+    assert json.loads(ended.out)["settings"]["motion"] == moments
+
+
 def test_without_frames_the_first_one_is_recorded(pullfocus: Command, shot: Path) -> None:
     ended = pullfocus("record", shot, shot.parent / "f.##.png", *small())
     assert ended.status == 0

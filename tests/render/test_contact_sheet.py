@@ -154,6 +154,8 @@ def test_frames_are_compared_too(pullfocus: Command, shot: Path) -> None:
         (("stop",), "such as stop=2,4,8; got 'stop'"),
         (("stop=",), "needs what to compare, such as stop=1.4,2.8,5.6"),
         (("stop=2,2",), "shows each stop once"),
+        (("stop=2,2.0",), "shows each stop once"),
+        (("stock=5219,vision3_500t_5219",), "shows each stock once"),
         (("stop=2", "stop=4"), "with another thing than itself"),
         (("stop=2", "push=1", "frame=3"), "compares one or two things, got 3"),
         ((f"frame={','.join(str(i) for i in range(65))}",), "64 pictures at most, 65 are asked for"),
@@ -178,6 +180,9 @@ def test_what_makes_no_sense_is_told_in_one_line(
         ("a.png", ("frame=1,2", "--frames", "1"), "leave out --frames"),
         ("a.png", ("stock=velvia_50", "--film", "5219"), "leave out --film"),
         ("a.png", ("stop=2,4", "--long-exposure", "1:3"), "leave out --long-exposure"),
+        ("a.png", ("stop=2,4", "--stop", "8"), "leave out --stop"),
+        ("a.png", ("stop=2,4", "--aov", "color,depth"), "leave out --aov"),
+        ("a.png", ("stop=2,4", "--frames", "1:3"), "a contact sheet is of one frame, got --frames 1:3"),
     ],
 )
 def test_options_that_do_not_go_together_are_told(

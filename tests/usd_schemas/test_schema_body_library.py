@@ -77,7 +77,7 @@ def test_film_gates_are_what_the_standards_say_in_inches(name: str, gate_mm: tup
 
 def test_a_body_is_found_by_name_and_title_and_a_wrong_name_has_neighbours() -> None:
     assert library_body("Super35-4Perf") == library_body("super 35 4-perf") == library_body("super35_4perf")
-    with pytest.raises(SchemaError, match=r"no camera body named 'alexa' in the library: did you mean alexa_lf or"):
+    with pytest.raises(SchemaError, match=r"no camera body named 'alexa' in the library: did you mean alexa_"):
         library_body("alexa")
     with pytest.raises(SchemaError, match="the library has full_frame, vistavision"):
         library_body("xyzzy")

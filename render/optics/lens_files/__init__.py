@@ -105,7 +105,7 @@ def _reader(text: LensText) -> Reader:
     for pattern, reader in _BY_CONTENT:
         if re.search(pattern, content, re.MULTILINE | re.IGNORECASE):
             return reader
-    expected = "pbrt's .dat, Zemax's .zmx, CODE V's .seq or Optical Bench's .txt"
+    expected = "pbrt's .dat, Zemax's .zmx, CODE V's .seq, Optical Bench's .txt or a data sheet's .lens"
     raise InputError(
         f"{text.name} is no lens file that is known: expected {expected}", code="bad_lens_file", path=text.name
     )

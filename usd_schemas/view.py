@@ -6,7 +6,8 @@ to the stage's edit target, so that they are a layer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from pxr import Sdf, Usd, UsdGeom
@@ -19,7 +20,7 @@ from usd_schemas.film_data import FilmData
 from usd_schemas.focus_point import FocusPointView
 from usd_schemas.keys import Interpolation, Key, Tangents, keys, remove_key, set_key
 from usd_schemas.registration import FOCUS_POINT, LENS_CAMERA, SINGLE_APPLY
-from usd_schemas.values import Time
+from usd_schemas.values import Time, misfit, read_value
 
 Data = TypeVar("Data", LensData, ApertureData, TiltShiftData, FilmData, FocusData)
 
@@ -62,6 +63,23 @@ class SchemaView(Generic[Data]):
         """
         with applied(self.prim, self.schema):
             binding.author(data, self.prim, time)
+
+
+@dataclass(frozen=True)
+class Misread:
+    """What an attribute says that its schema has no meaning for.
+
+    Attributes:
+        name: of the attribute.
+        got: the type of its value; or the token.
+        type: that was expected, empty where the token is at fault.
+        tokens: that were expected, empty where the type is at fault.
+    """
+
+    name: str
+    got: str
+    type: str = ""
+    tokens: tuple[str, ...] = ()
 
 
 class LensCamera:
@@ -171,6 +189,26 @@ class LensCamera:
         names = [name for kind in _KINDS for name in binding.property_names(kind)]
         names += [attribute.GetName() for point in self.focus_points() for attribute in point.attributes()]
         return [name for name in names if binding.says_something(self.prim.GetAttribute(name))]
+
+    def misread(self, time: Time = None) -> Iterator[Misread]:
+        """What the camera says at a time that the schemas have no meaning for, so that a reader would guess.
+
+        Args:
+            time: USD time code, None for the default time.
+
+        Yields:
+            One for each value of another type than the schema's, and each token that is none of the allowed ones.
+        """
+        for schema, kind in zip(SINGLE_APPLY, _KINDS, strict=True):
+            for name in binding.property_names(kind) if self.prim.HasAPI(schema) else ():
+                attribute = self.prim.GetAttribute(name)
+                if not attribute or not attribute.HasAuthoredValue():
+                    continue
+                tokens = tuple(attribute.GetMetadata("allowedTokens") or ())
+                if kind_got := misfit(attribute, time):
+                    yield Misread(name, kind_got, str(attribute.GetTypeName()))
+                elif tokens and (said := read_value(attribute, time)) is not None and said not in tokens:
+                    yield Misread(name, str(said), "", tokens)
 
     def _attribute(self, name: str) -> Usd.Attribute:
         attribute = self.prim.GetAttribute(name) if Sdf.Path.IsValidNamespacedIdentifier(name) else None

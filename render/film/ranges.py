@@ -44,7 +44,6 @@ class Range:
 _RELATIVE = Range(1e-3, 1e3)
 RANGES: dict[str, Range] = {
     "film:speed": Range(MIN_ISO, MAX_ISO, " ISO", "the stock's or sensor's own"),
-    "film:push": Range(-MAX_PUSH, MAX_PUSH, " stops"),
     "film:curve:middleGray": Range(-MAX_LOG_EXPOSURE, MAX_LOG_EXPOSURE, " of log10 exposure"),
     "film:grain:amount": Range(0.0, 100.0),
     "film:grain:rms": Range(0.0, 1000.0, " thousandths of density"),

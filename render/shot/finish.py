@@ -12,10 +12,12 @@ from pxr import Usd
 from render.errors import CameraError, SettingsError
 from render.film import FilmSettings, Grade, GradeChoice, develop, develop_on_film, film_settings, print_space, project
 from render.film.develop import expose
+from render.near_names import hint
 from render.scene import Camera, FloatArray
 from render.stage import quiet_diagnostics
 from render.stage.opening import confinement
 from usd_schemas import FilmData, LensCamera, SchemaError
+from usd_schemas.view import Misread
 
 PRINTED = ("negative", "reversal", "monochrome")
 """Processes at whose end stands light that is shown as it is, and not scene-linear light that a view is made of."""
@@ -88,7 +90,8 @@ def finish_of(
 
     Raises:
         SettingsError: the library has no such stock, or what is wanted of the grade cannot be had.
-        CameraError: what the shot says of film or grade makes no sense.
+        CameraError: what the shot says of film or grade makes no sense, or a value of the camera is of another type or another
+            token than its schema has.
         InputError: a file of the grade is missing or damaged.
     """
     data = _film_data(stage, camera, time)
@@ -124,8 +127,19 @@ def _film_data(stage: Usd.Stage, camera: Camera, time: float) -> FilmData:
     prim = stage.GetPrimAtPath(camera.path) if camera.path else None
     if not prim:
         return FilmData()
+    own = LensCamera(prim)
     try:
         with quiet_diagnostics():
-            return LensCamera(prim).film.read(time)
+            for misread in own.misread(time):
+                raise _misread(misread, camera.path)
+            return own.film.read(time)
     except SchemaError as error:
         raise CameraError(str(error), path=camera.path) from error
+
+
+def _misread(said: Misread, path: str) -> CameraError:
+    if said.type:
+        expected, code = f"must be of type {said.type}, got {said.got}", "wrong_type"
+    else:
+        expected, code = f"has no meaning for '{said.got}': {hint(said.got, said.tokens)}", "unknown_token"
+    return CameraError(f"{said.name} of camera {path} {expected}", code=code, path=path)

@@ -15,6 +15,7 @@ from usd_schemas.keys import keys
 from usd_schemas.validation import Problem
 from usd_schemas.values import is_animated
 
+_UNREADABLE = ("AuthoredTypes", "ValuesAllowed")
 _SQUARE = (64, 64)  # a picture's size, which no finish depends on
 _KEYS_LOOKED_AT = 50  # of a camera, or a few more
 
@@ -25,14 +26,16 @@ def finish_findings(shot: Shot, time: float, validation: Iterable[Problem]) -> I
     Args:
         shot: the shot.
         time: USD time code that is looked at first; then those of the keys of film and grade.
-        validation: what the validators found: a camera with a wrong ``film:*`` in it is told of already.
+        validation: what the validators found: a camera with a wrong ``film:*`` or a value that cannot be read in it is told of
+            already.
 
     Yields:
         Findings; a camera that cannot be read at all has none.
     """
-    told = [problem.path for problem in validation if problem.severity == "error"]
+    told = [(problem.rule, problem.path) for problem in validation if problem.severity == "error"]
     for path in shot.cameras():
-        if any(own.startswith(f"{path}.film:") for own in told):
+        of_film, of_camera = f"{path}.film:", f"{path}."
+        if any(own.startswith(of_camera if rule in _UNREADABLE else of_film) for rule, own in told):
             continue
         for when in _times(shot.stage.GetPrimAtPath(path), time):
             found = _unfinished(shot, path, when)

@@ -47,6 +47,16 @@ BAD: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "light": (("double film:whiteBalance = 100",), ("1000 to 40000 kelvin", "got 100")),
     "push": ((NEGATIVE, 'string film:stock = "5219"', "double film:push = 9"), ("5", "got 9")),
     "sensor": (('token film:process = "digital"', "double film:sensor:fullWell = -1"), ("full", "-1")),
+    "shutter of no kind": (('token film:shutter:type = "rollng"',), ("film:shutter:type", "rollng", "rolling")),
+    "direction of no kind": (('token film:shutter:direction = "in"',), ("film:shutter:direction", "'in'", "left")),
+    "stop of no kind": (('token film:exposure:stop = "both"',), ("film:exposure:stop", "'both'", "iris")),
+    "source of no curve": (('token film:curve:source = "drawn"',), ("film:curve:source", "'drawn'", "parametric")),
+    "process by its number": (("int film:process = 3",), ("film:process", "must be of type token, got int")),
+    "knots that are numbers": (
+        ('token film:process = "monochrome"', "double[] film:curve:green = [1, 2, 3]"),
+        ("film:curve:green", "must be of type double2[], got double[]"),
+    ),
+    "lens of no kind": (('token lens:model = "magic"',), ("lens:model", "'magic'", "heightField")),
     "clip": (
         ('token film:process = "digital"', "double film:sensor:clip = 5000"),
         ("film:sensor:clip must be from 0 to 40 stops, got 5000",),
@@ -108,7 +118,11 @@ def bad(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, tuple[str
     """A shot whose camera says something that makes no sense, and what must be said of it."""
     (tmp_path / "broken.ocio").write_text("ocio_profile_version: 2\nroles: [not, a, map]\n")
     says, words = BAD[request.param]
-    camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').rstrip().removesuffix("}")
+    camera = (
+        CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI", "LensAPI"])')
+        .rstrip()
+        .removesuffix("}")
+    )
     lines = "".join(f"        {line}\n" for line in says)
     return write_shot(tmp_path / "shot.usda", SQUARE, f"{camera}{lines}    }}\n"), words
 
@@ -140,7 +154,11 @@ def test_inspect_finds_it_without_a_picture(pullfocus: Command, bad: tuple[Path,
 
 
 def test_a_key_that_makes_no_sense_is_found_where_it_stands(pullfocus: Command, tmp_path: Path) -> None:
-    camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').rstrip().removesuffix("}")
+    camera = (
+        CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI", "LensAPI"])')
+        .rstrip()
+        .removesuffix("}")
+    )
     says = "double3 film:cdl:power.timeSamples = {1: (1, 1, 1), 9: (1, 0, 1), 12: (0, 0, 0)}\n    }\n"
 
     found = json.loads(pullfocus("inspect", write_shot(tmp_path / "a.usda", SQUARE, camera + says), "--json").out)
@@ -150,7 +168,11 @@ def test_a_key_that_makes_no_sense_is_found_where_it_stands(pullfocus: Command, 
 
 
 def test_a_finish_that_can_be_made_is_no_finding(pullfocus: Command, tmp_path: Path) -> None:
-    camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI"])').rstrip().removesuffix("}")
+    camera = (
+        CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["FilmAPI", "LensAPI"])')
+        .rstrip()
+        .removesuffix("}")
+    )
     says = 'token film:process = "negative"\n        string film:stock = "5219"\n    }\n'
 
     found = json.loads(pullfocus("inspect", write_shot(tmp_path / "a.usda", SQUARE, camera + says), "--json").out)

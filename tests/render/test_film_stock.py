@@ -147,7 +147,7 @@ def test_granularity_is_the_maker_s_table_or_the_single_figure_s_law() -> None:
             {"process": "negative", "stock": "portra_400", "grain": Grain(amount=1)},
             "portra_400 is known: film:grain:rms",
         ),
-        ({"process": "negative", "stock": "5219", "push": 7.0}, "film:push must be from -5 to 5 stops, got 7"),
+        ({"process": "negative", "stock": "5219", "push": 7.0}, "push is from -5 to 5 stops, got 7"),
         (
             {"process": "negative", "stock": "5219", "grain": Grain(amount=-1)},
             "film:grain:amount must be from 0 to 100, got -1",

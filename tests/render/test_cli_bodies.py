@@ -73,7 +73,10 @@ def test_json_is_asked_for_before_or_after_the_action(pullfocus: Command) -> Non
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("super35",), "no camera body named 'super35' in the library: did you mean super35_4perf or super35_3perf or super"),
+        (
+            ("super35",),
+            "no camera body named 'super35' in the library: did you mean super35_4perf or super35_3perf or super",
+        ),
         (("super16", "--lens-mm", "0"), "focal length must be a positive number of mm, got 0"),
         (("super16", "--lens-mm", "nan"), "focal length must be a positive number of mm, got nan"),
     ],

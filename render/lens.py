@@ -11,7 +11,6 @@ with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal, get_args
@@ -166,15 +165,24 @@ class DataSheet:
     def __post_init__(self) -> None:
         """Raises `SettingsError` where the tables do not belong together, or no lens has such errors."""
         heights = self.heights_mm
-        if not heights or heights[0] != 0 or not all(a < b < math.inf for a, b in pairwise(heights)):
+        if not heights or heights[0] != 0 or not all(a < b for a, b in pairwise(heights)):
             raise SettingsError(f"a data sheet's image heights must increase from 0, got {_listed(heights)}")
-        if not 0 <= self.f_stop < math.inf:
-            raise SettingsError(f"a data sheet's f-number must be 0 or more, got {self.f_stop:g}")
+        if not heights[-1] <= MAX_SHEET_MM:
+            raise SettingsError(
+                f"a data sheet's image heights must be at most {MAX_SHEET_MM:g} mm, got {heights[-1]:g} mm"
+            )
+        closest = min((b - a for a, b in pairwise(heights)), default=_FINEST_MM)
+        if closest < _FINEST_MM:
+            raise SettingsError(
+                f"a data sheet's image heights must be at least {_FINEST_MM:g} mm apart, got two {closest:g} mm apart"
+            )
+        if not 0 <= self.f_stop <= MAX_F_STOP:
+            raise SettingsError(f"a data sheet's f-number must be from 0 to {MAX_F_STOP:g}, got {self.f_stop:g}")
         for name, (least, most, expected) in _TABLES.items():
             values = getattr(self, name)
             if len(values) not in (0, len(heights)):
                 raise SettingsError(f"a data sheet's {name} must have {len(heights)} entries, got {len(values)}")
-            if not all(least <= value <= most and math.isfinite(value) for value in values):
+            if not all(least <= value <= most for value in values):
                 raise SettingsError(f"a data sheet's {name} must be {expected}, got {_listed(values)}")
         if self.light and not self.light[0] > 0:
             raise SettingsError(f"a data sheet's light must be above 0 on the axis, got {self.light[0]:g}")
@@ -185,16 +193,22 @@ class DataSheet:
             )
 
 
+MAX_SHEET_MM = 1000.0
+"""What a data sheet's heights, blurs and shifts of focus are at most: six times the half diagonal of 8 x 10 inch film."""
+MAX_F_STOP = 1000.0
+_FINEST_MM = 1e-6
+_MM = f"from {-MAX_SHEET_MM:g} to {MAX_SHEET_MM:g} mm"
+
 _TABLES = {
     "distortion": (-0.95, 10.0, "from -0.95 to 10"),
     "light": (0.0, 2.0, "from 0 to 2"),
-    "sagittal_blur_mm": (0.0, math.inf, "0 or more"),
-    "tangential_blur_mm": (0.0, math.inf, "0 or more"),
+    "sagittal_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
+    "tangential_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
     "spherical": (-1.0, 1.0, "from -1 to 1"),
-    "coma_mm": (-math.inf, math.inf, "finite"),
-    "field_curvature_mm": (-math.inf, math.inf, "finite"),
-    "lateral_color_mm": (-math.inf, math.inf, "finite"),
-    "axial_color_mm": (-math.inf, math.inf, "finite"),
+    "coma_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "field_curvature_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "lateral_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "axial_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
 }
 
 

@@ -59,6 +59,10 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
         raise _error(camera, "lens:transmittance (0 to 1) and lens:neutralDensity (0 or more)", "in range", got)
     if not all(power > 0 for power in data.pupil_power):
         raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _shown(data.pupil_power))
+    widest, closed = data.f_stop_range
+    if min(widest, closed) < 0 or 0 < closed < widest:
+        expected = "from wide open to closed down, 0 for an end that is unknown"
+        raise _error(camera, "lens:fStopRange", expected, f"{widest:g} and {closed:g}")
     if not 0 <= data.expressive_blend <= 1:
         raise _error(camera, "lens:expressive:blend", "from 0 to 1", f"{data.expressive_blend:g}")
     if not min(data.flare_ghosts, data.flare_star) >= 0:

@@ -162,9 +162,9 @@ def test_places_and_sharpness_know_the_sheet() -> None:
         ({"light": (1.0, 0.5, -0.1)}, "light must be from 0 to 2, got 1, 0.5, -0.1"),
         ({"light": (0.0, 0.5, 0.1)}, "light must be above 0 on the axis"),
         ({"spherical": (0.0, 1.5, 0.0)}, "spherical must be from -1 to 1"),
-        ({"sagittal_blur_mm": (0.0, float("nan"), 0.0)}, "sagittal_blur_mm must be 0 or more"),
+        ({"sagittal_blur_mm": (0.0, float("nan"), 0.0)}, "sagittal_blur_mm must be from 0 to 1000 mm"),
         ({"distortion": (0.0, 0.0, 1.5)}, "must not fold the picture"),
-        ({"f_stop": -1.0}, "f-number must be 0 or more"),
+        ({"f_stop": -1.0}, "f-number must be from 0 to 1000"),
     ],
 )
 def test_tables_that_no_lens_has_are_told(wrong: dict[str, object], words: str) -> None:

@@ -107,6 +107,21 @@ def test_what_is_written_is_read_again() -> None:
             "two tables have the same column",
         ),
         ("f-stops = 1.4\nfocal length = 50\nheight_mm light_%\n0 100\n", "line 1: f-stops takes 2 numbers, got '1.4'"),
+        (
+            "focal length = 50\nf-stops = 22 1.4\nheight_mm light_%\n0 100\n",
+            "line 2: f-stops go from wide open to closed down, 0 for an end that is unknown and 1000 at most, got 22 and 1.4",
+        ),
+        (
+            "focal length = 50\nclose focus = 1e9\nheight_mm light_%\n0 100\n",
+            "line 2: the close focus must be at most 1000 m, got 1e+09",
+        ),
+        (
+            "focal length = 50\nheight_mm light_%\n0 100\n1e308 50\n",
+            "image heights must be at most 1000 mm, got 1e+308 mm",
+        ),
+        ("focal length = 50\nheight_mm light_%\n0 100\n1e-300 50\n", "image heights must be at least 1e-06 mm apart"),
+        ("focal length = 50\nheight_mm coma_um\n0 1e200\n", "coma_mm must be from -1000 to 1000 mm, got 1e+197"),
+        ("focal length = 50\nmeasured at = 1e9\nheight_mm light_%\n0 1\n", "f-number must be from 0 to 1000"),
         ("focal length = 50\nmeasured at = -2\nheight_mm light_%\n0 1\n", "line 2: the measured at must be 0 or more"),
     ],
 )

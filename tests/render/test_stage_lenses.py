@@ -154,6 +154,7 @@ def test_power_drawn_over_the_pupil_reaches_the_lens(stage: Usd.Stage, camera: L
     [
         (LensData(pupil_power=(1.0, 0.0)), "lens:expressive:pupilPower .* must be above 0 everywhere, got 1, 0"),
         (LensData(pupil_power=(1.0, math.nan)), "expressive:pupilPower .* must be a finite number"),
+        (LensData(f_stop_range=(8.0, 2.0)), "lens:fStopRange .* must be from wide open to closed down, .* got 8 and 2"),
         (LensData(expressive_blend=1.5), "lens:expressive:blend .* must be from 0 to 1, got 1.5"),
     ],
 )

@@ -214,10 +214,14 @@ def assets_resolve(prim: Usd.Prim) -> Iterator[Fault]:
 
 
 def lens_reach(prim: Usd.Prim) -> Iterator[Fault]:
-    """The camera's stop and focus distance are within the lens's reach."""
+    """The lens's f-numbers go from wide open to closed down, and the camera's stop is one of them."""
     if not prim.HasAPI("LensAPI"):
         return
     widest, smallest = LensCamera(prim).lens.read().f_stop_range
+    if 0 < smallest < widest:
+        path = prim.GetPath().AppendProperty("lens:fStopRange")
+        yield Fault(path, f"lens:fStopRange must go from wide open to closed down, got {widest:g} and {smallest:g}")
+        return
     stop = prim.GetAttribute("fStop")
     slack = 1e-6  # fStop is of single precision, the range is not
     for where, value in authored_values(stop):

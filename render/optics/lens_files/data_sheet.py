@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from render.errors import SettingsError
-from render.lens import DataSheet
+from render.lens import MAX_F_STOP, DataSheet
 from render.optics.data_sheet import at_heights
 from render.optics.lens_files.lens_text import LensText
 
@@ -44,6 +44,7 @@ _COLUMNS = {
 _HEIGHT = "height_mm"
 _KEYS = ("name", "focal length", "f-stops", "close focus", "measured at", "source")
 _MAX_ROWS = 1000
+_MAX_CLOSE_FOCUS_M = 1000.0  # the longest telescopes focus nearer
 
 Table = dict[str, list[float]]
 
@@ -174,7 +175,16 @@ def _lens(
     if not 0.1 <= focal <= 1e5:
         raise text.error(f"the focal length must be from 0.1 to 100000 mm, got {focal:g}", said["focal length"][0])
     widest, closed = numbers("f-stops", 2)
+    if 0 < closed < widest or max(widest, closed) > MAX_F_STOP:
+        raise text.error(
+            f"f-stops go from wide open to closed down, 0 for an end that is unknown and {MAX_F_STOP:g} at most, "
+            f"got {widest:g} and {closed:g}",
+            said["f-stops"][0],
+        )
     (measured_at,), (close_focus,) = numbers("measured at"), numbers("close focus")
+    if close_focus > _MAX_CLOSE_FOCUS_M:
+        line = said["close focus"][0]
+        raise text.error(f"the close focus must be at most {_MAX_CLOSE_FOCUS_M:g} m, got {close_focus:g}", line)
     try:
         sheet = _joined(text, tables, measured_at or widest)
     except SettingsError as error:

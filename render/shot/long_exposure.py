@@ -98,7 +98,7 @@ class LongExposure:
 
         Raises:
             SettingsError: more is asked for than colour, or a number or a name makes no sense.
-            CameraError: it is no camera, or has impossible numbers.
+            CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
         """
         if set(settings.aovs) != {"color"}:
             raise SettingsError("a long exposure has colour alone: nothing is at one depth while it moves")
@@ -110,6 +110,7 @@ class LongExposure:
         self._renderer, self._camera, self._settings = renderer, camera, settings
         self._begin, self._nd_stops = begin, nd_stops
         self._lens = self._at(begin)
+        check_shutter(self._lens)
         self._finish = finish_of(shot.stage, self._lens, begin, grade, stock, choice)
         self._metered = auto_exposed(renderer, shot, self._lens, begin, settings.shading)
         self._light = GatheredLight()
@@ -126,7 +127,7 @@ class LongExposure:
 
         Raises:
             SettingsError: it ends before it begins.
-            CameraError: the camera has impossible numbers at one of the moments.
+            CameraError: the camera has impossible numbers at one of the moments, or a shutter that closes before it opens.
             GraphicsError: the device refuses.
         """
         if not end > begin:
@@ -136,6 +137,7 @@ class LongExposure:
             )
         settings = self._settings
         lens = self._at(begin)
+        check_shutter(lens)
         opened = replace(lens, shutter_open=0.0, shutter_close=end - begin, shutter=GLOBAL_SHUTTER)
         if settings.motion == 1:
             count = self._moments_of(begin, end)
@@ -190,9 +192,7 @@ class LongExposure:
         return replace(picture, metadata=metadata)
 
     def _at(self, time: float) -> Camera:
-        lens = self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
-        check_shutter(lens)
-        return lens
+        return self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
 
     def _moments_of(self, begin: float, end: float) -> int:
         """As many as pixels that what moves fastest moves by."""

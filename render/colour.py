@@ -39,8 +39,13 @@ def working_config(path: str | Path | None = None) -> ocio.Config:
     Raises:
         SettingsError: the file is missing, damaged, or has no ``scene_linear`` role.
     """
-    name = str(path or os.environ.get("OCIO") or DEFAULT_CONFIG)
+    name = config_name(path)
     return _read_config(name, file_stamp(name))
+
+
+def config_name(path: str | Path | None = None) -> str:
+    """The file or built-in name of a configuration; arguments as for `working_config`."""
+    return str(path or os.environ.get("OCIO") or DEFAULT_CONFIG)
 
 
 def file_stamp(name: str | Path) -> tuple[int, int]:

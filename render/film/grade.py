@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import PyOpenColorIO
 
-from render.colour import OCIO_ERRORS, working_config
+from render.colour import OCIO_ERRORS, config_name, working_config
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
 from render.film.display_transform import Way, print_to_display, scene_to_display
@@ -147,10 +147,21 @@ class Grade:
         except OCIO_ERRORS as error:
             shown = "" if light is None else f" of a print in '{light}'"
             raise SettingsError(
-                f"display '{self.display_name}' with view '{self.view_name}'{shown} cannot be made: "
-                f"{' '.join(str(error).split())}",
+                f"display '{self.display_name}' with view '{self.view_name}'{shown} cannot be made: {self._reason(error)}",
                 code="bad_grade",
             ) from error
+
+    def _reason(self, error: Exception) -> str:
+        """What OpenColorIO says; of a role that it misses, whose it is and what it is for."""
+        role = PyOpenColorIO.ROLE_INTERCHANGE_SCENE
+        if role in str(error):
+            for config in (self.config, None):
+                if not working_config(config).hasRole(role):
+                    return (
+                        f"the OpenColorIO configuration {config_name(config)} lacks the role {role}, by which light is handed "
+                        f"from one configuration to another: add it to the roles, naming the colour space that is ACES2065-1"
+                    )
+        return " ".join(str(error).split())
 
 
 def list_displays(config: str | None = None) -> dict[str, tuple[str, ...]]:

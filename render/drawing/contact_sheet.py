@@ -17,15 +17,28 @@ TABLE, TITLE, DATA, RULE = "#161616", "#e4e4e4", "#9a9a9a", "#3a3a3a"
 """Neutral, and darker than middle grey, so that pictures are judged by themselves."""
 _MOST_COLUMNS = 4  # where rows have no meaning of their own
 _USUAL_PX = 320  # width of a picture that letters are 1 of
+_TITLE_PX, _DATA_PX = 11, 9  # height of letters
+_WIDEST_WORDS = 420  # the most that a cell widens for its words
+_PARTED = "  ·  "
 _LETTER = 0.62  # width of a letter over its height, at most on average
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where everything is, in pixels from the upper left corner."""
+    """Where everything is, in pixels from the upper left corner.
+
+    Attributes:
+        width_px: of a picture.
+        height_px: of a picture.
+        cell_px: width of a picture with its words below it, which may need more than a small picture has.
+        columns: of pictures.
+        rows: of pictures.
+        scale: of letters and gaps.
+    """
 
     width_px: int
     height_px: int
+    cell_px: int
     columns: int
     rows: int
     scale: float
@@ -49,7 +62,7 @@ class _Layout:
 
     @property
     def size(self) -> tuple[int, int]:
-        wide = 2 * self.margin + self.columns * self.width_px + (self.columns - 1) * self.gap
+        wide = 2 * self.margin + self.columns * self.cell_px + (self.columns - 1) * self.gap
         high = self.head + self.margin + self.rows * (self.height_px + self.label) + (self.rows - 1) * self.gap
         return wide, high
 
@@ -57,7 +70,7 @@ class _Layout:
         """Upper left corner of a picture."""
         row, column = divmod(index, self.columns)
         return (
-            self.margin + column * (self.width_px + self.gap),
+            self.margin + column * (self.cell_px + self.gap),
             self.head + row * (self.height_px + self.label + self.gap),
         )
 
@@ -91,7 +104,11 @@ def _layout(sheet: ContactSheet) -> _Layout:
     if len(sheet.axes) == 1 and count > _MOST_COLUMNS:
         rows = math.ceil(count / _MOST_COLUMNS)
         columns = math.ceil(count / rows)
-    return _Layout(width, height, columns, math.ceil(count / columns), min(max(width / _USUAL_PX, 0.75), 4.0))
+    scale = min(max(width / _USUAL_PX, 0.75), 4.0)
+    titles = [_width_px(_PARTED.join(_title(sheet, index)), _TITLE_PX) for index in range(count)]
+    data = [_width_px(line, _DATA_PX) for picture in sheet.pictures for line in _data(picture)]
+    cell = max(width, math.ceil(min(max(*titles, *data), _WIDEST_WORDS) * scale))
+    return _Layout(width, height, cell, columns, math.ceil(count / columns), scale)
 
 
 def _write_head(figure: Figure, sheet: ContactSheet, layout: _Layout) -> None:
@@ -108,16 +125,17 @@ def _write_head(figure: Figure, sheet: ContactSheet, layout: _Layout) -> None:
     _text(figure, layout, layout.margin, line, _fitted("   ".join(told), room, 9 * layout.scale), DATA, 9)
 
 
-def _write_label(figure: Figure, layout: _Layout, corner: tuple[int, int], title: str, data: list[str]) -> None:
+def _write_label(figure: Figure, layout: _Layout, corner: tuple[int, int], title: list[str], data: list[str]) -> None:
     """A picture's name in one line, its numbers in two, a hairline above."""
     x, y = corner
     wide, high = layout.size
     rule = [1 - (y + 0.5 * layout.scale) / high] * 2
-    figure.add_artist(Line2D([x / wide, (x + layout.width_px) / wide], rule, color=RULE, linewidth=0.6 * layout.scale))
-    _text(figure, layout, x, y + 12 * layout.scale, _fitted(title, layout.width_px, 11 * layout.scale), TITLE, 11)
+    figure.add_artist(Line2D([x / wide, (x + layout.cell_px) / wide], rule, color=RULE, linewidth=0.6 * layout.scale))
+    name = _fitted_title(title, layout.cell_px, _TITLE_PX * layout.scale)
+    _text(figure, layout, x, y + 12 * layout.scale, name, TITLE, _TITLE_PX)
     for i, line in enumerate(data):
         below = y + (26.5 + 12.5 * i) * layout.scale
-        _text(figure, layout, x, below, _fitted(line, layout.width_px, 9 * layout.scale), DATA, 9)
+        _text(figure, layout, x, below, _fitted(line, layout.cell_px, _DATA_PX * layout.scale), DATA, _DATA_PX)
 
 
 def _text(
@@ -131,16 +149,31 @@ def _text(
 
 def _fitted(text: str, width_px: float, height_px: float) -> str:
     """As much of a text as there is room for."""
-    most = max(4, int(width_px / (_LETTER * height_px)))
+    most = max(4, int(width_px / (_LETTER * height_px) + 1e-6))
     return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
 
 
-def _title(sheet: ContactSheet, index: int) -> str:
+def _fitted_title(parts: list[str], width_px: float, height_px: float) -> str:
+    """A title with room for something of each part, so that columns and rows can still be told apart."""
+    whole = _PARTED.join(parts)
+    if _width_px(whole, height_px) <= width_px or len(parts) == 1:
+        return _fitted(whole, width_px, height_px)
+    room = (width_px - _width_px(_PARTED, height_px)) / len(parts)
+    return _PARTED.join(_fitted(part, room, height_px) for part in parts)
+
+
+def _width_px(text: str, height_px: float) -> float:
+    """Room that a text needs, at most."""
+    return len(text) * _LETTER * height_px
+
+
+def _title(sheet: ContactSheet, index: int) -> list[str]:
+    """What a picture is of: its column, and its row where rows have a meaning."""
     row, column = divmod(index, len(sheet.axes[0].choices))
     parts = [sheet.axes[0].choices[column].label]
     if len(sheet.axes) > 1:
         parts.append(sheet.axes[1].choices[row].label)
-    return "  ·  ".join(parts)
+    return parts
 
 
 def _data(picture: ContactPicture) -> list[str]:
@@ -151,10 +184,11 @@ def _data(picture: ContactPicture) -> list[str]:
         told.append(f"f/{lens.f_stop:.3g}")
     if exposure.path is not None and exposure.path.transmittance not in (0.0, 1.0):
         told.append(f"T{exposure.path.t_stop:.3g}")
-    told.append(f"EV {exposure.ev100:.1f}")
+    metered = picture.metered_ev100
+    told.append(f"EV {exposure.ev100:.1f}" if metered is None else f"EV {metered:.1f} metered".replace("-", "−"))
     if exposure.nd_stops > 0:
         told.append(f"ND {exposure.nd_stops:.1f} stops")
-    if exposure.settings.compensation_stops:
+    if exposure.settings.compensation_stops and metered is None:
         told.append(f"{exposure.settings.compensation_stops:+.2g} stops".replace("-", "−"))
     if lens.f_stop > 0:
         sharp = f"focus {metres(lens.focus_distance_m)}, sharp {lens.near_m:.3g} to {metres(lens.far_m)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -36,6 +37,7 @@ class ContactPicture:
         readout: its lens in numbers.
         exposure: its exposure in numbers.
         film: name of the stock; empty where there is none.
+        metered_ev100: exposure value at ISO 100 that a meter made of it; None where none did.
     """
 
     graded: FloatArray
@@ -44,6 +46,7 @@ class ContactPicture:
     readout: Readout
     exposure: ExposureReadout
     film: str = ""
+    metered_ev100: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +155,7 @@ class _Maker:
         time = _number(wanted["frame"]) if "frame" in wanted else self._time
         self._set(wanted, time)
         lens = shot.camera_at(self._camera, time, settings.width, settings.height)
-        lens = auto_exposed(self._renderer, shot, lens, time, settings.shading)
+        as_set, lens = lens, auto_exposed(self._renderer, shot, lens, time, settings.shading)
         stock = str(wanted["stock"]) if "stock" in wanted else self._stock
         finish = finish_of(shot.stage, lens, time, None, stock, self._choice)
         if "push" in wanted and (finish.film is None or finish.film.stock is None):
@@ -163,7 +166,8 @@ class _Maker:
         taken = picture_of(shot, self._lights[key], lens, time, settings, finish)
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
         readout, exposure = shot.readout(self._camera, time), shot.exposure(self._camera, time)
-        return ContactPicture(taken.graded, lens, time, readout, exposure, film)
+        metered = None if lens is as_set else _metered_ev100(exposure, as_set, lens)
+        return ContactPicture(taken.graded, lens, time, readout, exposure, film, metered)
 
     def _set(self, wanted: dict[str, Value], time: float) -> None:
         shot, camera = self._shot, self._camera
@@ -178,6 +182,14 @@ class _Maker:
             # What a meter says takes the place of the one compensation, and has another of its own.
             name = "compensation_stops" if said["metering_mode"] == "manual" else "metering_compensation"
             shot.set_photography(camera, **{name: (said[name] or 0.0) + _number(wanted["exposure"])})
+
+
+def _metered_ev100(set_to: ExposureReadout, as_set: Camera, metered: Camera) -> float | None:
+    """The exposure value that a meter's compensation comes to; None where nothing is exposed."""
+    if not (as_set.exposure_scale > 0 and metered.exposure_scale > 0):
+        return None
+    brighter = math.log2(metered.exposure_scale / as_set.exposure_scale)
+    return set_to.ev100 - set_to.settings.compensation_stops - brighter
 
 
 def _number(value: Value) -> float:

@@ -11,7 +11,7 @@ import pytest
 from cli_shots import CAMERA, SQUARE, Command, small, write_shot
 
 import render.shot.contact_sheet as made
-from render.drawing.contact_sheet import _data, _layout, draw_contact_sheet
+from render.drawing.contact_sheet import _data, _fitted_title, _layout, draw_contact_sheet
 from render.frame import FrameRenderer, FrameSettings
 from render.shot import Shot
 from render.shot.contact_axes import parse_axes
@@ -132,12 +132,31 @@ def test_guides_are_drawn_over_every_picture(pullfocus: Command, shot: Path) -> 
     assert (pixels(plain) != pixels(long)).any()
 
 
-def test_frames_are_compared_too(pullfocus: Command, shot: Path) -> None:
-    out = shot.parent / "frames.png"
-    assert pullfocus("record", shot, out, "--contact-sheet", "frame=1,4,7,9,12", *small()).status == 0
-    wide, high = pixels(out).shape[1], pixels(out).shape[0]
-    assert wide < 4 * (WIDTH + 20)  # three to a row, and two
-    assert high > 2 * HEIGHT
+def test_frames_are_compared_too(shot: Path, renderer: FrameRenderer) -> None:
+    axes = parse_axes(["frame=1,4,7,9,12"])
+    layout = _layout(made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes))
+    assert (layout.columns, layout.rows) == (3, 2)
+
+
+def test_small_pictures_have_room_for_all_their_words(shot: Path, renderer: FrameRenderer) -> None:
+    axes = parse_axes(["stop=2,4", "stock=velvia_50,5219"])
+    sheet = made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
+    drawn = draw_contact_sheet(sheet, "svg").decode()
+    assert "Kodak Vision3 500T 5219" in drawn
+    assert "…" not in drawn.split("frame 1")[-1]
+    assert _fitted_title(["a" * 80, "pushed 2 stops"], 300, 11).endswith("pushed 2 stops")
+
+
+def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: FrameRenderer) -> None:
+    opened = Shot.open(shot)
+    opened.set_photography(None, metering_mode="average")
+    sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=0,2"]))
+    (plain, over) = sheet.pictures
+    assert plain.metered_ev100 is not None
+    assert over.metered_ev100 is not None
+    assert plain.camera.exposure_scale == pytest.approx(2.0**-plain.metered_ev100 * plain.exposure.exposure_scale)
+    assert over.metered_ev100 == pytest.approx(plain.metered_ev100 - 2)
+    assert f"EV {plain.metered_ev100:.1f} metered".replace("-", "−") in _data(plain)[0]
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,13 @@ BACKWARDS = "double2[] film:curve:green = [(-1, 0.1), (0, 1), (1, 0.5)]"
             "unknown_stock",
             ("no film stock named '5218'", "5219"),
         ),
+        (
+            'token film:process = "negative"\nstring film:stock = "5219"\ndouble film:grain:amount = 1e30',
+            "bad_film",
+            ("film:grain:amount must be from 0 to 100", "got 1e+30"),
+        ),
+        ('token film:shutter:type = "sideways"', "unknown_token", ("film:shutter:type", "'sideways'")),
+        ("int film:process = 3", "wrong_type", ("film:process", "type token, got int")),
         ('string film:ocio:view = "Rwa"', "unknown_view", ("unknown view 'Rwa'", "'Raw'")),
         (
             "double shutter:open = 0.5\ndouble shutter:close = 0.25",

@@ -12,6 +12,8 @@ from usd_schemas import FilmData
 from usd_schemas.binding import property_values
 
 MAX_PUSH = 5.0
+MAX_GRAIN = 100.0
+"""Times the stock's own: nothing but grain is left."""
 MAX_GRAIN_UM = 500.0
 """The coarsest grain: far beyond any film's, and a kernel of some hundred pixels."""
 
@@ -45,7 +47,7 @@ _RELATIVE = Range(1e-3, 1e3)
 RANGES: dict[str, Range] = {
     "film:speed": Range(MIN_ISO, MAX_ISO, " ISO", "the stock's or sensor's own"),
     "film:curve:middleGray": Range(-MAX_LOG_EXPOSURE, MAX_LOG_EXPOSURE, " of log10 exposure"),
-    "film:grain:amount": Range(0.0, 100.0),
+    "film:grain:amount": Range(0.0, MAX_GRAIN),
     "film:grain:rms": Range(0.0, 1000.0, " thousandths of density"),
     "film:grain:size": Range(0.0, MAX_GRAIN_UM, " µm"),
     "film:halation:radius": Range(0.0, MAX_RADIUS_MM, " mm"),

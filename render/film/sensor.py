@@ -26,8 +26,8 @@ class SensorSettings:
     Attributes:
         full_well_e: electrons at which a photosite is full, at the base speed.
         read_noise_e: standard deviation of reading one photosite, in electrons; the noise of photons comes beside it.
-        clip_stops: stops from middle grey to where it clips, the same at each speed; 0 never clips, and the full well then is
-            at scene-linear 1.
+        clip_stops: stops from middle grey to where it clips, at most `MAX_CLIP_STOPS`, the same at each speed; 0 never
+            clips, and the full well then is at scene-linear 1.
         sensitivity: of the red, green and blue photosites, relative: weaker ones get fewer electrons, so they are noisier.
             All clip together, at the light that fills the strongest, so that highlights stay white.
         base_iso: speed at which the full well is used whole.

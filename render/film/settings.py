@@ -8,7 +8,7 @@ from typing import get_args
 from render.errors import SettingsError
 from render.film.balance import balance_gains
 from render.film.halation import halation_shares
-from render.film.ranges import MAX_GRAIN_UM, MAX_PUSH, check_numbers
+from render.film.ranges import MAX_GRAIN, MAX_GRAIN_UM, MAX_PUSH, check_numbers
 from render.film.sensor import SensorSettings
 from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
 from render.near_names import hint
@@ -24,7 +24,7 @@ class GrainSettings:
     """Film grain.
 
     Attributes:
-        amount: factor; 0 none, 1 as the stock has it.
+        amount: factor, at most `render.film.ranges.MAX_GRAIN`; 0 none, 1 as the stock has it.
         size_um: correlation length on the film in micrometres; 0 takes `render.film.grain.GRAIN_SIZE_UM`.
         seed: which grain.
     """
@@ -76,9 +76,9 @@ class FilmSettings:
     def __post_init__(self) -> None:
         if not -MAX_PUSH <= self.push <= MAX_PUSH:
             raise SettingsError(f"push is from {-MAX_PUSH:g} to {MAX_PUSH:g} stops, got {self.push:g}")
-        if not (self.grain.amount >= 0 and 0 <= self.grain.size_um <= MAX_GRAIN_UM):
+        if not (0 <= self.grain.amount <= MAX_GRAIN and 0 <= self.grain.size_um <= MAX_GRAIN_UM):
             raise SettingsError(
-                f"grain needs an amount from 0 up and a size from 0 to {MAX_GRAIN_UM:g} µm, "
+                f"grain needs an amount from 0 to {MAX_GRAIN:g} and a size from 0 to {MAX_GRAIN_UM:g} µm, "
                 f"got {self.grain.amount:g} and {self.grain.size_um:g}"
             )
         balance_gains(self.white_balance_k, self.tint)

@@ -87,7 +87,7 @@ def camera_stock(name: str, speed: float = 0.0, rms: Sequence[float] = (0.0, 0.0
         rms: diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 takes the library's.
 
     Raises:
-        SettingsError: the library has no such camera stock.
+        SettingsError: the library has no such camera stock, or the speed puts grey beyond all exposures.
     """
     entry = library_stock(name)
     if entry.kind != "camera":
@@ -114,7 +114,7 @@ def drawn_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, rm
         rms: diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 for no grain.
 
     Raises:
-        SettingsError: a curve is impossible.
+        SettingsError: a curve is impossible, or grey lands beyond all exposures.
     """
     if curve.source == "knots":
         curves = _curves(curve, "film:curve", monochrome)

@@ -53,7 +53,7 @@ BAD: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "source of no curve": (('token film:curve:source = "drawn"',), ("film:curve:source", "'drawn'", "parametric")),
     "process by its number": (("int film:process = 3",), ("film:process", "must be of type token, got int")),
     "knots that are numbers": (
-        ('token film:process = "monochrome"', "double[] film:curve:green = [1, 2, 3]"),
+        ('token film:process = "monochrome"', CURVES, "double[] film:curve:green = [1, 2, 3]"),
         ("film:curve:green", "must be of type double2[], got double[]"),
     ),
     "lens of no kind": (('token lens:model = "magic"',), ("lens:model", "'magic'", "heightField")),

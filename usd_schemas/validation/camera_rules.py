@@ -12,7 +12,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from usd_schemas.data import DataSheet, Prescription
 from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
-from usd_schemas.values import is_animated, limit_problem, read_value
+from usd_schemas.values import is_animated, limit_problem, misfit, read_value
 from usd_schemas.view import LensCamera
 
 _POSITIVE = (
@@ -195,7 +195,8 @@ def film_curves(prim: Usd.Prim) -> Iterator[Fault]:
             rises = [after - before for before, after in pairwise(densities)]
             if any(rise > 0 for rise in rises) and any(rise < 0 for rise in rises):
                 yield Fault(path, f"density of {path.name} must rise or fall throughout, got {densities}")
-    if film.curve.source == "knots" and len(film.curve.green) < 2:
+    is_read = not misfit(prim.GetAttribute("film:curve:green"))  # of another type, another rule tells of it
+    if film.curve.source == "knots" and len(film.curve.green) < 2 and is_read:
         path = prim.GetPath().AppendProperty("film:curve:green")
         yield Fault(
             path, f"film:curve:source is knots, which needs at least 2 green knots, got {len(film.curve.green)}"

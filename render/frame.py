@@ -19,24 +19,22 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from render.engines import Engines
 from render.errors import GraphicsError, InputError, SettingsError
 from render.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
-from render.gl.shaders import ProgramCache
 from render.headlight import Headlight
 from render.layers.movement import movements
-from render.layers.peel import Peeler
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
 from render.lens import IrisShape
 from render.optics.distortion import seen_at
-from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
-from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling, check_thin
+from render.reference.accumulation import check_thin
 from render.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.trace.aovs import MEASURED
-from render.trace.lens import LensEngine, OnPass
+from render.trace.lens import OnPass
 from render.trace.rays import RayPattern, ray_pattern
 from render.trace.swept import Look
 
@@ -91,10 +89,8 @@ class FrameRenderer:
 
     def _open(self) -> None:
         self.graphics = GraphicsContext()
-        programs = ProgramCache(self.graphics.ctx)
-        self._peeler = Peeler(self.graphics, programs)
-        self._lens = LensEngine(self.graphics.ctx, programs)
-        self._accumulator = Accumulator(self.graphics.ctx, programs)
+        self._engines = Engines(self.graphics)
+        self._peeler, self._lens = self._engines.peeler, self._engines.lens
 
     def render(
         self,
@@ -131,8 +127,10 @@ class FrameRenderer:
         on_pass: OnPass | None,
     ) -> Frame:
         lens = self._loaded(scene, camera, settings)
-        color = self._drawn(view, lens, settings, _WHOLE, on_progress=on_progress, on_pass=on_pass)
-        aovs = self._aovs(view, lens, settings, lambda: self._drawn(view, lens, settings, _WHOLE, unlit=True))
+        color = self._engines.drawn(
+            view, lens, settings, _WHOLE, unlit=settings.shading == "unlit", on_progress=on_progress, on_pass=on_pass
+        )
+        aovs = self._aovs(view, lens, settings, lambda: self._engines.drawn(view, lens, settings, _WHOLE, unlit=True))
         return Frame(color, aovs, scene.prim_paths)
 
     def render_moving(
@@ -170,10 +168,12 @@ class FrameRenderer:
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
             with self._device():
                 lens = self._loaded(moment.scene, moment.camera, settings)
-                total += moment.share * self._drawn(view, lens, settings, (i % apart, apart))
+                total += moment.share * self._engines.drawn(
+                    view, lens, settings, (i % apart, apart), unlit=settings.shading == "unlit"
+                )
                 if i == count // 2:
                     aovs = self._aovs(
-                        view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True)
+                        view, lens, settings, partial(self._engines.drawn, view, lens, settings, _WHOLE, unlit=True)
                     )
                     frame = Frame(total, aovs, moment.scene.prim_paths)
             if on_progress is not None:
@@ -227,7 +227,9 @@ class FrameRenderer:
             with closing(pictures):
                 for moment, picture in zip(moments, pictures, strict=True):
                     total += moment.share * picture
-            aovs = self._aovs(view, lens, settings, partial(self._drawn, view, lens, settings, _WHOLE, unlit=True))
+            aovs = self._aovs(
+                view, lens, settings, partial(self._engines.drawn, view, lens, settings, _WHOLE, unlit=True)
+            )
         return Frame(total, aovs, opening.middle.prim_paths)
 
     def _looks(self, moments: Sequence[Moment], settings: FrameSettings, apart: int) -> list[Look]:
@@ -249,44 +251,6 @@ class FrameRenderer:
             check_thin(camera)
         self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera))
         return replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
-
-    def _drawn(
-        self,
-        view: PinholeView,
-        camera: Camera,
-        settings: FrameSettings,
-        part: tuple[int, int],
-        *,
-        unlit: bool = False,
-        on_progress: Callable[[float], None] | None = None,
-        on_pass: OnPass | None = None,
-    ) -> FloatArray:
-        """The loaded scene's picture by some part of its rays, told as its number and how many parts there are."""
-        draw = self._accumulate if settings.engine == "accumulation" else self._trace
-        return draw(view, camera, settings, part, unlit or settings.shading == "unlit", on_progress, on_pass)
-
-    def _trace(
-        self,
-        view: PinholeView,
-        camera: Camera,
-        settings: FrameSettings,
-        part: tuple[int, int],
-        unlit: bool,
-        on_progress: Callable[[float], None] | None,
-        on_pass: OnPass | None,
-    ) -> FloatArray:
-        return self._lens.picture(
-            self._peeler,
-            camera,
-            view,
-            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled).part(*part),
-            wavelengths=settings.wavelengths,
-            layers=settings.layers,
-            supersample=settings.supersample,
-            unlit=unlit,
-            on_progress=on_progress,
-            on_pass=on_pass,
-        ).color
 
     def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:
         """The surface at a place of the picture, seen from the pupil's centre.
@@ -315,8 +279,7 @@ class FrameRenderer:
     def close(self) -> None:
         """Give the device's memory and the context back."""
         self.graphics.make_current()
-        self._lens.release()
-        self._peeler.release()
+        self._engines.release()
         self.graphics.close()
 
     def __enter__(self) -> FrameRenderer:
@@ -341,30 +304,6 @@ class FrameRenderer:
             if isinstance(error, (OpenGLError, moderngl.Error, RuntimeError)):
                 raise GraphicsError(f"{self.graphics.renderer} could not draw the frame: {error}") from error
             raise
-
-    def _accumulate(
-        self,
-        view: PinholeView,
-        camera: Camera,
-        settings: FrameSettings,
-        part: tuple[int, int],
-        unlit: bool,
-        on_progress: Callable[[float], None] | None,
-        on_pass: OnPass | None,
-    ) -> FloatArray:
-        """The accumulation buffer; it has no passes to show, since it draws view by view."""
-        del on_pass
-        points = accumulated_rays(camera, settings.rays, settings.seed)[part[0] :: part[1]]
-        sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
-        return self._accumulator.accumulate(
-            self._peeler,
-            view,
-            points,
-            focal_surface(camera).plane,
-            unlit=unlit,
-            sampling=sampling,
-            on_progress=on_progress,
-        )
 
     def _aovs(
         self, view: PinholeView, camera: Camera, settings: FrameSettings, albedo: Callable[[], FloatArray]

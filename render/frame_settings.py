@@ -10,8 +10,8 @@ from render.optics.sampling import MAX_RAYS
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.optics.view import check_picture_size
 
-ENGINES = ("lens", "accumulation", "pinhole")
-LATER_ENGINES = ("scatter", "flag", "importance")
+ENGINES = ("lens", "flag", "accumulation", "pinhole")
+LATER_ENGINES = ("scatter", "importance")
 AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
@@ -26,7 +26,8 @@ class FrameSettings:
     Attributes:
         width: pixels.
         height: pixels.
-        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``accumulation`` renders once per ray (the reference),
+        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``flag`` blurs one picture in linear time (a preview, of an ideal
+            lens or one by its data sheet), ``accumulation`` renders once per ray (the reference),
             ``pinhole`` has everything sharp.
         rays: lens rays per pixel.
         layers: peeled layers at most.
@@ -67,8 +68,8 @@ class FrameSettings:
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("motion", self.motion, 1, MAX_MOTION)
         _check_choice("motion_by", self.motion_by, MOTIONS)
-        if self.motion > 1 and self.motion_by == "velocities" and self.engine == "accumulation":
-            raise SettingsError("the accumulation engine draws every moment by itself: ask for motion by moments")
+        if self.motion > 1 and self.motion_by == "velocities" and self.engine in ("accumulation", "flag"):
+            raise SettingsError(f"the {self.engine} engine draws every moment by itself: ask for motion by moments")
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
             _check_choice("aov", aov, AOVS)

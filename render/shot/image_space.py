@@ -17,8 +17,8 @@ from render.scene import Camera, Moment
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer
 
-SINGLE_IMAGE_ENGINES = ("pinhole",)
-"""Engines that draw one sharp picture."""
+SINGLE_IMAGE_ENGINES = ("pinhole", "flag")
+"""Engines that trace no rays through the lens."""
 
 
 def renders_in_image_space(camera: Camera, settings: FrameSettings) -> bool:

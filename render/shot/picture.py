@@ -161,7 +161,7 @@ def light_on_film(
     light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
     if light is not None:
         frame.color[..., :3] *= light[..., None]
-    if settings.engine == "accumulation":  # whose views are of an empty pupil
+    if settings.engine in ("accumulation", "flag"):  # which know the pupil alone
         frame.color[..., :3] *= np.float32(lens.lens.transmittance)
     return flared(renderer, shot.scene_at(time), lens, settings, frame)
 

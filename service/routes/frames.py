@@ -36,9 +36,10 @@ class FrameQuery(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
     )
-    engine: Literal["lens", "accumulation", "pinhole"] = Field(
+    engine: Literal["lens", "flag", "accumulation", "pinhole"] = Field(
         default="lens",
-        description="`lens` traces peeled layers, `accumulation` renders once for each ray, `pinhole` has all sharp.",
+        description="`lens` traces peeled layers, `flag` blurs one picture, `accumulation` renders once for each ray, "
+        "`pinhole` has all sharp.",
         examples=["lens"],
     )
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])

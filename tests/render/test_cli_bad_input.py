@@ -332,7 +332,7 @@ def test_a_mask_that_names_no_prim_is_refused(mask: str, words: str, pullfocus: 
 
 @pytest.mark.parametrize(
     "options",
-    [["--engine", "flag"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
+    [["--engine", "scatter"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
     ids=" ".join,
 )
 def test_wrong_arguments_are_told_before_a_bad_stage(options: list[str], pullfocus: Command, tmp_path: Path) -> None:

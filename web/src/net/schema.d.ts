@@ -4451,7 +4451,7 @@ export interface components {
              * @default lens
              * @enum {string}
              */
-            readonly engine?: "lens" | "accumulation" | "pinhole";
+            readonly engine?: "lens" | "flag" | "accumulation" | "pinhole";
             /**
              * Film
              * @description A stock of the film library; the shot's when left out.
@@ -8528,8 +8528,8 @@ export interface operations {
                 readonly client?: string | null;
                 /** @description Of the OpenColorIO configuration, in place of the shot's. */
                 readonly display?: string | null;
-                /** @description `lens` traces peeled layers, `accumulation` renders once for each ray, `pinhole` has all sharp. */
-                readonly engine?: "lens" | "accumulation" | "pinhole";
+                /** @description `lens` traces peeled layers, `flag` blurs one picture, `accumulation` renders once for each ray, `pinhole` has all sharp. */
+                readonly engine?: "lens" | "flag" | "accumulation" | "pinhole";
                 /** @description Shoots it on this stock of the film library; what the shot says when left out. */
                 readonly film?: string | null;
                 /** @description `exr` is scene-linear light, the others the graded picture. */

@@ -1,0 +1,61 @@
+#version 450 core
+// Parts what each pixel sees into what is in front of the focus and what is in it or behind, with their circles of confusion.
+// in:  peeled layers (radiance, w; 0 empty, negative partly transparent) and their background, seen by the picture's own pixels;
+//      where each pixel is focused: a plane, or a map
+// out: `near`, `far`: radiance premultiplied by opacity; `radii`: of near and far in pixels
+// The circle-of-confusion pass of Moersch & Hamilton 2014 (section 3.2.1), of two surfaces in place of one: where something near is
+// blurred and lets through what is behind it, the layers know what that is.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) uniform writeonly image2D near;
+layout(rgba32f, binding = 1) uniform writeonly image2D far;
+layout(rg32f, binding = 2) uniform writeonly image2D radii;
+
+uniform sampler2D packed_w;         // of layers 0 to 3
+uniform sampler2D packed_w_far;     // of layers 4 to 7, where there are so many
+uniform sampler2DArray radiance;
+uniform sampler2D background;
+uniform sampler2D focal_map;        // w_f and the pupil's radius over the lens's own
+uniform bool is_mapped;
+uniform vec3 focus;                 // w_f at the pixel (x, y) is focus.x + focus.y·x + focus.z·y
+uniform float pupil_px;             // radius of the entrance pupil times the focal length, px·m
+uniform float most_px;              // largest radius that is blurred
+uniform int layers;
+uniform ivec2 offset;               // of the picture's corner in the layers
+
+float stored_w(ivec2 pixel, int layer)
+{
+    return layer < 4 ? texelFetch(packed_w, pixel, 0)[layer] : texelFetch(packed_w_far, pixel, 0)[layer - 4];
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(near)))) return;
+    ivec2 at = pixel + offset;
+    vec2 place = vec2(pixel) + 0.5;
+    vec2 focused = is_mapped ? texelFetch(focal_map, pixel, 0).xy : vec2(focus.x + dot(focus.yz, place), 1.0);
+    float reach = pupil_px * focused.y;
+    vec4 front = vec4(0.0), back = vec4(0.0);
+    float front_px = 0.0, back_px = reach * focused.x;
+    for (int layer = 0; layer < layers; ++layer) {
+        float w = stored_w(at, layer);
+        if (w == 0.0) break;
+        vec4 surface = texelFetch(radiance, ivec3(at, layer), 0);
+        if (w > 0.0) surface.a = 1.0;
+        vec4 light = vec4(surface.rgb, 1.0) * surface.a;
+        float radius = reach * (abs(w) - focused.x);
+        if (radius > 0.0) {
+            if (front.a == 0.0) front_px = radius;
+            front += (1.0 - front.a) * light;
+        } else {
+            if (back.a == 0.0) back_px = -radius;
+            back += (1.0 - back.a) * light;
+            if (back.a > 0.999) break;
+        }
+    }
+    back += (1.0 - back.a) * vec4(texelFetch(background, at, 0).rgb, 1.0);
+    imageStore(near, pixel, front);
+    imageStore(far, pixel, back);
+    imageStore(radii, pixel, vec4(min(front_px, most_px), min(abs(back_px), most_px), 0.0, 0.0));
+}

@@ -59,6 +59,7 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             (
                 "frame.png",
                 "frame.exr",
+                "quick.png",
                 "planar.png",
                 "swirl.png",
                 "flare.png",

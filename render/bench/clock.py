@@ -68,5 +68,22 @@ def median_spent(runs: Sequence[Spent]) -> Spent:
     return Spent(median(run.wall_ms for run in runs), median(run.cpu_ms for run in runs))
 
 
+def timed(finish: Callable[[], None], work: Callable[[], None], repeats: Repeats) -> Spent:
+    """The median of some runs, each until the device has done it.
+
+    Args:
+        finish: returns when the device has done all that it was asked.
+        work: to be measured.
+        repeats: how often.
+    """
+    runs: list[Spent] = []
+    while repeats.more(len(runs), sum(run.wall_ms for run in runs)):
+        clock = StageClock(finish)
+        work()
+        clock("work")
+        runs.append(clock.spent["work"])
+    return median_spent(runs)
+
+
 def _now() -> Spent:
     return Spent(1000 * time.perf_counter(), 1000 * time.process_time())

@@ -6,20 +6,17 @@ pullfocus bench film
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 import tempfile
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from render.bench.clock import Repeats, Spent, StageClock, median_spent
+from render.bench.clock import Repeats, Spent, timed
 from render.bench.film_plan import FINISHINGS, FRAME, Finishing, asked_picture
 from render.bench.results import Goal
+from render.bench.said import check_file, goal_lines, say
 from render.demo import write_demo
-from render.files import check_writable, write_atomic
 from render.film import FilmSettings, Grade, film_settings
 from render.frame import FrameRenderer
 from render.frame_settings import FrameSettings
@@ -96,7 +93,8 @@ def measure(picture: FrameSettings, frame_repeats: Repeats, finish_repeats: Repe
         camera = shot.camera_at(None, FRAME, picture.width, picture.height)
         scene, drawn = shot.scene_at(FRAME), []
         renderer.render(scene, camera, replace(picture, rays=1))  # compiles shaders, and sends the scene
-        frame = _timed(renderer, lambda: drawn.append(renderer.render(scene, camera, picture).color), frame_repeats)
+        finish = renderer.graphics.ctx.finish
+        frame = timed(finish, lambda: drawn.append(renderer.render(scene, camera, picture).color), frame_repeats)
         finisher = LiveFinisher(renderer)
         rows = [_row(renderer, finisher, way, drawn[-1], camera, frame, finish_repeats) for way in FINISHINGS]
         finisher.release()
@@ -116,15 +114,11 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: the file cannot be written.
     """
-    if arguments.json not in (None, "-"):
-        check_writable(arguments.json)
+    check_file(arguments.json)
     picture = asked_picture(arguments)
     once = Repeats(1, 1)
     found = measure(picture, *((once, once) if arguments.quick else (FRAME_REPEATS, FINISH_REPEATS)))
-    text = json.dumps(asdict(found), indent=2) + "\n"
-    if arguments.json not in (None, "-"):
-        write_atomic(Path(arguments.json), text.encode())
-    sys.stdout.write(text if arguments.json == "-" else report(found))
+    say(found, report(found), arguments.json)
 
 
 def report(found: FilmBench) -> str:
@@ -141,9 +135,7 @@ def report(found: FilmBench) -> str:
         f"   {row.file_ms:8.1f} {f'({row.file_cpu_ms:.0f})':>7}   {row.apart:20.2f}"
         for row in found.rows
     ]
-    lines += [""] + [
-        f"{'pass' if goal.holds else 'FAIL'}  {goal.goal} {goal.want:g}: {goal.got:.4g}" for goal in found.goals
-    ]
+    lines += ["", *goal_lines(found.goals)]
     return "\n".join(lines) + "\n"
 
 
@@ -164,9 +156,12 @@ def _row(
     def file() -> None:
         pictures["file"] = finish.picture(light, camera, time=FRAME, seed=0)
 
-    first, device = _timed(renderer, live, Repeats(1, 1)), _timed(renderer, live, repeats)
+    first, device = (
+        timed(renderer.graphics.ctx.finish, live, Repeats(1, 1)),
+        timed(renderer.graphics.ctx.finish, live, repeats),
+    )
     file()  # numpy keeps kernels and tables too
-    processor = _timed(renderer, file, repeats)
+    processor = timed(renderer.graphics.ctx.finish, file, repeats)
     return FinishRow(
         name=way.name,
         live_ms=device.wall_ms,
@@ -186,17 +181,6 @@ def _film(way: Finishing) -> FilmSettings | None:
         return None
     film = film_settings(FilmData(), name=way.stock)
     return replace(film, grain=replace(film.grain, amount=1.0), halation=way.halation)
-
-
-def _timed(renderer: FrameRenderer, work: Callable[[], None], repeats: Repeats) -> Spent:
-    """The median of some runs, each until the device has done it."""
-    runs: list[Spent] = []
-    while repeats.more(len(runs), sum(run.wall_ms for run in runs)):
-        clock = StageClock(renderer.graphics.ctx.finish)
-        work()
-        clock("work")
-        runs.append(clock.spent["work"])
-    return median_spent(runs)
 
 
 def _goals(rows: list[FinishRow]) -> list[Goal]:

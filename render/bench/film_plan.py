@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 
+from render.bench.demo_plan import add_picture_arguments, of_width
 from render.film.settings import HalationSettings
 from render.frame_settings import FrameSettings
 
@@ -44,13 +45,7 @@ FINISHINGS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the bench's arguments."""
-    parser.add_argument(
-        "--json", metavar="FILE|-", help="write what was found for programs too; - in place of the tables"
-    )
-    parser.add_argument("--quick", action="store_true", help="a small picture, each measured once: does it all work")
-    parser.add_argument(
-        "--width", metavar="PX", type=int, help=f"of the picture, which is 16:9; without it {PICTURE.width}"
-    )
+    add_picture_arguments(parser, PICTURE)
 
 
 def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
@@ -63,6 +58,4 @@ def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
         SettingsError: it is too small or too large.
     """
     picture = replace(PICTURE, width=160, height=90, rays=16) if arguments.quick else PICTURE
-    if arguments.width is None:
-        return picture
-    return replace(picture, width=arguments.width, height=max(1, round(arguments.width * 9 / 16)))
+    return of_width(picture, arguments.width)

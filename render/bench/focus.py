@@ -7,10 +7,8 @@ python -m render.bench.focus --json -      the same where only numpy, pyrender a
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,8 +17,8 @@ from render.bench.focus_plan import PICTURE, POINT_COUNTS, add_arguments, quick_
 from render.bench.focus_solvers import SolverRow, measure_solvers
 from render.bench.results import Goal
 from render.bench.rig import LensRig
+from render.bench.said import check_file, say
 from render.errors import PullfocusError, SettingsError
-from render.files import check_writable, write_atomic
 from render.focal_surface import Controls, FocalPlane, FocalSurface
 from render.frame_settings import FrameSettings
 from render.optics.thin_lens import focus_w
@@ -98,14 +96,10 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: the file cannot be written.
     """
-    if arguments.json not in (None, "-"):
-        check_writable(arguments.json)
+    check_file(arguments.json)
     picture = quick_picture() if arguments.quick else PICTURE
     found = measure(picture, Repeats(1, 1) if arguments.quick else Repeats(3))
-    text = json.dumps(asdict(found), indent=2) + "\n"
-    if arguments.json not in (None, "-"):
-        write_atomic(Path(arguments.json), text.encode())
-    sys.stdout.write(text if arguments.json == "-" else report(found))
+    say(found, report(found), arguments.json)
 
 
 def report(found: FocusBench) -> str:

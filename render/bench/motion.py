@@ -6,18 +6,16 @@ pullfocus bench motion
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from render.bench.clock import Repeats, Spent, StageClock, median_spent
+from render.bench.clock import Repeats, Spent, timed
 from render.bench.motion_plan import COUNTS, FRAME, asked_picture
 from render.bench.results import Goal
+from render.bench.said import check_file, goal_lines, say
 from render.demo import write_demo
-from render.files import check_writable, write_atomic
 from render.frame import Frame, FrameRenderer
 from render.frame_settings import FrameSettings
 from render.reference.metrics import psnr_db, ssim
@@ -91,7 +89,7 @@ class _Stand:
             self._shot.scene_at(FRAME - 1)
             frames.append(light_on_film(self._renderer, self._shot, None, self._lens, FRAME, settings))
 
-        spent = _timed(self._renderer, take, repeats)
+        spent = timed(self._renderer.graphics.ctx.finish, take, repeats)
         return frames[-1].color * self._lens.exposure_scale, spent
 
 
@@ -136,14 +134,10 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: the file cannot be written.
     """
-    if arguments.json not in (None, "-"):
-        check_writable(arguments.json)
+    check_file(arguments.json)
     picture = asked_picture(arguments)
     found = measure(picture, *((Repeats(1, 1), (picture.motion,)) if arguments.quick else (REPEATS, COUNTS)))
-    text = json.dumps(asdict(found), indent=2) + "\n"
-    if arguments.json not in (None, "-"):
-        write_atomic(Path(arguments.json), text.encode())
-    sys.stdout.write(text if arguments.json == "-" else report(found))
+    say(found, report(found), arguments.json)
 
 
 def report(found: MotionBench) -> str:
@@ -160,9 +154,7 @@ def report(found: MotionBench) -> str:
         lines.append(
             f"{row.way:10}  {row.moments:7}  {row.ms:8.0f} {f'({row.cpu_ms:.0f})':>9}   {row.ratio:15.2f}{alike}"
         )
-    lines += [""] + [
-        f"{'pass' if goal.holds else 'FAIL'}  {goal.goal} {goal.want:g}: {goal.got:.4g}" for goal in found.goals
-    ]
+    lines += ["", *goal_lines(found.goals)]
     return "\n".join(lines) + "\n"
 
 
@@ -173,17 +165,6 @@ def _row(
         (psnr_db(picture, exact), ssim(picture, exact)) if picture is not None and exact is not None else (None, None)
     )
     return MotionRow(way, moments, spent.wall_ms, spent.cpu_ms, spent.cpu_ms / still.cpu_ms, *alike)
-
-
-def _timed(renderer: FrameRenderer, work: Callable[[], None], repeats: Repeats) -> Spent:
-    """The median of some runs, each until the device has done it."""
-    runs: list[Spent] = []
-    while repeats.more(len(runs), sum(run.wall_ms for run in runs)):
-        clock = StageClock(renderer.graphics.ctx.finish)
-        work()
-        clock("work")
-        runs.append(clock.spent["work"])
-    return median_spent(runs)
 
 
 def _goals(rows: list[MotionRow], moments: int) -> list[Goal]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
+from render.bench.demo_plan import add_picture_arguments, of_width
 from render.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540, motion=16)
@@ -17,13 +18,7 @@ COUNTS = (4, 16, 64)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the bench's arguments."""
-    parser.add_argument(
-        "--json", metavar="FILE|-", help="write what was found for programs too; - in place of the tables"
-    )
-    parser.add_argument("--quick", action="store_true", help="a small picture, each measured once: does it all work")
-    parser.add_argument(
-        "--width", metavar="PX", type=int, help=f"of the picture, which is 16:9; without it {PICTURE.width}"
-    )
+    add_picture_arguments(parser, PICTURE)
 
 
 def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
@@ -36,6 +31,4 @@ def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
         SettingsError: it is too small or too large.
     """
     picture = replace(PICTURE, width=128, height=72, rays=16, motion=4) if arguments.quick else PICTURE
-    if arguments.width is None:
-        return picture
-    return replace(picture, width=arguments.width, height=max(1, round(arguments.width * 9 / 16)))
+    return of_width(picture, arguments.width)

@@ -143,7 +143,7 @@ class PostBlurEngine:
             texture.use(unit)
             set_uniforms(program, **{name: unit})
         set_uniforms(program, is_mapped=affine is None, focus=affine or (0.0, 0.0, 0.0), pupil_px=pupil_px)
-        set_uniforms(program, most_px=most_px, layers=peeled.count, offset=(0, 0))
+        set_uniforms(program, most_px=most_px, layers=peeled.count)
         for unit, texture in enumerate((near, far, radii)):
             texture.bind_to_image(unit, read=False, write=True)
         program.run(-(-near.width // 8), -(-near.height // 8))

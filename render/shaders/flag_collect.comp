@@ -21,7 +21,6 @@ uniform vec3 focus;                 // w_f at the pixel (x, y) is focus.x + focu
 uniform float pupil_px;             // radius of the entrance pupil times the focal length, px·m
 uniform float most_px;              // largest radius that is blurred
 uniform int layers;
-uniform ivec2 offset;               // of the picture's corner in the layers
 
 float stored_w(ivec2 pixel, int layer)
 {
@@ -32,16 +31,15 @@ void main()
 {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(near)))) return;
-    ivec2 at = pixel + offset;
     vec2 place = vec2(pixel) + 0.5;
     vec2 focused = is_mapped ? texelFetch(focal_map, pixel, 0).xy : vec2(focus.x + dot(focus.yz, place), 1.0);
     float reach = pupil_px * focused.y;
     vec4 front = vec4(0.0), back = vec4(0.0);
     float front_px = 0.0, back_px = reach * focused.x;
     for (int layer = 0; layer < layers; ++layer) {
-        float w = stored_w(at, layer);
+        float w = stored_w(pixel, layer);
         if (w == 0.0) break;
-        vec4 surface = texelFetch(radiance, ivec3(at, layer), 0);
+        vec4 surface = texelFetch(radiance, ivec3(pixel, layer), 0);
         if (w > 0.0) surface.a = 1.0;
         vec4 light = vec4(surface.rgb, 1.0) * surface.a;
         float radius = reach * (abs(w) - focused.x);
@@ -54,7 +52,7 @@ void main()
             if (back.a > 0.999) break;
         }
     }
-    back += (1.0 - back.a) * vec4(texelFetch(background, at, 0).rgb, 1.0);
+    back += (1.0 - back.a) * vec4(texelFetch(background, pixel, 0).rgb, 1.0);
     imageStore(near, pixel, front);
     imageStore(far, pixel, back);
     imageStore(radii, pixel, vec4(min(front_px, most_px), min(abs(back_px), most_px), 0.0, 0.0));

@@ -58,7 +58,7 @@ class Engines:
         """
         if settings.engine == "accumulation":
             return self._accumulated(view, camera, settings, part, unlit, on_progress)
-        if settings.engine == "flag" and camera.f_stop > 0:
+        if settings.engine in self._post_blur.engines and camera.f_stop > 0:
             return self._post_blurred(view, camera, settings, unlit, on_progress)
         pattern = ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled).part(*part)
         return self.lens.picture(
@@ -104,7 +104,13 @@ class Engines:
         self, view: PinholeView, camera: Camera, settings: FrameSettings, unlit: bool, on_progress: Progress | None
     ) -> FloatArray:
         picture = self._post_blur.picture(
-            self.peeler, camera, view, layers=settings.layers, supersample=settings.supersample, unlit=unlit
+            self.peeler,
+            camera,
+            view,
+            settings.engine,
+            layers=settings.layers,
+            supersample=settings.supersample,
+            unlit=unlit,
         )
         if on_progress is not None:
             on_progress(1.0)

@@ -210,6 +210,15 @@ def test_a_camera_path_that_is_no_camera_is_named(shot, camera):
             attempt()
 
 
+def test_what_is_edited_on_a_camera_leaves_the_scene_as_it_was_read(shot):
+    before = shot.scene_at(1)
+    shot.set_camera(CAMERA, f_stop=4.0)  # the first edit of all, which adds the prims that hold it
+    edited = shot.history.present.text
+    for text in ("", edited, ""):
+        shot.replace_edits(text)
+    assert shot.scene_at(1) is before
+
+
 def test_a_camera_with_impossible_numbers_can_be_mended(tmp_path):
     path = write_shot(tmp_path / "shot.usda")
     stage = open_bare(path)

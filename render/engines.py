@@ -13,7 +13,7 @@ from render.optics.view import PinholeView
 from render.postblur.engine import PostBlurEngine
 from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, FloatArray
-from render.trace.lens import LensEngine, OnPass
+from render.trace.lens import LensEngine
 from render.trace.rays import ray_pattern
 
 Part = tuple[int, int]
@@ -27,7 +27,7 @@ class Engines:
     def __init__(self, graphics: GraphicsContext) -> None:
         programs = ProgramCache(graphics.ctx)
         self.peeler = Peeler(graphics, programs)
-        self.lens = LensEngine(graphics.ctx, programs)
+        self.lens = LensEngine(graphics.ctx, programs, graphics.pulse)
         self._accumulator = Accumulator(graphics.ctx, programs)
         self._post_blur = PostBlurEngine(graphics.ctx, programs)
 
@@ -40,7 +40,6 @@ class Engines:
         *,
         unlit: bool = False,
         on_progress: Progress | None = None,
-        on_pass: OnPass | None = None,
     ) -> FloatArray:
         """The loaded scene's picture by some part of its rays.
 
@@ -51,7 +50,6 @@ class Engines:
             part: of the rays; an engine without rays draws the whole picture each time.
             unlit: take base colour for radiance.
             on_progress: called with the share that is done, from 0 to 1.
-            on_pass: called with the picture so far and the number of rays in it, by the engine that makes it ray by ray.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
@@ -71,7 +69,6 @@ class Engines:
             supersample=settings.supersample,
             unlit=unlit,
             on_progress=on_progress,
-            on_pass=on_pass,
         ).color
 
     def release(self) -> None:

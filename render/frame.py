@@ -24,6 +24,7 @@ from render.errors import GraphicsError, InputError, SettingsError
 from render.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
+from render.gl.pulse import Interrupted
 from render.headlight import Headlight
 from render.layers.movement import movements
 from render.layers.readback import Pick, pick_surface
@@ -34,7 +35,6 @@ from render.optics.view import PinholeView
 from render.reference.accumulation import check_thin
 from render.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.trace.aovs import MEASURED
-from render.trace.lens import OnPass
 from render.trace.rays import RayPattern, ray_pattern
 from render.trace.swept import Look
 
@@ -98,7 +98,6 @@ class FrameRenderer:
         camera: Camera,
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None = None,
-        on_pass: OnPass | None = None,
     ) -> Frame:
         """Render one frame.
 
@@ -107,7 +106,6 @@ class FrameRenderer:
             camera: what looks; its apertures should have the picture's aspect ratio.
             settings: how.
             on_progress: called with the share that is done, from 0 to 1.
-            on_pass: called after each pass of rays with the picture so far, which they make finer, and the number of rays in it.
 
         Raises:
             CameraError: the camera's numbers make no picture.
@@ -115,7 +113,7 @@ class FrameRenderer:
         """
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with self._device():
-            return self._frame(view, scene, camera, settings, on_progress, on_pass)
+            return self._frame(view, scene, camera, settings, on_progress)
 
     def _frame(
         self,
@@ -124,11 +122,10 @@ class FrameRenderer:
         camera: Camera,
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None,
-        on_pass: OnPass | None,
     ) -> Frame:
         lens = self._loaded(scene, camera, settings)
         color = self._engines.drawn(
-            view, lens, settings, _WHOLE, unlit=settings.shading == "unlit", on_progress=on_progress, on_pass=on_pass
+            view, lens, settings, _WHOLE, unlit=settings.shading == "unlit", on_progress=on_progress
         )
         aovs = self._aovs(view, lens, settings, lambda: self._engines.drawn(view, lens, settings, _WHOLE, unlit=True))
         return Frame(color, aovs, scene.prim_paths)
@@ -276,6 +273,10 @@ class FrameRenderer:
             self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera))
             return pick_surface(self._peeler, scene, view, *seen_at(view, camera, x, y))
 
+    def forget_layers(self) -> None:
+        """Have the next frame peel its layers anew, whatever was drawn last: for who measures it."""
+        self._peeler.forget()
+
     def close(self) -> None:
         """Give the device's memory and the context back."""
         self.graphics.make_current()
@@ -296,8 +297,8 @@ class FrameRenderer:
         self.graphics.make_current()
         try:
             yield
-        except (SettingsError, InputError):
-            raise  # said before anything was drawn
+        except (SettingsError, InputError, Interrupted):
+            raise  # said before anything was drawn, or left where work can be left
         except Exception as error:
             self.graphics.close()
             self._open()

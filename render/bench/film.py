@@ -94,7 +94,12 @@ def measure(picture: FrameSettings, frame_repeats: Repeats, finish_repeats: Repe
         scene, drawn = shot.scene_at(FRAME), []
         renderer.render(scene, camera, replace(picture, rays=1))  # compiles shaders, and sends the scene
         finish = renderer.graphics.ctx.finish
-        frame = timed(finish, lambda: drawn.append(renderer.render(scene, camera, picture).color), frame_repeats)
+
+        def draw() -> None:
+            renderer.forget_layers()
+            drawn.append(renderer.render(scene, camera, picture).color)
+
+        frame = timed(finish, draw, frame_repeats)
         finisher = LiveFinisher(renderer)
         rows = [_row(renderer, finisher, way, drawn[-1], camera, frame, finish_repeats) for way in FINISHINGS]
         finisher.release()

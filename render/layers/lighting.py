@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from render.gl.compat import GL
-from render.gl.held import Making
 from render.gl.shaders import ProgramCache
+from render.layers.index import Draw
 from render.layers.lights import chosen_lights, dome_irradiance, pack_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
-from render.layers.shadows import SHADOW_MAP_SIDE_PX, ShadowPlan, Sphere, plan_shadows
+from render.layers.shadow_maps import ShadowMaps
+from render.layers.shadows import ShadowPlan, Sphere, plan_shadows
 from render.layers.targets import LayerTargets
 from render.optics.view import PinholeView
 from render.scene import Dome, Image, Light, Scene
@@ -27,27 +30,27 @@ class Lighting:
         self._dome_map = _dome_texture(None)
         self._harmonics = dome_irradiance(None)
         self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
-        self._shadow_layers = 0
-        self._shadow_maps: tuple[int, int] | None = None
+        self._maps = ShadowMaps(renderer.draw_shadow)
 
     def load(self, scene: Scene) -> None:
         """Take a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
         self._lights = chosen_lights(scene.lights)
         if scene.dome is not self._dome:
             self._load_dome(scene.dome)
-        self._plan = ShadowPlan({}, np.zeros((0, 4, 4)))
 
-    def cast_shadows(self, whole: Sphere, interest: Sphere | None) -> None:
-        """Draw the shadow maps of what the renderer's index holds, where they are not what they were.
+    def cast_shadows(self, whole: Sphere, interest: Sphere | None, draws: Sequence[Draw]) -> bool:
+        """Draw the shadow maps, where they are not what they were.
 
         Args:
             whole: holds the scene.
             interest: where a distant light's shadows are wanted; everywhere, where the scene is no larger.
+            draws: of the scene.
+
+        Returns:
+            Whether they are others now.
         """
-        plan = plan_shadows(self._lights, whole, interest)
-        if not np.array_equal(plan.clip_from_world, self._plan.clip_from_world):
-            self._plan = plan
-            self._draw_shadows()
+        self._plan = plan_shadows(self._lights, whole, interest)
+        return self._maps.cast(self._plan.clip_from_world, draws)
 
     def bind(self, view: PinholeView) -> None:
         """Set what surfaces are lit by, in the space of a view's camera."""
@@ -59,7 +62,7 @@ class Lighting:
         GL.glActiveTexture(GL.GL_TEXTURE0 + DOME_UNIT)
         dome_map._bind()
         GL.glActiveTexture(GL.GL_TEXTURE0 + SHADOW_UNIT)
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self._shadow_textures()[0])
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self._maps.texture)
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """Draw what is seen past all surfaces: the dome, or nothing."""
@@ -81,7 +84,7 @@ class Lighting:
 
     def release(self) -> None:
         """Give the memory on the device back."""
-        self._release_shadow_maps()
+        self._maps.release()
         self._dome_map.delete()
 
     def _load_dome(self, dome: Dome | None) -> None:
@@ -89,66 +92,9 @@ class Lighting:
         self._dome_map.delete()
         self._dome, self._harmonics, self._dome_map = dome, harmonics, texture
 
-    def _draw_shadows(self) -> None:
-        texture, framebuffer = self._shadow_textures()
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, framebuffer)
-        for layer, clip_from_world in enumerate(self._plan.clip_from_world):
-            GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, texture, 0, layer)
-            GL.glDepthMask(True)
-            GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
-            self._renderer.draw_shadow(SHADOW_MAP_SIDE_PX, clip_from_world)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
-
-    def _shadow_textures(self) -> tuple[int, int]:
-        """Texture and framebuffer of the shadow maps, as large as the plan needs; one map at the least."""
-        layers = max(1, len(self._plan.clip_from_world))
-        if self._shadow_maps is not None and self._shadow_layers >= layers:
-            return self._shadow_maps
-        self._release_shadow_maps()
-        self._shadow_maps = (_depth_array(SHADOW_MAP_SIDE_PX, layers), GL.glGenFramebuffers(1))
-        self._shadow_layers = layers
-        return self._shadow_maps
-
-    def _release_shadow_maps(self) -> None:
-        if self._shadow_maps is not None:
-            GL.glDeleteTextures([self._shadow_maps[0]])
-            GL.glDeleteFramebuffers(1, [self._shadow_maps[1]])
-        self._shadow_maps = None
-
 
 def _dome_texture(dome: Dome | None) -> HalfTexture:
     image = dome.image if dome is not None else None
     texture = HalfTexture(image or Image(np.ones((1, 1, 4), np.float16), "uniform dome"), "repeat", "clamp")
     texture._add_to_context()
     return texture
-
-
-def _depth_array(side_px: int, layers: int) -> int:
-    """A depth texture array for shadow comparison, lit where the reference is nearer or as near (reversed depth)."""
-    name: int = GL.glGenTextures(1)
-    with Making() as making:
-        making.callback(GL.glDeleteTextures, [name])
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
-        GL.glTexImage3D(
-            GL.GL_TEXTURE_2D_ARRAY,
-            0,
-            GL.GL_DEPTH_COMPONENT32F,
-            side_px,
-            side_px,
-            layers,
-            0,
-            GL.GL_DEPTH_COMPONENT,
-            GL.GL_FLOAT,
-            None,
-        )
-        for parameter, value in (
-            (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR),
-            (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
-            (GL.GL_TEXTURE_WRAP_S, GL.GL_CLAMP_TO_EDGE),
-            (GL.GL_TEXTURE_WRAP_T, GL.GL_CLAMP_TO_EDGE),
-            (GL.GL_TEXTURE_COMPARE_MODE, GL.GL_COMPARE_REF_TO_TEXTURE),
-            (GL.GL_TEXTURE_COMPARE_FUNC, GL.GL_GEQUAL),
-        ):
-            GL.glTexParameteri(GL.GL_TEXTURE_2D_ARRAY, parameter, value)
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
-    return name

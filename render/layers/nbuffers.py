@@ -13,6 +13,7 @@ import moderngl
 import numpy as np
 
 from render.gl.held import Making
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import EMPTY_MIN
 from render.layers.movers import Movers, blocks_of
@@ -43,13 +44,18 @@ class NBuffers:
 class NBufferBuilder:
     """Builds N-buffers, keeping the textures for the next layers of the same size."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._ctx = ctx
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+        self._ctx, self._pulse = ctx, pulse
         self._programs = programs
         self._held: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
+        self._built: tuple[Layers, NBuffers] | None = None
 
     def build(self, layers: Layers, movers: Movers | None = None) -> NBuffers:
-        """Build the ranges and bins over all layers, and over all that its movers sweep."""
+        """Build the ranges and bins over all layers, and over all that its movers sweep; those of the very layers that they were
+        built of last are as they were."""
+        if self._built is not None and self._built[0] is layers and movers is None:
+            return self._built[1]
+        self._built = None
         width, height = blocks_of(layers.view)
         levels = int(np.ceil(np.log2(max(width, height)))) + 1
         ranges, bins = self._sized(width, height, levels)
@@ -64,13 +70,16 @@ class NBufferBuilder:
         set_uniforms(program, ranges=4, last_level=levels - 1)
         self._fill(program, layers, bins)
         self._raise("bins_level.comp", bins)
-        return NBuffers(ranges, bins, levels)
+        built = NBuffers(ranges, bins, levels)
+        if movers is None:
+            self._built = layers, built
+        return built
 
     def release(self) -> None:
         """Give the memory back."""
         for texture in self._held or ():
             texture.release()
-        self._held = None
+        self._held = self._built = None
 
     def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
         """Take what each block holds into the texture's first slice."""
@@ -83,6 +92,7 @@ class NBufferBuilder:
         texture.bind_to_image(0, read=False, write=True)
         program.run(-(-texture.width // 8), -(-texture.height // 8))
         self._ctx.memory_barrier()
+        self._pulse.beat()
 
     def _raise(self, shader: str, texture: moderngl.TextureArray) -> None:
         """Build all levels from the first."""
@@ -92,6 +102,7 @@ class NBufferBuilder:
             program["level"] = level
             program.run(-(-texture.width // 8), -(-texture.height // 8))
             self._ctx.memory_barrier()
+            self._pulse.beat()
 
     def _sized(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
         if self._held is None or self._held[0].size != (width, height, levels):

@@ -30,6 +30,8 @@ from render.scene import DoubleArray, Scene
 
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
 
+PICTURE, PREVIEW = "picture", "preview"
+"""Places where layers are kept: of pictures as they are asked for, and of the small ones before them."""
 MAX_PINHOLE_LAYERS = 64
 """Surfaces that are composited at most behind one pixel of a pinhole's picture."""
 
@@ -73,6 +75,21 @@ class LayerGroup:
     is_last: bool
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked of a peeling."""
+
+    view: PinholeView
+    layers: int
+    umbra: float
+    unlit: bool
+    sampling: SurfaceSampling
+
+    def is_like(self, other: _Asked) -> bool:
+        """Whether the same was asked."""
+        return self.view.is_like(other.view) and replace(self, view=other.view) == other
+
+
 class Peeler:
     """Peels scenes: owns the render index, the renderer, the lighting and the layers' textures of one context."""
 
@@ -80,9 +97,10 @@ class Peeler:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
-        self._renderer = LayerRenderer(self.index)
+        self._renderer = LayerRenderer(self.index, graphics.pulse)
         self._lighting = Lighting(self._renderer, programs)
-        self._targets: LayerTargets | None = None
+        self._targets: dict[str, LayerTargets] = {}
+        self._kept: dict[str, tuple[_Asked, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
         self._scene: Scene | None = None
         self._interest: Sphere | None = None
@@ -101,7 +119,9 @@ class Peeler:
             self.index.update(scene)
             self._renderer.upload()
             self._lighting.load(scene)
-        self._lighting.cast_shadows(sphere_around(self._all_corners()), interest)
+            self._kept = {}
+        if self._lighting.cast_shadows(sphere_around(self._all_corners()), interest, self.index.draws):
+            self._kept = {}
         self._scene, self._interest = scene, interest
 
     @property
@@ -126,8 +146,9 @@ class Peeler:
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
         moves: Mapping[int, Movement] | None = None,
+        place: str = PICTURE,
     ) -> Layers:
-        """Peel the loaded scene.
+        """Peel the loaded scene; where that is what was peeled there last, nothing is drawn, and the answer is the same object.
 
         Surfaces that are partly transparent hide nothing and are peeled one by one; the last layer skips them where something
         opaque is behind, so that where they are more than the layers, some of them are lost and never what is solid.
@@ -140,15 +161,28 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: how batches move (`render.layers.movement`), where the layers shall keep it.
+            place: a name for where the layers are kept. Those of one place are valid until the next peeling there.
         """
+        asked = _Asked(view, layers, umbra, unlit, sampling)
+        kept = self._kept.pop(place, None)
+        if kept is not None and not moves and kept[0].is_like(asked):
+            self._kept[place] = kept
+            return kept[1]
+        made = self._peeled(asked, moves or {}, place)
+        if not moves:
+            self._kept[place] = asked, made
+        return made
+
+    def _peeled(self, asked: _Asked, moves: Mapping[int, Movement], place: str) -> Layers:
+        view, layers, umbra, unlit, sampling = asked.view, asked.layers, asked.umbra, asked.unlit, asked.sampling
         self._light(view)
         draws = self._renderer.seen(view)
         layers = min(layers, MAX_LAYERS)
         faded = _any_faded(draws)
-        if not faded and not any(id(draw.batch) in (moves or {}) for draw in draws):
+        if not faded and not any(id(draw.batch) in moves for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
-        with MovingDraws(self._ctx, draws, moves or {}, view.camera_from_world) as moving:
-            targets = self._sized_targets(view, layers, motion=moving.any)
+        with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
+            targets = self._sized_targets(view, layers, place, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
             layer = LayerPass(view, draws, slots[0], umbra, None, layers == 1, unlit, sampling)
@@ -180,7 +214,8 @@ class Peeler:
         self._light(view)
         draws = self._renderer.seen(view)
         layers = MAX_PINHOLE_LAYERS if _any_faded(draws) else 1
-        targets = self._sized_targets(view, min(layers, 2 * LAYERS_PER_PACK))
+        self._kept.pop(PICTURE, None)
+        targets = self._sized_targets(view, min(layers, 2 * LAYERS_PER_PACK), PICTURE)
         self._lighting.draw_background(view, targets)
         previous = None
         for first in range(0, layers, LAYERS_PER_PACK):
@@ -213,9 +248,14 @@ class Peeler:
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         return targets
 
+    def forget(self) -> None:
+        """Have the next peeling draw, whatever was peeled last: for who measures it."""
+        self._kept = {}
+
     def release(self) -> None:
         """Give all memory on the device back."""
-        for targets in (self._targets, self._surfaces):
+        self._kept = {}
+        for targets in (*self._targets.values(), self._surfaces):
             if targets is not None:
                 targets.release()
         self._lighting.release()
@@ -239,21 +279,23 @@ class Peeler:
             self._renderer.draw_layer(layer)
         finally:
             GL.glEndQuery(GL.GL_ANY_SAMPLES_PASSED)
-        # Mesa 22's rasteriser takes a query's result for ready, and its memory for its own, while large scenes are still drawn
-        self._ctx.finish()
-        passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
-        GL.glDeleteQueries(1, [name])
+            # Mesa 22's rasteriser takes a query's result for ready, and its memory for its own, while scenes are still drawn
+            self._ctx.finish()
+            passed = int(np.ravel(GL.glGetQueryObjectuiv(name, GL.GL_QUERY_RESULT))[0])
+            GL.glDeleteQueries(1, [name])
         return passed != 0
 
-    def _sized_targets(self, view: PinholeView, layers: int, *, motion: bool = False) -> LayerTargets:
+    def _sized_targets(self, view: PinholeView, layers: int, place: str, *, motion: bool = False) -> LayerTargets:
         """Targets of the view's size for so many layers, or for more where more were asked before."""
-        targets = self._targets
+        targets = self._targets.get(place)
         if targets is None or not targets.hold(view.width, view.height, layers, motion=motion):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
-                self._targets = None
-            targets = self._targets = LayerTargets.make(self._ctx, view.width, view.height, layers, motion=motion)
+                del self._targets[place]
+            targets = self._targets[place] = LayerTargets.make(
+                self._ctx, view.width, view.height, layers, motion=motion
+            )
         return targets
 
 

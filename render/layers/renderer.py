@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,12 +10,14 @@ import moderngl
 import numpy as np
 
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import SHADER_DIR, load_source
 from render.layers.bounds import may_be_seen
 from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
+from render.layers.pieces import Pieces
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
@@ -94,8 +97,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     instances; programs, materials, lights and targets are bound here.
     """
 
-    def __init__(self, index: SceneIndex) -> None:
+    def __init__(self, index: SceneIndex, pulse: Pulse = UNWATCHED) -> None:
         super().__init__(1, 1)
+        self._pulse, self._pieces = pulse, Pieces(pulse)
         self._index = index
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
@@ -114,7 +118,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def seen(self, view: PinholeView) -> list[Draw]:
         """The draws that may reach into a view."""
-        return self._seen(view.projection_matrix() @ view.camera_from_world)
+        return _seen(self._index.draws, view.projection_matrix() @ view.camera_from_world)
 
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
@@ -123,9 +127,12 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         pixel is shaded once, however many surfaces lie behind.
         """
         faded = [draw for draw in layer.draws if draw.may_be_faded] if layer.solid_first else []
-        self._draw_pass(layer, layer.draws, OPAQUE if faded else _ANY_OPACITY)
-        if faded:
-            self._draw_pass(layer, faded, _ANY_OPACITY, fill=True)
+        try:
+            self._draw_pass(layer, layer.draws, OPAQUE if faded else _ANY_OPACITY)
+            if faded:
+                self._draw_pass(layer, faded, _ANY_OPACITY, fill=True)
+        finally:
+            self._end()
 
     def _draw_pass(self, layer: LayerPass, draws: list[Draw], least_opacity: float, *, fill: bool = False) -> None:
         """Draw what is no clearer than ``least_opacity``; ``fill`` keeps to the pixels in which the layer has nothing."""
@@ -147,6 +154,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
             self._draw(draw, program, view.camera_from_world, clip)
+            self._pulse.beat()
         layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
@@ -160,9 +168,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            self._draw(draw, program, view.camera_from_world, clip)
-        GL.glColorMask(True, True, True, True)
-        self._end()
+            for _ in self._pieces.of(draw, view):
+                self._draw(draw, program, view.camera_from_world, clip)
 
     def _set_motion(self, program: SourceProgram, draw: Draw, layer: LayerPass) -> None:
         """Tell a program how its draw moves, and what the layer before has of that."""
@@ -176,16 +183,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glUniform1f(program.location("nearest_m"), view.near_m)
         GL.glUniform1i(program.location("previous_layer"), layer.number - 1)
 
-    def draw_shadow(self, side_px: int, clip_from_world: DoubleArray) -> None:
-        """Draw the depth of everything into the bound shadow map; what is more than half transparent casts nothing."""
+    def draw_shadow(self, side_px: int, clip_from_world: DoubleArray, draws: Sequence[Draw]) -> None:
+        """Draw the depth of draws into the bound shadow map; what is more than half transparent casts nothing."""
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
-        for draw in self._seen(clip_from_world):
-            program = self._depth_program(draw, 0.5, peel=False)
-            GL.glUseProgram(program._program_id)
-            GL.glUniform1f(program.location("detail"), 1.0)
-            self._draw(draw, program, np.eye(4), clip, cull=False)
-        self._end()
+        try:
+            for draw in _seen(draws, clip_from_world):
+                program = self._depth_program(draw, 0.5, peel=False)
+                GL.glUseProgram(program._program_id)
+                GL.glUniform1f(program.location("detail"), 1.0)
+                self._draw(draw, program, np.eye(4), clip, cull=False)
+                self._pulse.beat()
+        finally:
+            self._end()
 
     def delete(self) -> None:
         """Free everything that was uploaded."""
@@ -197,9 +207,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def __del__(self) -> None:
         """Nothing: pyrender's own would free names that may be another renderer's by now. `delete` is called by the owner."""
-
-    def _seen(self, clip_from_world: DoubleArray) -> list[Draw]:
-        return [draw for draw in self._index.draws if may_be_seen(draw.corners, clip_from_world)]
 
     def _draw(
         self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: FloatArray, *, cull: bool = True
@@ -295,12 +302,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def _end(self) -> None:
         """Leave the state that moderngl takes for granted."""
+        GL.glColorMask(True, True, True, True)
         GL.glBindVertexArray(0)
         GL.glUseProgram(0)
         GL.glDisable(GL.GL_CULL_FACE)
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glFrontFace(GL.GL_CCW)
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
+
+
+def _seen(draws: Sequence[Draw], clip_from_world: DoubleArray) -> list[Draw]:
+    return [draw for draw in draws if may_be_seen(draw.corners, clip_from_world)]
 
 
 def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:

@@ -82,6 +82,11 @@ class PinholeView:
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
         )
 
+    def is_like(self, other: PinholeView) -> bool:
+        """Whether both show the same of the world, pixel by pixel."""
+        same_place = np.array_equal(self.camera_from_world, other.camera_from_world)
+        return same_place and replace(self, camera_from_world=other.camera_from_world) == other
+
     def project(self, points_world: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
         """Picture position and depth of world points.
 

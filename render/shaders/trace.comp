@@ -13,7 +13,8 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 #endif
 #include "lens_rays.glsl"
 
-uniform int first_line;         // of the picture's lines that this dispatch works on
+uniform ivec2 first_pixel;      // of those that this dispatch works on
+uniform ivec2 end_pixel;        // behind the last of them
 uniform vec2 offset;            // of the picture's corner in the layers
 #ifdef FOCAL_MAP
 uniform sampler2D focal_map;    // w_f and the pupil's radius over the lens's own, of the picture's pixels (focal_surface.comp)
@@ -124,8 +125,8 @@ float known_light(float weights, float count)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_line);
-    if (any(greaterThanEqual(pixel, imageSize(sum)))) return;
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + first_pixel;
+    if (any(greaterThanEqual(pixel, end_pixel))) return;
     vec2 place = vec2(pixel) + 0.5;
 #ifdef FOCAL_MAP
     vec2 focused = texelFetch(focal_map, pixel, 0).xy;

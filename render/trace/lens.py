@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
@@ -25,10 +26,7 @@ from render.trace.layer_view import layer_view
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern, ray_pattern
 from render.trace.swept import SweptEngine
-from render.trace.tracer import RAYS_PER_PASS, SHOWN_RAYS_PER_PASS, Tracer
-
-OnPass = Callable[[FloatArray, int], None]
-"""Called with the mean picture over the rays so far, and how many they are."""
+from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
 STAGES: tuple[Stage, ...] = get_args(Stage)
@@ -53,9 +51,9 @@ class TracedPicture:
 class LensEngine:
     """Traces lens pictures of a peeler's scene."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._nbuffers = NBufferBuilder(ctx, programs)
-        self._tracer = Tracer(ctx, programs)
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+        self._nbuffers = NBufferBuilder(ctx, programs, pulse)
+        self._tracer = Tracer(ctx, programs, pulse)
         self._bundles = BundleMaker(ctx, programs)
         self.swept = SweptEngine(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 
@@ -72,10 +70,45 @@ class LensEngine:
         unlit: bool = False,
         bound_by_rays: bool = False,
         on_progress: Callable[[float], None] | None = None,
-        on_pass: OnPass | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> TracedPicture:
-        """Peel the loaded scene for this view and trace the camera's lens through it.
+        """`tracing`, to its end; ``on_progress`` is called with the share of the tracing that is done."""
+        work = self.tracing(
+            peeler,
+            camera,
+            view,
+            pattern,
+            wavelengths=wavelengths,
+            layers=layers,
+            supersample=supersample,
+            unlit=unlit,
+            bound_by_rays=bound_by_rays,
+            on_stage=on_stage,
+        )
+        while True:
+            try:
+                share = next(work)
+            except StopIteration as end:
+                traced: TracedPicture = end.value
+                return traced
+            if on_progress is not None:
+                on_progress(share)
+
+    def tracing(
+        self,
+        peeler: Peeler,
+        camera: Camera,
+        view: PinholeView,
+        pattern: RayPattern,
+        *,
+        wavelengths: int = 3,
+        layers: int,
+        supersample: float,
+        unlit: bool = False,
+        bound_by_rays: bool = False,
+        on_stage: Callable[[Stage], None] = lambda stage: None,
+    ) -> Generator[float, None, TracedPicture]:
+        """Peel the loaded scene for this view and trace the camera's lens through it, piece by piece.
 
         Args:
             peeler: with the scene loaded.
@@ -87,9 +120,13 @@ class LensEngine:
             supersample: layer pixels per picture pixel along each axis.
             unlit: take base colour for radiance.
             bound_by_rays: see `Tracer.passes`.
-            on_progress: called with the share of the tracing that is done.
-            on_pass: called after each pass with the picture so far and the number of rays in it.
             on_stage: called when all that belongs to a stage has been asked of the device, which may still be at work on it.
+
+        Yields:
+            The share of the tracing that is done, after each piece; `so_far` has the picture then.
+
+        Returns:
+            The picture.
         """
         bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
         on_stage("rays")
@@ -113,19 +150,15 @@ class LensEngine:
         on_stage("peel")
         nbuffers = self._nbuffers.build(peeled)
         on_stage("nbuffers")
-        rays_per_pass = RAYS_PER_PASS if on_pass is None else SHOWN_RAYS_PER_PASS
-        shown = 0
-        for done in self._tracer.passes(
-            peeled, nbuffers, bundle, focus, view, rays_per_pass=rays_per_pass, bound_by_rays=bound_by_rays
-        ):
-            if on_progress is not None:
-                on_progress(done.share)
-            if on_pass is not None and done.rays > shown:
-                shown = done.rays
-                on_pass(self._tracer.picture(done.share), shown)
+        for done in self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays):
+            yield done.share
         color = self._tracer.picture()
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
+
+    def so_far(self) -> tuple[FloatArray, FloatArray]:
+        """Of the picture that is being traced: see `Tracer.so_far`."""
+        return self._tracer.so_far()
 
     def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """What is measured beside the colour: see `render.trace.aovs.measured`."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
@@ -22,8 +23,6 @@ from render.trace.rays import RayBundle
 
 RAYS_PER_PASS = 128
 """What is worked out for a pixel before its rays, its footprint's bounds and its row of the lens table, is done once a pass."""
-SHOWN_RAYS_PER_PASS = 32
-"""Rays of a pass where someone looks at the picture as it becomes finer."""
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
@@ -50,12 +49,15 @@ class TracePass:
 class Tracer:
     """Traces pictures, keeping its accumulation image and ray buffers for the next picture of the same size."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._ctx = ctx
         self._programs = programs
+        self._pulse, self._piece = pulse, PieceSize(1 << 16, least=_TILE * _TILE)
         self._buffers = RayBuffers(ctx)
         self._maps = FocalMaps(ctx, programs)
         self._sum: moderngl.Texture | None = None
+        self._shares = np.zeros((0, 0), np.float32)
+        self._is_bound = False
 
     def passes(
         self,
@@ -85,6 +87,7 @@ class Tracer:
             movers: of the layers, landed at that moment.
             lines: of the picture that are wanted, from the first to before the last; None for all. Others may be left empty.
         """
+        self._shares = np.zeros((view.height, view.width), np.float32)
         self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
         focal_map = None if focus.affine is not None else self._maps.made(focus)
         program = self._program(
@@ -94,44 +97,73 @@ class Tracer:
             by_map=focal_map is not None,
             moment={"CARRIED_CAMERA": glimpse is not None, "MOVERS": movers is not None},
         )
-        self._bind(program, layers, nbuffers, focal_map)
-        self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
+
+        def bind() -> None:
+            self._bind(program, layers, nbuffers, focal_map)
+            self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
+            self._sized_sum((view.width, view.height))
+            if movers is not None:
+                movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
+
+        self._is_bound = False
         self._set_uniforms(program, layers, nbuffers, view)
         if glimpse is not None:
             set_uniforms(program, **glimpse.uniforms(layers.view))
-            if movers is not None:
-                movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
             set_uniforms(program, first_ray=first, ray_count=count)
-            for share in self._bands(program, bundle, view.width, lines or (0, view.height), count):
+            for share in self._worked(bind, program, bundle, view.width, lines or (0, view.height), count):
                 yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
 
-    def _bands(
-        self, program: moderngl.ComputeShader, bundle: RayBundle, width: int, wanted: tuple[int, int], rays: int
+    def _worked(
+        self,
+        bind: Callable[[], None],
+        program: moderngl.ComputeShader,
+        bundle: RayBundle,
+        width: int,
+        wanted: tuple[int, int],
+        rays: int,
     ) -> Iterator[float]:
-        """Work on the picture band by band, and tell the share that is done."""
-        begin, end = wanted
-        lines = max(_TILE, _RAYS_PER_DISPATCH // (rays * len(bundle.rgb) * width) // _TILE * _TILE)
+        """Work on the picture tile by tile, and tell the share that is done."""
         light = (
             np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
         )
-        for first in range(begin, end, lines):
-            set_uniforms(program, first_line=first)
+        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, wanted):
+            if not self._is_bound:
+                bind()
+                self._is_bound = True
+            set_uniforms(program, first_pixel=(x, y), end_pixel=(x + across, y + down))
             for number in range(len(bundle.rgb)):
                 set_uniforms(program, light=tuple(light[number]))
                 self._buffers.choose_wavelength(program, bundle, number)
-                program.run(-(-width // _TILE), -(-min(lines, end - first) // _TILE))
+                program.run(-(-across // _TILE), -(-down // _TILE))
                 self._ctx.memory_barrier()
-            self._ctx.finish()
-            yield min(1.0, (first + lines - begin) / (end - begin))
+            if self._pulse.is_watched:
+                self._piece.learn(rays * len(bundle.rgb) * across * down, self._pulse.beat())
+            else:
+                self._ctx.finish()
+            self._shares[y : y + down, x : x + across] += rays / bundle.count
+            yield (y - wanted[0] + down * (x + across) / width) / (wanted[1] - wanted[0])
 
-    def picture(self, share: float = 1.0) -> FloatArray:
-        """Mean over the rays so far.
+    def _tiles(self, work: int, width: int, wanted: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
+        """Left, top, width and height of tiles all over some lines, as large as the work at each pixel allows."""
+        x, y = 0, wanted[0]
+        while y < wanted[1]:
+            pixels = (self._piece.units if self._pulse.is_watched else _RAYS_PER_DISPATCH) // work
+            if (x == 0 and pixels >= width * _TILE) or not self._pulse.is_watched:
+                down = min(max(_TILE, pixels // width // _TILE * _TILE), wanted[1] - y)
+                yield 0, y, width, down
+                y += down
+                continue
+            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, wanted[1] - y)
+            yield x, y, across, down
+            x += across
+            if x == width:
+                x, y = 0, y + down
 
-        Args:
-            share: of the picture's rays that are traced; all bands of a pass must be done.
+    def picture(self) -> FloatArray:
+        """Mean over all rays.
 
         Returns:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
@@ -139,8 +171,16 @@ class Tracer:
         image = self._sum
         if image is None:
             raise ValueError("no picture has been traced")
-        picture = np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4)
-        return np.asarray(picture / np.float32(share), np.float32)
+        return np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4).copy()
+
+    def so_far(self) -> tuple[FloatArray, FloatArray]:
+        """Mean over the rays so far, and ``(height, width, 1)`` the share of them that it is of: 0 where there were none.
+
+        The device may then be used for other work before the next pass is asked for; what is traced must stay as it is.
+        """
+        shares = self._shares[..., None].copy()
+        self._is_bound = False
+        return np.asarray(self.picture() / np.where(shares > 0, shares, 1), np.float32), shares
 
     def release(self) -> None:
         """Give the memory back."""

@@ -207,22 +207,6 @@ def test_an_iris_shapes_the_bokeh_through_glass_too(renderer: FrameRenderer) -> 
     assert cut[..., 1].sum() == pytest.approx(renderer.render(scene, camera, settings).color[..., 1].sum(), rel=0.03)
 
 
-def test_more_rays_make_the_passes_picture_better_and_end_in_the_whole(renderer: FrameRenderer) -> None:
-    scene, camera = spheres_over_checkerboard()
-    many = renderer.render(scene, camera, replace(SMALL, rays=2048)).color
-    seen: list[tuple[int, float]] = []
-    last: list[FloatArray] = []
-
-    def look(picture: FloatArray, rays: int) -> None:
-        seen.append((rays, psnr_db(picture, many)))
-        last.append(picture)
-
-    whole = renderer.render(scene, camera, replace(SMALL, rays=128), on_pass=look).color
-    assert [rays for rays, _ in seen] == [32, 64, 96, 128]
-    assert seen[-1][1] > seen[0][1] + 4
-    np.testing.assert_array_equal(last[-1], whole)
-
-
 def test_measurements_come_through_the_same_lens(renderer: FrameRenderer) -> None:
     """A barrel-shaped lens shows more of the world: what a pixel shows, its AOVs and a click on it agree."""
     scene, camera = spheres_over_checkerboard()

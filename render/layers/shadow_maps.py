@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,10 +11,25 @@ from render.gl.compat import GL
 from render.gl.held import Making
 from render.layers.index import Draw
 from render.layers.shadows import SHADOW_MAP_SIDE_PX
-from render.scene import Batch, DoubleArray
+from render.scene import DoubleArray
 
 DrawMap = Callable[[int, DoubleArray, Sequence[Draw]], None]
 """Draws into the bound map of so many pixels a side, as this matrix sees it, these draws."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Cast:
+    """What a map holds.
+
+    Attributes:
+        view: ``(4, 4)`` clip from world.
+        draws: all that casts shadows in it.
+        still: those of them that are in the map that is kept of what stands still.
+    """
+
+    view: DoubleArray
+    draws: tuple[Draw, ...]
+    still: tuple[Draw, ...] = ()
 
 
 class ShadowMaps:
@@ -26,8 +42,7 @@ class ShadowMaps:
     def __init__(self, draw: DrawMap) -> None:
         self._draw = draw
         self._all, self._still = _Maps(), _Maps()
-        self._cast: tuple[Draw, ...] | None = None
-        self._views = np.zeros((0, 4, 4))
+        self._cast: dict[int, _Cast] = {}
 
     @property
     def texture(self) -> int:
@@ -36,95 +51,93 @@ class ShadowMaps:
         return self._all.texture
 
     def cast(self, views: DoubleArray, draws: Sequence[Draw]) -> bool:
-        """Draw the maps, where they are not what they were.
+        """Draw the maps that are not what they were.
 
         Args:
             views: ``(n, 4, 4)`` clip from world, of each map.
             draws: all that casts shadows.
 
         Returns:
-            Whether they are others now.
+            Whether one was drawn.
         """
-        same_views = np.array_equal(views, self._views)
-        if same_views and self._cast is not None and _batches(self._cast) == _batches(draws):
-            return False
-        before, self._cast = (self._cast if same_views else None), None  # which holds until all are drawn
-        if not same_views:
-            self._still.draws = ()
-        self._views = views
-        self._all.hold(len(views))
-        kept = self._stand_still(before or (), draws, views)
-        if kept:
-            self._still.copy_to(self._all, len(views))
-        self._all.draw(self._draw, views, [draw for draw in draws if id(draw.batch) not in kept], clear=not kept)
-        self._cast = tuple(draws)
-        return True
+        if self._all.hold(len(views)):
+            self._cast = {}
+        changed = False
+        for layer, view in enumerate(views):
+            last = self._cast.get(layer)
+            if last is not None and not np.array_equal(last.view, view):
+                last = None
+            if last is not None and _ids(last.draws) == _ids(draws):
+                continue
+            self._cast.pop(layer, None)  # until it is drawn
+            self._cast[layer] = self._drawn(layer, view, tuple(draws), last, len(views))
+            changed = True
+        return changed
 
-    def _stand_still(self, before: Sequence[Draw], draws: Sequence[Draw], views: DoubleArray) -> set[int]:
-        """The identities of the batches that the still maps hold, all of which are among the draws."""
-        now, last = _batches(draws), _batches(before)
-        held = set(_batches(self._still.draws))
-        if not held <= now.keys():
-            held = set()
-        found = [draw for draw in draws if id(draw.batch) in last]
-        if _triangles(found) > 1.25 * _triangles([draw for draw in draws if id(draw.batch) in held]):
-            self._still.draws = ()
-            self._still.hold(len(views))
-            self._still.draw(self._draw, views, found, clear=True)
-            self._still.draws = tuple(found)
-            held = set(_batches(found))
-        return held
+    def _drawn(self, layer: int, view: DoubleArray, draws: tuple[Draw, ...], last: _Cast | None, count: int) -> _Cast:
+        """Draw a map, after what it held last of the same view."""
+        still: tuple[Draw, ...] = ()
+        if last is not None:
+            stood = _ids(last.draws)
+            still = last.still if _ids(last.still) <= _ids(draws) else ()
+            found = tuple(draw for draw in draws if id(draw.batch) in stood)
+            if _triangles(found) > 1.25 * _triangles(still):
+                if self._still.hold(count):
+                    self._cast = {other: replace(cast, still=()) for other, cast in self._cast.items()}
+                self._still.draw(self._draw, layer, view, found, clear=True)
+                still = found
+        kept = _ids(still)
+        if kept:
+            self._still.copy_to(self._all, layer)
+        moving = [draw for draw in draws if id(draw.batch) not in kept]
+        self._all.draw(self._draw, layer, view, moving, clear=not kept)
+        return _Cast(view, draws, still)
 
     def release(self) -> None:
         """Give the memory on the device back."""
-        self._cast = None
+        self._cast = {}
         self._all.release()
         self._still.release()
 
 
 class _Maps:
-    """An array of maps, and the framebuffer that they are drawn through.
-
-    Attributes:
-        draws: what they hold, where that is kept.
-    """
+    """An array of maps, and the framebuffer that they are drawn through."""
 
     def __init__(self) -> None:
         self.texture = 0
         self._framebuffer = 0
         self._layers = 0
-        self.draws: tuple[Draw, ...] = ()
 
-    def hold(self, layers: int) -> None:
-        """Have at least so many maps, and one at the least; they hold nothing where there were fewer."""
+    def hold(self, layers: int) -> bool:
+        """Have at least so many maps, and one at the least; true where they are new, and hold nothing."""
         layers = max(1, layers)
         if self._layers >= layers:
-            return
+            return False
         self.release()
         with Making() as making:
             self.texture = _depth_array(SHADOW_MAP_SIDE_PX, layers)
             making.callback(GL.glDeleteTextures, [self.texture])
             self._framebuffer = GL.glGenFramebuffers(1)
         self._layers = layers
+        return True
 
-    def draw(self, draw: DrawMap, views: DoubleArray, draws: Sequence[Draw], *, clear: bool) -> None:
-        """Draw into the first maps."""
+    def draw(self, draw: DrawMap, layer: int, view: DoubleArray, draws: Sequence[Draw], *, clear: bool) -> None:
+        """Draw into one of them."""
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
         try:
-            for layer, clip_from_world in enumerate(views):
-                GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
-                GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, self.texture, 0, layer)
-                GL.glDepthMask(True)
-                if clear:
-                    GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
-                draw(SHADOW_MAP_SIDE_PX, clip_from_world, draws)
+            GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, self.texture, 0, layer)
+            GL.glDepthMask(True)
+            if clear:
+                GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
+            draw(SHADOW_MAP_SIDE_PX, view, draws)
         finally:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
 
-    def copy_to(self, other: _Maps, layers: int) -> None:
-        """Copy the first maps."""
-        whole = (SHADOW_MAP_SIDE_PX, SHADOW_MAP_SIDE_PX, layers)
+    def copy_to(self, other: _Maps, layer: int) -> None:
+        """Copy one of them."""
+        size = (SHADOW_MAP_SIDE_PX, SHADOW_MAP_SIDE_PX, 1)
         array = GL.GL_TEXTURE_2D_ARRAY
-        GL.glCopyImageSubData(self.texture, array, 0, 0, 0, 0, other.texture, array, 0, 0, 0, 0, *whole)
+        GL.glCopyImageSubData(self.texture, array, 0, 0, 0, layer, other.texture, array, 0, 0, 0, layer, *size)
 
     def release(self) -> None:
         """Give the memory on the device back."""
@@ -132,12 +145,11 @@ class _Maps:
             GL.glDeleteTextures([self.texture])
             GL.glDeleteFramebuffers(1, [self._framebuffer])
         self.texture = self._framebuffer = self._layers = 0
-        self.draws = ()
 
 
-def _batches(draws: Sequence[Draw]) -> dict[int, Batch]:
-    """By their identities, which hold while the draws do."""
-    return {id(draw.batch): draw.batch for draw in draws}
+def _ids(draws: Sequence[Draw]) -> set[int]:
+    """The identities of their batches, which hold while the draws do."""
+    return {id(draw.batch) for draw in draws}
 
 
 def _triangles(draws: Sequence[Draw]) -> int:

@@ -1,0 +1,59 @@
+"""Shadows of what moves are drawn over those of what stands still: the same maps as if all were drawn anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.layers.index import Draw
+from render.layers.renderer import LayerRenderer
+from render.reference.scenes import spheres_over_checkerboard
+from render.scene import Camera, DoubleArray, FloatArray, Light, Scene
+
+SETTINGS = FrameSettings(64, 48, rays=4, supersample=1)
+
+
+def lit() -> tuple[Scene, Camera]:
+    scene, camera = spheres_over_checkerboard()
+    pose = np.eye(4)
+    pose[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]  # shines down
+    return replace(scene, lights=(Light("distant", (3.0, 3.0, 3.0), pose, angle_rad=0.01, path="/sun"),)), camera
+
+
+def moved(scene: Scene, index: int, by: float) -> Scene:
+    batch = scene.batches[index]
+    poses = batch.poses.copy()
+    poses[:, 0, 3] += by
+    return replace(scene, batches=(*scene.batches[:index], replace(batch, poses=poses), *scene.batches[index + 1 :]))
+
+
+def fresh(scene: Scene, camera: Camera) -> FloatArray:
+    with FrameRenderer() as other:
+        return other.render(scene, camera, SETTINGS).color
+
+
+def test_what_moves_casts_the_shadow_that_it_would_in_a_new_scene(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, camera = lit()
+    drawn: list[int] = []
+    plain = LayerRenderer.draw_shadow
+
+    def counted(self: LayerRenderer, side_px: int, view: DoubleArray, draws: Sequence[Draw]) -> None:
+        drawn.append(len(draws))
+        plain(self, side_px, view, draws)
+
+    monkeypatch.setattr(LayerRenderer, "draw_shadow", counted)
+    with FrameRenderer() as renderer:
+        renderer.render(scene, camera, SETTINGS)
+        whole = drawn[0]
+        for step in range(1, 4):
+            drawn.clear()
+            now = moved(scene, 2, 0.02 * step)
+            np.testing.assert_array_equal(renderer.render(now, camera, SETTINGS).color, fresh(now, camera))
+            here = drawn[:-1]  # the last one is that of the new scene
+            assert here == ([whole - 1, 1] if step == 1 else [1]), "what stands still is drawn once"
+        for other in (moved(moved(scene, 2, 0.3), 1, 0.2), scene):
+            np.testing.assert_array_equal(renderer.render(other, camera, SETTINGS).color, fresh(other, camera))

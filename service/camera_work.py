@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from service.lens_work import lens_to_mount
-from service.library_work import body_to_mount
+from service.applying import apply_to_camera
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.opened import OpenedShots
 from service.store import ShotRecord
@@ -60,18 +58,7 @@ class EditCamera:
         edit = self.edit
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
-            if "lens" in edit.model_fields_set:
-                shot.mount_lens(self.camera, lens_to_mount(edit.lens))
-            if edit.body is not None:
-                shot.mount_body(self.camera, body_to_mount(edit.body))
-            shot.set_camera(
-                self.camera,
-                f_stop=edit.f_stop,
-                focal_length_mm=edit.focal_length_mm,
-                focus_distance_m=math.inf if edit.focus_distance_m == 0 else edit.focus_distance_m,
-                focus_mode=edit.focus_mode,
-                time=edit.time,
-            )
+            apply_to_camera(shot, self.camera, edit)
             return read_camera_state(shot, self.camera, shot.frame_range.start if edit.time is None else edit.time)
 
 

@@ -3,38 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from render.errors import SettingsError
-from service.library_work import film_to_mount
+from service.applying import PHOTOGRAPHY_OF_FIELD, apply_to_exposure, apply_to_film
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
 from service.opened import OpenedShots
 from service.store import ShotRecord
 from service.terms import Terms
-
-# Names that differ between REST and the shot: where there is a unit they carry it.
-SETTING_OF_FIELD = {
-    "shutter_travel_s": "shutter_travel_time",
-    "metering_compensation_stops": "metering_compensation",
-    "metering_smoothing_s": "metering_smoothing",
-    "white_balance_k": "white_balance",
-    "grain_size_um": "grain_size",
-    "halation_radius_mm": "halation_radius",
-    "sensor_full_well_e": "sensor_full_well",
-    "sensor_read_noise_e": "sensor_read_noise",
-    "sensor_clip_stops": "sensor_clip",
-    "display": "grade_display",
-    "view": "grade_view",
-    "look": "grade_look",
-    "cdl_slope": "grade_cdl_slope",
-    "cdl_offset": "grade_cdl_offset",
-    "cdl_power": "grade_cdl_power",
-    "cdl_saturation": "grade_cdl_saturation",
-    "ocio_config": "grade_config",
-    "cdl_file": "grade_cdl_file",
-}
 
 
 def setting_of(attribute: ExposureKeyed | FilmKeyed) -> str:
@@ -46,7 +22,7 @@ def setting_of(attribute: ExposureKeyed | FilmKeyed) -> str:
     fields = {
         info.alias: field for model in (ExposureSettings, FilmSettings) for field, info in model.model_fields.items()
     }
-    return SETTING_OF_FIELD.get(fields[attribute], fields[attribute])
+    return PHOTOGRAPHY_OF_FIELD.get(fields[attribute], fields[attribute])
 
 
 @dataclass(frozen=True)
@@ -109,21 +85,13 @@ class EditExposureSettings:
     def run(self, opened: OpenedShots) -> ExposureSettings:
         """The settings as they are then. Raises `CameraError` or `SettingsError`."""
         from service.reading import camera_tag
-        from service.reading_photography import read_exposure_settings, shutter_closes
+        from service.reading_photography import read_exposure_settings
 
-        said = _said(self.edit)
-        angle_deg = said.pop("shutter_angle_deg", None)
-        if angle_deg is not None and "shutter_close" in said:
-            raise SettingsError(
-                "shutterAngleDeg says when the shutter closes: send no shutterClose beside it", path="shutterAngleDeg"
-            )
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
             time = shot.frame_range.start if self.edit.time is None else self.edit.time
-            if angle_deg is not None:
-                said["shutter_close"] = shutter_closes(shot, self.camera, time, angle_deg, said.get("shutter_open"))
             with shot.kept_usable(self.camera, time):
-                shot.set_photography(self.camera, time=self.edit.time, **said)
+                apply_to_exposure(shot, self.camera, self.edit)
             return read_exposure_settings(shot, self.camera, time)
 
 
@@ -141,22 +109,12 @@ class EditFilmSettings:
         from service.reading import camera_tag
         from service.reading_photography import read_film_settings
 
-        said = _said(self.edit)
-        name = said.pop("stock", None)
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
             time = shot.frame_range.start if self.edit.time is None else self.edit.time
             with shot.kept_usable(self.camera, time):
-                if "stock" in self.edit.model_fields_set:
-                    shot.mount_film(self.camera, film_to_mount(name))
-                if said:
-                    shot.set_photography(self.camera, time=self.edit.time, **said)
+                apply_to_film(shot, self.camera, self.edit)
             return read_film_settings(shot, self.camera, time)
-
-
-def _said(edit: ExposureSettingsEdit | FilmSettingsEdit) -> dict[str, Any]:
-    said = edit.model_dump(exclude={"time"}, exclude_none=True)
-    return {SETTING_OF_FIELD.get(field, field): value for field, value in said.items()}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, FocusPointList, KeyEdit
+from service.applying import apply_key, apply_to_point
+from service.models.focus import (
+    FocusPoint,
+    FocusPointCreate,
+    FocusPointEdit,
+    FocusPointList,
+    KeyedAttribute,
+    KeyEdit,
+)
 from service.opened import OpenedShots
 from service.store import ShotRecord
 from service.terms import Terms
@@ -79,11 +87,11 @@ class EditFocusPoint:
 
     def run(self, opened: OpenedShots) -> FocusPoint:
         """The point as it is then. Raises `NotFoundError` or `SettingsError`."""
-        from service.reading import point_fields, point_tag, read_point
+        from service.reading import point_tag, read_point
 
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            shot.update_focus_point(self.camera, self.name, time=self.time, **point_fields(self.edit))
+            apply_to_point(shot, self.camera, self.time, self.name, self.edit)
             return read_point(shot, self.camera, self.time, self.name)
 
 
@@ -112,20 +120,18 @@ class SetKey:
     record: ShotRecord
     camera: str | None
     name: str
-    attribute: str
+    attribute: KeyedAttribute
     key: KeyEdit
     terms: Terms
 
     def run(self, opened: OpenedShots) -> FocusPoint:
         """The point at the key's time. Raises `NotFoundError` or `SettingsError`."""
-        from service.authoring import authored_key
         from service.reading import point_tag, read_point
 
-        key = authored_key(self.key, self.attribute, is_switch=self.attribute == "enabled")
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            shot.set_key(self.camera, self.name, self.attribute, key.time, key.value, key.interpolation, key.tangents)
-            return read_point(shot, self.camera, key.time, self.name)
+            apply_key(shot, self.camera, self.name, self.attribute, self.key)
+            return read_point(shot, self.camera, self.key.time, self.name)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 Work that can take the process down with it (a graphics driver, a parser fed with a stranger's file) runs here, so that
 the process that speaks HTTP never does. A request is an object with a ``run(state)`` method; it is pickled to the
 worker, and what ``run`` returns or raises is pickled back. ``state`` is made once in the worker and lives as long as it.
+A streamed request (`service.streaming`) has a ``stream(state, is_stale)`` method in its place, and many answers.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ import logging
 import multiprocessing
 import pickle
 import signal
+import time
 import traceback
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -21,6 +23,7 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from render.errors import InputError, PullfocusError, SettingsError
+from service.streaming import Patience, Signals, Streamed
 
 log = logging.getLogger("pullfocus.service")
 
@@ -28,6 +31,7 @@ State_contra = TypeVar("State_contra", contravariant=True)
 State = TypeVar("State")
 Reply_co = TypeVar("Reply_co", covariant=True)
 Reply = TypeVar("Reply")
+Item = TypeVar("Item")
 
 
 class Request(Protocol[State_contra, Reply_co]):
@@ -56,11 +60,22 @@ class _Answer:
     value: object = None
     error: PullfocusError | None = None
     fault: str = ""
+    is_last: bool = True
 
     @property
     def is_value(self) -> bool:
         """Whether the request did what it was to do."""
         return self.error is None and not self.fault
+
+
+@dataclass(frozen=True)
+class _StreamOrder(Generic[State]):
+    """A streamed request as it goes to the worker."""
+
+    request: Streamed[State, Any]
+    serial: int
+    has_shown: bool
+    patience_s: float
 
 
 class WorkerProcess(Generic[State]):
@@ -73,6 +88,7 @@ class WorkerProcess(Generic[State]):
     Attributes:
         starts: how many workers there have been.
         proven: whether the present one has done work, and not failed since.
+        signals: what the worker is told while it works; any thread may set them.
     """
 
     def __init__(self, name: str, make_state: Callable[[], State]) -> None:
@@ -80,6 +96,9 @@ class WorkerProcess(Generic[State]):
         self.starts = 0
         self.proven = False
         self._make_state = make_state
+        # A forked GL context or USD thread pool would be broken.
+        self._context = multiprocessing.get_context("spawn")
+        self.signals = Signals(self._context)
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 
@@ -97,20 +116,58 @@ class WorkerProcess(Generic[State]):
             WorkerTimeoutError: no answer in ``timeout_s``; the worker was ended.
             WorkerFailedError: the request raised anything else.
         """
+        value: Reply = self._unpack(next(self._answers(request, timeout_s)))
+        return value
+
+    def stream(
+        self,
+        request: Streamed[State, Item],
+        timeout_s: float,
+        deliver: Callable[[Item], None],
+        *,
+        serial: int,
+        has_shown: bool = False,
+        patience_s: float = 0.0,
+    ) -> bool:
+        """Run a streamed request in the worker, starting one when there is none.
+
+        Args:
+            request: what to do.
+            timeout_s: time for all of it.
+            deliver: called with each answer.
+            serial: names it in `signals`; not 0, and not that of another one.
+            has_shown: as for `service.streaming.Patience`.
+            patience_s: likewise.
+
+        Returns:
+            Whether it came to its end; else it made way for others, or was dropped.
+
+        Raises:
+            PullfocusError: the request raised it; and the other errors of `call`.
+        """
+        for answer in self._answers(_StreamOrder(request, serial, has_shown, patience_s), timeout_s):
+            value = self._unpack(answer)
+            if not answer.is_last:
+                deliver(value)
+        return bool(value)
+
+    def _answers(self, sent: object, timeout_s: float) -> Iterator[_Answer]:
+        """Send something to the worker, starting one when there is none, and hear its answers, to the last."""
         process, pipe = self._running()
+        until_s = time.monotonic() + timeout_s
+        answer = None
         try:
-            pipe.send(request)
-            ready = wait([pipe, process.sentinel], timeout_s)
-            if not ready:
-                self.close()
-                raise WorkerTimeoutError(f"The {self.name} worker took longer than {timeout_s:g} s and was ended.")
-            # A worker that answered and then died still leaves its answer in the pipe: read that first.
-            answer = pipe.recv()
+            pipe.send(sent)
+            while answer is None or not answer.is_last:
+                if not wait([pipe, process.sentinel], until_s - time.monotonic()):
+                    self.close()
+                    raise WorkerTimeoutError(f"The {self.name} worker took longer than {timeout_s:g} s and was ended.")
+                # A worker that answered and then died still leaves its answer in the pipe: read that first.
+                answer = pipe.recv()
+                yield answer
         except (EOFError, OSError) as error:
             self.close()
             raise WorkerDiedError(f"The {self.name} worker ended while it worked on this request.") from error
-        value: Reply = self._unpack(answer)
-        return value
 
     def _unpack(self, answer: _Answer) -> Any:
         self.proven = self.proven if isinstance(answer.error, InputError | SettingsError) else answer.is_value
@@ -124,11 +181,9 @@ class WorkerProcess(Generic[State]):
     def _running(self) -> tuple[BaseProcess, Connection]:
         if self._process is None or self._pipe is None or not self._process.is_alive():
             self.close()
-            context = multiprocessing.get_context("spawn")  # a forked GL context or USD thread pool would be broken
-            here, there = context.Pipe()
-            process = context.Process(
-                target=_serve, args=(there, self._make_state), name=f"pullfocus-{self.name}", daemon=True
-            )
+            here, there = self._context.Pipe()
+            arguments = (there, self._make_state, self.signals)
+            process = self._context.Process(target=_serve, args=arguments, name=f"pullfocus-{self.name}", daemon=True)
             process.start()
             there.close()
             self._process, self._pipe = process, here
@@ -152,7 +207,7 @@ class WorkerProcess(Generic[State]):
         self.proven = False
 
 
-def _serve(pipe: Connection, make_state: Callable[[], State]) -> None:
+def _serve(pipe: Connection, make_state: Callable[[], State], signals: Signals) -> None:
     """The worker's side: answer requests until the parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the pipe
     with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
@@ -160,16 +215,32 @@ def _serve(pipe: Connection, make_state: Callable[[], State]) -> None:
     state = make_state()
     with suppress(EOFError, BrokenPipeError):  # the parent is gone
         while True:
-            request: Request[State, object] = pipe.recv()
-            pipe.send_bytes(_answer(request, state))
+            asked: Request[State, object] | _StreamOrder[State] = pipe.recv()
+            pipe.send_bytes(_answer(asked, state, pipe, signals))
 
 
-def _answer(request: Request[State, object], state: State) -> bytes:
+def _answer(
+    asked: Request[State, object] | _StreamOrder[State], state: State, pipe: Connection, signals: Signals
+) -> bytes:
     """Run a request; pickled here, where a reply that cannot be pickled is still an answer and no death."""
     try:
-        answer = _Answer(value=request.run(state))
-        return pickle.dumps(answer)
+        if isinstance(asked, _StreamOrder):
+            return pickle.dumps(_Answer(value=_streamed(asked, state, pipe, signals)))
+        return pickle.dumps(_Answer(value=asked.run(state)))
+    except (EOFError, BrokenPipeError):  # the parent is gone
+        raise
     except PullfocusError as error:
         return pickle.dumps(_Answer(error=error))
     except Exception:
         return pickle.dumps(_Answer(fault=traceback.format_exc()))
+
+
+def _streamed(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
+    """Send all answers but the last, which says whether the work came to its end."""
+    patience = Patience(signals, order.serial, has_shown=order.has_shown, patience_s=order.patience_s)
+    answers: Any = order.request.stream(state, patience)
+    with closing(answers):
+        for item in answers:
+            pipe.send_bytes(pickle.dumps(_Answer(value=item, is_last=False)))
+            patience.has_shown = True
+    return not patience.has_ended

@@ -12,9 +12,10 @@ from render.film import Grade, list_displays, list_looks
 from render.film.shot_files import config_file
 from render.shot import Shot
 from render.stage.opening import confinement
+from service.applying import PHOTOGRAPHY_OF_FIELD
 from service.models.exposure import ExposureKeyed, ExposureSettings
 from service.models.film_settings import DisplayChoice, FilmKeyed, FilmSettings, GradeChoices
-from service.photography_work import SETTING_OF_FIELD, setting_of
+from service.photography_work import setting_of
 from service.reading import Told, as_key, camera_tag, told_of_camera
 from usd_schemas.data import Asset
 from usd_schemas.units import mm_from_tenths
@@ -90,7 +91,7 @@ def _told(
     """A model of settings, with the keys of those that take any."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
     keys = {name: shot.camera_keys(camera, setting_of(name)) for name in keyed}
-    values = {field: said[SETTING_OF_FIELD.get(field, field)] for field in fields}
+    values = {field: said[PHOTOGRAPHY_OF_FIELD.get(field, field)] for field in fields}
     path = _path(shot, camera)
     return told_of_camera(
         model,

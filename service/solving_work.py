@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, get_args
 
+from service.applying import FOCUS_OF_FIELD, apply_to_focus
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.opened import OpenedShots
@@ -15,20 +16,6 @@ from service.terms import Terms
 if TYPE_CHECKING:
     from render.shot import Shot
 
-# Names that differ between REST and the shot: where there is a unit they carry it.
-SETTING_OF_FIELD = {
-    "circle_of_confusion_mm": "circle_of_confusion",
-    "smoothing_s": "smoothing",
-    "lag_s": "lag",
-    "dead_zone_mm": "dead_zone",
-    "max_speed_deg_s": "max_speed",
-    "tilt_deg": "tilt",
-    "swing_deg": "swing",
-    "rise_mm": "rise",
-    "shift_mm": "shift",
-    "driven_by_points": "from_focus_points",
-    "max_angle_deg": "max_angle",
-}
 SWITCHES = ("solveStop", "drivenByPoints")
 
 
@@ -60,14 +47,11 @@ class EditFocusSettings:
         from service.reading import camera_tag
 
         time = self.edit.time
-        said = self.edit.model_dump(exclude={"time"}, exclude_none=True)
         with opened.edit(self.record, self.terms) as shot:
             self.terms.check(camera_tag(shot, self.camera), "the camera")
             looked_at = shot.frame_range.start if time is None else time
             with shot.kept_usable(self.camera, looked_at):
-                shot.set_focus(
-                    self.camera, time=time, **{SETTING_OF_FIELD.get(f, f): value for f, value in said.items()}
-                )
+                apply_to_focus(shot, self.camera, self.edit)
             return _settings(shot, self.camera, looked_at)
 
 
@@ -151,7 +135,7 @@ def setting_of(attribute: CameraKeyed) -> str:
     fields = {info.alias: field for field, info in FocusSettings.model_fields.items()}
     lens = {"focusDistanceM": "focus_distance_m", "fStop": "f_stop", "focalLengthMm": "focal_length_mm"}
     field = lens.get(attribute) or fields[attribute]
-    return SETTING_OF_FIELD.get(field, field)
+    return FOCUS_OF_FIELD.get(field, field)
 
 
 def _settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
@@ -164,7 +148,7 @@ def _settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
     keys = {name: shot.camera_keys(camera, setting_of(name)) for name in names}
     return told_of_camera(
         FocusSettings,
-        {field: said[SETTING_OF_FIELD.get(field, field)] for field in fields}
+        {field: said[FOCUS_OF_FIELD.get(field, field)] for field in fields}
         | {
             "camera": camera or shot.default_camera().path,
             "time": time,

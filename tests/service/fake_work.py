@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from render.errors import StageError
@@ -61,3 +62,24 @@ class Unsendable:
 class ProcessId:
     def run(self, state: Tally) -> int:
         return os.getpid()
+
+
+@dataclass(frozen=True)
+class Refine:
+    """Shows its word with 0, 1, 2 and so on, each after so many pieces of work, and then runs ``ending``."""
+
+    word: str = ""
+    shows: int = 3
+    pieces: int = 1
+    piece_s: float = 0.005
+    ending: object = None
+
+    def stream(self, state: Tally, is_stale: Callable[[], bool]) -> Iterator[tuple[str, int]]:
+        for number in range(self.shows):
+            for _ in range(self.pieces):
+                if is_stale():
+                    return
+                time.sleep(self.piece_s)
+            yield self.word, number
+        if self.ending is not None:
+            self.ending.run(state)

@@ -1,0 +1,161 @@
+"""Streams in a lane: many answers to one request, interrupted for what is newer or waits, and done in the end nevertheless."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+from conftest import until
+from fake_work import Crash, Echo, Fault, Refine, Refuse, Tally
+
+from render.errors import StageError
+from service.errors import ServiceError
+from service.lane import Lane
+from service.process import WorkerProcess
+
+WAIT_S = 60
+
+
+class Watched:
+    """A stream that was asked of a lane, and what came of it."""
+
+    def __init__(self, lane: Lane[Tally], work: Refine, group: str | None = None) -> None:
+        self.lane = lane
+        self.items: list[tuple[str, int]] = []
+        self.error: Exception | None = None
+        self._ended = threading.Event()
+        self.stream = lane.stream(work, on_item=self.items.append, on_end=self._end, group=group)
+
+    def _end(self, error: Exception | None) -> None:
+        assert not self._ended.is_set(), "a stream ends once"
+        self.error = error
+        self._ended.set()
+
+    def result(self) -> Exception | None:
+        """How it ended."""
+        assert self._ended.wait(WAIT_S)
+        return self.error
+
+    def code(self) -> str:
+        error = self.result()
+        assert isinstance(error, ServiceError)
+        return error.code
+
+    def drop(self) -> None:
+        self.lane.drop(self.stream)
+
+
+@pytest.fixture(scope="module")
+def lane() -> Iterator[Lane[Tally]]:
+    lane = Lane(WorkerProcess("tally", Tally), max_waiting=3, timeout_s=WAIT_S)
+    yield lane
+    lane.close()
+
+
+def begun(lane: Lane[Tally], work: Refine, group: str | None = None) -> Watched:
+    """A stream that has shown something."""
+    watched = Watched(lane, work, group)
+    until(lambda: bool(watched.items))
+    return watched
+
+
+def test_answers_come_one_after_the_other(lane):
+    stream = Watched(lane, Refine("a", shows=4))
+    assert stream.result() is None
+    assert stream.items == [("a", number) for number in range(4)]
+    assert lane.submit(Echo("after")).result(WAIT_S)[0] == "after"
+
+
+def test_a_newer_one_of_its_group_takes_its_place_at_once(lane):
+    old = begun(lane, Refine("old", shows=10_000), "viewer")
+    new = Watched(lane, Refine("new", shows=2), "viewer")
+    assert old.code() == "superseded"
+    assert new.result() is None
+    assert new.items == [("new", 0), ("new", 1)]
+
+
+def test_while_a_hand_moves_each_that_was_begun_shows_one_picture(lane):
+    first = Watched(lane, Refine("first", shows=5, pieces=20), "viewer")
+    until(lambda: lane.busy)
+    skipped, last = Watched(lane, Refine("skipped"), "viewer"), Watched(lane, Refine("last"), "viewer")
+    assert (first.code(), skipped.code(), last.result()) == ("superseded", "superseded", None)
+    assert first.items == [("first", 0)]
+    assert skipped.items == []
+    assert len(last.items) == 3
+
+
+def test_other_work_gets_between_and_the_stream_still_comes_to_its_end(lane):
+    stream = begun(lane, Refine("fine", shows=100))
+    shown = lane.submit(Echo("pick")).result(WAIT_S)
+    assert shown[0] == "pick"
+    assert len(stream.items) < 100
+    assert stream.result() is None
+    assert stream.items[-1] == ("fine", 99)
+
+
+def test_however_many_others_there_are_a_stream_comes_to_its_end(lane):
+    stream = Watched(lane, Refine("fine", shows=40, piece_s=0.02))
+    while ("fine", 39) not in stream.items:
+        lane.submit(Echo()).result(WAIT_S)
+    assert stream.result() is None
+    assert stream.items.count(("fine", 0)) > 1  # it was put off, and begun anew
+
+
+@pytest.mark.parametrize("where", ["running", "waiting"])
+def test_one_that_nobody_wants_any_more_ends(lane, where):
+    running = begun(lane, Refine("running", shows=10_000))
+    unwanted = running if where == "running" else Watched(lane, Refine("waiting", shows=10_000), "viewer")
+    unwanted.drop()
+    assert unwanted.code() == "superseded"
+    running.drop()
+    running.result()
+    unwanted.drop()  # which has ended: nothing happens
+    assert lane.submit(Echo("next")).result(WAIT_S)[0] == "next"
+
+
+def test_one_that_is_dropped_before_it_showed_anything_ends_too(lane):
+    stream = Watched(lane, Refine(shows=1, pieces=10_000))
+    until(lambda: lane.busy)
+    stream.drop()
+    assert stream.code() == "superseded"
+    assert stream.items == []
+
+
+def test_an_error_comes_after_what_was_shown(lane):
+    refused = Watched(lane, Refine("a", shows=2, ending=Refuse()))
+    assert isinstance(refused.result(), StageError)
+    assert refused.items == [("a", 0), ("a", 1)]
+    assert Watched(lane, Refine(ending=Fault())).code() == "internal"
+
+
+def test_a_dead_worker_costs_the_stream_and_nothing_else(lane):
+    assert Watched(lane, Refine(ending=Crash())).code() == "worker_died"
+    assert lane.submit(Echo("fresh")).result(WAIT_S) == ("fresh", 1)
+
+
+def test_streams_wait_in_the_bounded_queue(lane):
+    running = begun(lane, Refine("running", shows=10_000, piece_s=0.2))
+    waiting = [Watched(lane, Refine(str(n), pieces=10_000), f"viewer {n}") for n in range(3)]
+    with pytest.raises(ServiceError) as refused:
+        Watched(lane, Refine("one too many"))
+    assert refused.value.code == "busy"
+    for stream in (*waiting, running):
+        stream.drop()
+    assert {stream.code() for stream in (*waiting, running)} == {"superseded"}
+
+
+def test_closing_ends_those_that_run_and_those_that_wait():
+    lane = Lane(WorkerProcess("closing", Tally), max_waiting=3, timeout_s=WAIT_S)
+    running, waiting = begun(lane, Refine(shows=10_000)), Watched(lane, Refine())
+    lane.close()
+    assert (running.code(), waiting.code()) == ("stopping", "stopping")
+
+
+def test_one_that_takes_too_long_is_ended():
+    lane = Lane(WorkerProcess("slow", Tally), max_waiting=3, timeout_s=3.0)
+    try:
+        assert Watched(lane, Refine(shows=100_000)).code() == "timeout"
+        assert lane.submit(Echo("next")).result(WAIT_S) == ("next", 1)
+    finally:
+        lane.close()

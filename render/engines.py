@@ -11,6 +11,7 @@ from render.layers.peel import Peeler
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
 from render.postblur.engine import PostBlurEngine
+from render.postblur.preview import PreviewEngine
 from render.reference.accumulation import Accumulator, accumulated_rays, accumulated_sampling
 from render.scene import Camera, FloatArray
 from render.trace.lens import LensEngine
@@ -29,7 +30,8 @@ class Engines:
         self.peeler = Peeler(graphics, programs)
         self.lens = LensEngine(graphics.ctx, programs, graphics.pulse)
         self._accumulator = Accumulator(graphics.ctx, programs)
-        self._post_blur = PostBlurEngine(graphics.ctx, programs)
+        self.post_blur = PostBlurEngine(graphics.ctx, programs)
+        self.preview = PreviewEngine(graphics, programs, self.post_blur)
 
     def drawn(
         self,
@@ -56,7 +58,7 @@ class Engines:
         """
         if settings.engine == "accumulation":
             return self._accumulated(view, camera, settings, part, unlit, on_progress)
-        if settings.engine in self._post_blur.engines and camera.f_stop > 0:
+        if settings.engine in self.post_blur.engines and camera.f_stop > 0:
             return self._post_blurred(view, camera, settings, unlit, on_progress)
         pattern = ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled).part(*part)
         return self.lens.picture(
@@ -74,7 +76,8 @@ class Engines:
     def release(self) -> None:
         """Give the device's memory back."""
         self.lens.release()
-        self._post_blur.release()
+        self.post_blur.release()
+        self.preview.release()
         self.peeler.release()
 
     def _accumulated(
@@ -100,7 +103,7 @@ class Engines:
     def _post_blurred(
         self, view: PinholeView, camera: Camera, settings: FrameSettings, unlit: bool, on_progress: Progress | None
     ) -> FloatArray:
-        picture = self._post_blur.picture(
+        picture = self.post_blur.picture(
             self.peeler,
             camera,
             view,

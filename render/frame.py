@@ -89,8 +89,8 @@ class FrameRenderer:
 
     def _open(self) -> None:
         self.graphics = GraphicsContext()
-        self._engines = Engines(self.graphics)
-        self._peeler, self._lens = self._engines.peeler, self._engines.lens
+        self.engines = Engines(self.graphics)
+        self._peeler, self._lens = self.engines.peeler, self.engines.lens
 
     def render(
         self,
@@ -112,7 +112,7 @@ class FrameRenderer:
             GraphicsError: the device refuses.
         """
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        with self._device():
+        with self.on_device():
             return self._frame(view, scene, camera, settings, on_progress)
 
     def _frame(
@@ -123,11 +123,25 @@ class FrameRenderer:
         settings: FrameSettings,
         on_progress: Callable[[float], None] | None,
     ) -> Frame:
-        lens = self._loaded(scene, camera, settings)
-        color = self._engines.drawn(
+        lens = self.loaded(scene, camera, settings)
+        color = self.engines.drawn(
             view, lens, settings, _WHOLE, unlit=settings.shading == "unlit", on_progress=on_progress
         )
-        aovs = self._aovs(view, lens, settings, lambda: self._engines.drawn(view, lens, settings, _WHOLE, unlit=True))
+        return self.frame_of(color, view, lens, scene, settings)
+
+    def frame_of(
+        self, color: FloatArray, view: PinholeView, lens: Camera, scene: Scene, settings: FrameSettings
+    ) -> Frame:
+        """A frame of the scene that is loaded: its colour, and what is measured beside it.
+
+        Args:
+            color: as the engine has it.
+            view: the picture.
+            lens: the camera as the engine has it.
+            scene: what is loaded.
+            settings: how it was rendered.
+        """
+        aovs = self.measured(view, lens, settings, lambda: self.engines.drawn(view, lens, settings, _WHOLE, unlit=True))
         return Frame(color, aovs, scene.prim_paths)
 
     def render_moving(
@@ -163,14 +177,14 @@ class FrameRenderer:
         for i in range(count):
             moment = moment_at(i)
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
-            with self._device():
-                lens = self._loaded(moment.scene, moment.camera, settings)
-                total += moment.share * self._engines.drawn(
+            with self.on_device():
+                lens = self.loaded(moment.scene, moment.camera, settings)
+                total += moment.share * self.engines.drawn(
                     view, lens, settings, (i % apart, apart), unlit=settings.shading == "unlit"
                 )
                 if i == count // 2:
-                    aovs = self._aovs(
-                        view, lens, settings, partial(self._engines.drawn, view, lens, settings, _WHOLE, unlit=True)
+                    aovs = self.measured(
+                        view, lens, settings, partial(self.engines.drawn, view, lens, settings, _WHOLE, unlit=True)
                     )
                     frame = Frame(total, aovs, moment.scene.prim_paths)
             if on_progress is not None:
@@ -208,8 +222,8 @@ class FrameRenderer:
         view = PinholeView.from_camera(middle, *size)
         moves = movements(opening.middle, opening.opening, opening.closing)
         total = np.zeros((settings.height, settings.width, 4), np.float32)
-        with self._device():
-            lens = self._loaded(opening.middle, middle, settings)
+        with self.on_device():
+            lens = self.loaded(opening.middle, middle, settings)
             pictures = self._lens.swept.pictures(
                 self._peeler,
                 view,
@@ -224,8 +238,8 @@ class FrameRenderer:
             with closing(pictures):
                 for moment, picture in zip(moments, pictures, strict=True):
                     total += moment.share * picture
-            aovs = self._aovs(
-                view, lens, settings, partial(self._engines.drawn, view, lens, settings, _WHOLE, unlit=True)
+            aovs = self.measured(
+                view, lens, settings, partial(self.engines.drawn, view, lens, settings, _WHOLE, unlit=True)
             )
         return Frame(total, aovs, opening.middle.prim_paths)
 
@@ -242,7 +256,7 @@ class FrameRenderer:
             looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, pattern, span))
         return looks
 
-    def _loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:
+    def loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:
         """Put the scene on the device; the camera as the engine has it."""
         if settings.engine == "accumulation":
             check_thin(camera)
@@ -269,7 +283,7 @@ class FrameRenderer:
         view = PinholeView.from_camera(camera, width, height)
         if not (0 <= x <= width and 0 <= y <= height):
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
-        with self._device():
+        with self.on_device():
             self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera))
             return pick_surface(self._peeler, scene, view, *seen_at(view, camera, x, y))
 
@@ -280,7 +294,7 @@ class FrameRenderer:
     def close(self) -> None:
         """Give the device's memory and the context back."""
         self.graphics.make_current()
-        self._engines.release()
+        self.engines.release()
         self.graphics.close()
 
     def __enter__(self) -> FrameRenderer:
@@ -292,7 +306,7 @@ class FrameRenderer:
         self.close()
 
     @contextmanager
-    def _device(self) -> Iterator[None]:
+    def on_device(self) -> Iterator[None]:
         """Work on the device. What fails half way there leaves nothing behind: the context is made anew for the next frame."""
         self.graphics.make_current()
         try:
@@ -306,7 +320,7 @@ class FrameRenderer:
                 raise GraphicsError(f"{self.graphics.renderer} could not draw the frame: {error}") from error
             raise
 
-    def _aovs(
+    def measured(
         self, view: PinholeView, camera: Camera, settings: FrameSettings, albedo: Callable[[], FloatArray]
     ) -> dict[str, NDArray[Any]]:
         """The asked AOVs; ``albedo`` makes the picture of base colours."""

@@ -82,6 +82,16 @@ class PinholeView:
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
         )
 
+    def resized(self, width: int, height: int) -> PinholeView:
+        """The same picture in other pixels."""
+        x, y = width / self.width, height / self.height
+        return replace(self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y)
+
+    def widened(self, margin: int) -> PinholeView:
+        """More of the world around the same picture: so many pixels on each side."""
+        width, height = self.width + 2 * margin, self.height + 2 * margin
+        return replace(self, width=width, height=height, cx=self.cx + margin, cy=self.cy + margin)
+
     def is_like(self, other: PinholeView) -> bool:
         """Whether both show the same of the world, pixel by pixel."""
         same_place = np.array_equal(self.camera_from_world, other.camera_from_world)

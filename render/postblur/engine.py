@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 
 import moderngl
 import numpy as np
 
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache
-from render.layers.peel import Peeler
+from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
 from render.optics.thin_lens import pupil_radius_m
@@ -18,7 +17,7 @@ from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
 from render.postblur.sides import Blur, Collector
 from render.scene import Camera, FloatArray
-from render.trace.picture_focus import picture_focus
+from render.trace.picture_focus import PictureFocus, picture_focus
 
 MAX_MARGIN = 0.125
 """Of the picture's longer side, what is peeled around it at most for what it sheds into it."""
@@ -64,51 +63,47 @@ class PostBlurEngine:
             ``(height, width, 4)`` float32, premultiplied.
         """
         fine = int(np.ceil(supersample))
-        scaled = _scaled(view, fine)
+        scaled = view.resized(view.width * fine, view.height * fine)
         pupil_px = max(scaled.fx, scaled.fy) * pupil_radius_m(camera)
         nearest_w = peeler.nearest_w(scaled)
         w_f, pupil = picture_focus(camera, scaled).over_picture()
         most_px = float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
         margin = fine * int(np.ceil(min(most_px / fine, MAX_MARGIN * max(view.width, view.height))))
-        wide = _widened(scaled, margin)
+        wide = scaled.widened(margin)
         reach = pupil_px * float(pupil.max())
         if peeler.is_opaque:
             layers = min(layers, layers_needed(reach, nearest_w))
         focus = picture_focus(camera, wide)
         sampling = sampling_of_layers(wide, scaled, focus.affine or (0.0, 0.0, 0.0), reach / wide.fx, _ALIKE)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra_reach(reach), unlit=unlit, sampling=sampling)
+        picture = self.of_layers(peeled, camera, focus, pupil_px, most_px, engine)
+        inner = picture[margin : margin + scaled.height, margin : margin + scaled.width]
+        return np.ascontiguousarray(inner.reshape(view.height, fine, view.width, fine, 4).mean(axis=(1, 3)))
+
+    def of_layers(
+        self, peeled: Layers, camera: Camera, focus: PictureFocus, pupil_px: float, most_px: float, engine: str
+    ) -> FloatArray:
+        """Blur what was peeled.
+
+        Args:
+            peeled: from the pupil's centre.
+            camera: its iris and squeeze count.
+            focus: of the layers' view.
+            pupil_px: the pupil's radius times the focal length, px·m of that view.
+            most_px: larger circles of confusion are taken for as large.
+            engine: one of `engines`.
+
+        Returns:
+            ``(height, width, 4)`` float32 of the layers' view, premultiplied.
+        """
         with Held() as held:
             iris, squeeze = camera.iris, camera.lens.squeeze
             sides = self._collector.sides(peeled, focus, pupil_px, most_px, iris, squeeze, held)
             blurred = self._blurs[engine].blurred(sides, held)
-            picture = np.frombuffer(blurred.read(), np.float32).reshape(wide.height, wide.width, 4)
-        inner = picture[margin : margin + scaled.height, margin : margin + scaled.width]
-        return np.ascontiguousarray(inner.reshape(view.height, fine, view.width, fine, 4).mean(axis=(1, 3)))
+            return np.frombuffer(blurred.read(), np.float32).reshape(*sides.size[::-1], 4).copy()
 
     def release(self) -> None:
         """Give the memory back."""
         self._collector.release()
         for blur in self._blurs.values():
             blur.release()
-
-
-def _scaled(view: PinholeView, fine: int) -> PinholeView:
-    return replace(
-        view,
-        width=view.width * fine,
-        height=view.height * fine,
-        fx=view.fx * fine,
-        fy=view.fy * fine,
-        cx=view.cx * fine,
-        cy=view.cy * fine,
-    )
-
-
-def _widened(view: PinholeView, margin: int) -> PinholeView:
-    return replace(
-        view,
-        width=view.width + 2 * margin,
-        height=view.height + 2 * margin,
-        cx=view.cx + margin,
-        cy=view.cy + margin,
-    )

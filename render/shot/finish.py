@@ -11,7 +11,7 @@ from pxr import Usd
 
 from render.errors import CameraError, SettingsError
 from render.film import FilmSettings, Grade, GradeChoice, develop, develop_on_film, film_settings, print_space, project
-from render.film.develop import expose
+from render.film.develop import check_exposure, expose
 from render.near_names import hint
 from render.scene import Camera, FloatArray
 from render.stage import quiet_diagnostics
@@ -50,13 +50,25 @@ class Finish:
         Raises:
             SettingsError: the exposure is no number from 0 up, or the film cannot be developed.
         """
-        if self.film is None:
-            return develop(radiance, camera.exposure_scale, self.grade)
+        return self.graded(self.developed(radiance, camera, time=time, seed=seed))
+
+    def developed(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+        """Expose, and develop and print what was exposed: all but the grade. The arguments and errors are those of `picture`.
+
+        Returns:
+            ``(height, width, 3)`` float32: light off a print, or scene-linear light.
+        """
+        check_exposure(camera.exposure_scale)
         exposed = expose(radiance[..., :3], camera.exposure_scale)
-        light = develop_on_film(exposed, self.film, frame=frame_number(time), gate_mm=gate_mm(camera), seed=seed)
-        if self.film.process in PRINTED:
-            return project(light, self.grade, print_space())
-        return develop(light, 1.0, self.grade)
+        if self.film is None:
+            return exposed
+        return develop_on_film(exposed, self.film, frame=frame_number(time), gate_mm=gate_mm(camera), seed=seed)
+
+    def graded(self, developed: FloatArray) -> FloatArray:
+        """Grade what `developed` gave, for the display."""
+        if self.film is not None and self.film.process in PRINTED:
+            return project(developed, self.grade, print_space())
+        return develop(developed, 1.0, self.grade)
 
 
 def frame_number(time: float) -> int:

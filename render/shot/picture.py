@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,13 +75,31 @@ def make_picture(
         CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
         GraphicsError: the device refuses.
     """
-    lens = shot.camera_at(camera, time, settings.width, settings.height)
-    check_shutter(lens)
-    # What is wrong with the finish is told before anything slow is done.
-    finish = finish_of(shot.stage, lens, time, grade, stock, choice)
-    lens = auto_exposed(renderer, shot, lens, time, settings.shading)
+    lens, finish = looked_through(renderer, shot, camera, time, settings, grade, stock=stock, choice=choice)
     frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
     return picture_of(shot, frame, lens, time, settings, finish, live)
+
+
+def looked_through(
+    renderer: FrameRenderer,
+    shot: Shot,
+    camera: str | None,
+    time: float,
+    settings: FrameSettings,
+    grade: Grade | None = None,
+    *,
+    stock: str | None = None,
+    choice: GradeChoice | None = None,
+) -> tuple[Camera, Finish]:
+    """The camera of a picture, focused and exposed, and how the picture is finished. What is wrong with either is told before
+    anything slow is done.
+
+    The arguments and errors are those of `make_picture`.
+    """
+    lens = shot.camera_at(camera, time, settings.width, settings.height)
+    check_shutter(lens)
+    finish = finish_of(shot.stage, lens, time, grade, stock, choice)
+    return auto_exposed(renderer, shot, lens, time, settings.shading), finish
 
 
 def picture_of(
@@ -91,6 +110,7 @@ def picture_of(
     settings: FrameSettings,
     finish: Finish,
     live: LiveFinisher | None = None,
+    graded: FloatArray | None = None,
 ) -> Picture:
     """Expose, develop and grade what fell on the film, and say what it is.
 
@@ -102,6 +122,7 @@ def picture_of(
         settings: how it was rendered.
         finish: how it is finished.
         live: on which device; None for the processor.
+        graded: the finished picture, where it is there already.
 
     Raises:
         SettingsError: it cannot be finished so.
@@ -120,10 +141,9 @@ def picture_of(
         exposure_time_s=_authored(prim, "exposure:time", time),
         iso=_authored(prim, "exposure:iso", time),
     )
-    if live is None:
-        graded = finish.picture(frame.color, lens, time=time, seed=settings.seed)
-    else:
-        graded = live.picture(finish, frame.color, lens, time=time, seed=settings.seed)
+    if graded is None:
+        by = finish.picture if live is None else partial(live.picture, finish)
+        graded = by(frame.color, lens, time=time, seed=settings.seed)
     return Picture(frame, graded, lens, metadata)
 
 
@@ -157,13 +177,43 @@ def light_on_film(
         frame = moving_frame(renderer, shot, camera, lens, time, space, on_progress)
     else:
         frame = renderer.render(shot.scene_at(time), space.camera(lens), space.settings, on_progress)
+    return landed(renderer, shot, lens, time, space, frame)
+
+
+def landed(renderer: FrameRenderer, shot: Shot, lens: Camera, time: float, space: ImageSpace, frame: Frame) -> Frame:
+    """What a lens does to light that an engine does not know of.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        lens: the camera.
+        time: USD time code.
+        space: how the frame was rendered.
+        frame: as the engine has it; its colour may be changed.
+
+    Raises:
+        GraphicsError: the device refuses.
+    """
+    settings = space.asked
     frame = space.finished(renderer, frame)
-    light = light_over_picture(lens, settings.width, settings.height, is_pinhole=settings.engine == "pinhole")
-    if light is not None:
-        frame.color[..., :3] *= light[..., None]
-    if settings.engine in ("accumulation", "flag"):  # which know the pupil alone
-        frame.color[..., :3] *= np.float32(lens.lens.transmittance)
+    dim(frame.color, lens, settings)
     return flared(renderer, shot.scene_at(time), lens, settings, frame)
+
+
+def dim(radiance: FloatArray, lens: Camera, settings: FrameSettings) -> None:
+    """Take from a picture, in place, what the lens and the obliqueness of light take and its engine does not.
+
+    Args:
+        radiance: ``(height, width, 4)`` of any size.
+        lens: the camera.
+        settings: whose engine made it.
+    """
+    height, width, _ = radiance.shape
+    light = light_over_picture(lens, width, height, is_pinhole=settings.engine == "pinhole")
+    if light is not None:
+        radiance[..., :3] *= light[..., None]
+    if settings.engine in ("accumulation", "flag"):  # which know the pupil alone
+        radiance[..., :3] *= np.float32(lens.lens.transmittance)
 
 
 def _authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:

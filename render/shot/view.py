@@ -143,6 +143,11 @@ class ShotView:
         return with_exposure(self.stage, picture, time)
 
     @property
+    def revision(self) -> int:
+        """Another one after each edit."""
+        return self._edits.revision
+
+    @property
     def readings(self) -> dict[Hashable, float]:
         """What light meters (`render.shot.light_meter`) have read of the scene as it is: theirs to look up and to fill."""
         if self._readings[0] != self._reader.changes:

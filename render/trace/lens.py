@@ -23,8 +23,8 @@ from render.scene import Camera, FloatArray
 from render.trace.aovs import measured
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view
-from render.trace.picture_focus import picture_focus
-from render.trace.rays import RayPattern, ray_pattern
+from render.trace.picture_focus import PictureFocus, picture_focus
+from render.trace.rays import RayBundle, RayPattern, ray_pattern
 from render.trace.swept import SweptEngine
 from render.trace.tracer import Tracer
 
@@ -148,6 +148,49 @@ class LensEngine:
         )
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")
+        return (yield from self._through(peeled, bundle, focus, view, bound_by_rays, on_stage))
+
+    def through(
+        self,
+        peeled: Layers,
+        camera: Camera,
+        view: PinholeView,
+        pattern: RayPattern,
+        *,
+        wavelengths: int,
+        nearest_w: float,
+    ) -> FloatArray:
+        """Trace the camera's lens through layers that were peeled for whatever focus and stop.
+
+        Args:
+            peeled: from the picture's own eye, at any resolution; what they do not reach is taken to go on as at their edge.
+            camera: with its lens.
+            view: the picture.
+            pattern: where the rays start.
+            wavelengths: how many to trace, for a lens with colour errors.
+            nearest_w: the largest inverse depth of anything in view, 1/m.
+
+        Returns:
+            ``(height, width, 4)`` float32, premultiplied.
+        """
+        bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
+        focus = picture_focus(camera, view)
+        w_f, pupil = focus.over_picture()
+        off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
+        bundle = shared_rays(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
+        for _ in self._through(peeled, bundle, focus, view):
+            pass
+        return self._tracer.picture()
+
+    def _through(
+        self,
+        peeled: Layers,
+        bundle: RayBundle,
+        focus: PictureFocus,
+        view: PinholeView,
+        bound_by_rays: bool = False,
+        on_stage: Callable[[Stage], None] = lambda stage: None,
+    ) -> Generator[float, None, TracedPicture]:
         nbuffers = self._nbuffers.build(peeled)
         on_stage("nbuffers")
         for done in self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays):

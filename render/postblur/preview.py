@@ -1,0 +1,96 @@
+"""Small pictures for who waits for them: from layers that are peeled once for a view, whatever the focus and the stop become.
+
+The quickest true picture that there is comes from the lens tracer with few rays: layers and N-buffers are there already, so that
+a change of focus or stop costs its rays alone. An engine that blurs one picture previews itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.gl.context import GraphicsContext
+from render.gl.shaders import ProgramCache
+from render.layers.peel import PREVIEW, Layers, Peeler
+from render.layers.umbra import umbra_reach
+from render.optics.thin_lens import pupil_radius_m
+from render.optics.view import PinholeView
+from render.postblur.engine import PostBlurEngine
+from render.scene import Camera, FloatArray
+from render.trace.lens import LensEngine
+from render.trace.picture_focus import picture_focus
+from render.trace.rays import RayPattern
+
+LAYERS = 2
+"""What is seen, and what it hides from the middle of the pupil alone."""
+WIDE_OPEN = 1.4
+"""The f-number for which they are peeled: with a smaller one, a little of what is hidden is taken for what hides it."""
+_MARGIN = 0.1  # of the longer side
+
+
+class PreviewEngine:
+    """Draws small pictures, with the programs of one context."""
+
+    def __init__(self, graphics: GraphicsContext, programs: ProgramCache, post_blur: PostBlurEngine) -> None:
+        self._lens = LensEngine(graphics.ctx, programs, graphics.pulse)
+        self._post_blur = post_blur
+
+    def peeled(self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool) -> Layers:
+        """The layers of the loaded scene; nothing is drawn where they are there.
+
+        Args:
+            peeler: with the scene loaded.
+            camera: whose focus and stop do not matter.
+            view: the picture.
+            unlit: take base colour for radiance.
+        """
+        wide = view.widened(int(np.ceil(_MARGIN * max(view.width, view.height))))
+        pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
+        umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
+        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, place=PREVIEW)
+
+    def traced(
+        self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int
+    ) -> FloatArray:
+        """The picture through the camera's lens, by few rays.
+
+        Args:
+            peeler: that peeled.
+            peeled: of this view.
+            camera: its lens, focus and stop count.
+            view: the picture.
+            pattern: where its rays start.
+            wavelengths: how many to trace, for a lens with colour errors.
+
+        Returns:
+            ``(height, width, 4)`` float32, premultiplied.
+        """
+        return self._lens.through(
+            peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=peeler.nearest_w(peeled.view)
+        )
+
+    def blurred(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, engine: str) -> FloatArray:
+        """The picture by an engine that blurs one.
+
+        Args:
+            peeler: that peeled.
+            peeled: of this view.
+            camera: its focus and stop count.
+            view: the picture.
+            engine: one of `PostBlurEngine.engines`.
+
+        Returns:
+            ``(height, width, 4)`` float32, premultiplied.
+        """
+        wide = peeled.view
+        focus = picture_focus(camera, wide)
+        pupil_px = max(wide.fx, wide.fy) * pupil_radius_m(camera)
+        w_f, pupil = focus.over_picture()
+        nearest_w = peeler.nearest_w(wide)
+        most_px = float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
+        picture = self._post_blur.of_layers(peeled, camera, focus, pupil_px, most_px, engine)
+        left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
+        return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._lens.release()

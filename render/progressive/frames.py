@@ -1,0 +1,130 @@
+"""Frames of a renderer as the progressive driver needs them: small and at once, or piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from render.frame import Frame, FrameRenderer
+from render.frame_settings import FrameSettings
+from render.optics.view import PinholeView
+from render.progressive.clock import Clock
+from render.progressive.pace import Pace, Plan
+from render.scene import Camera, FloatArray, Scene
+from render.trace.rays import ray_pattern
+
+
+class LiveFrames:
+    """Draws on a renderer, in its thread."""
+
+    def __init__(self, renderer: FrameRenderer) -> None:
+        self._renderer = renderer
+        self.pace = Pace(is_software=renderer.graphics.is_software)
+
+    def preview(
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: FrameSettings,
+        clock: Clock,
+        *,
+        budget_ms: float,
+        rays: int | None = None,
+    ) -> tuple[FloatArray, int]:
+        """A small picture, as good as the time that is left allows.
+
+        Args:
+            scene: what is there.
+            camera: what looks.
+            settings: of the picture that it goes before.
+            clock: that runs since it was asked for; takes note of ``peel`` and ``blur``.
+            budget_ms: when the picture should be drawn, by that clock.
+            rays: for each pixel, in place of as many as fit.
+
+        Returns:
+            ``(height, width, 4)`` float32 radiance, premultiplied, and the rays of each pixel, 0 where none were traced.
+
+        Raises:
+            CameraError: the camera's numbers make no picture.
+            GraphicsError: the device refuses.
+        """
+        renderer, engines = self._renderer, self._renderer.engines
+        size = self.pace.plan(settings.width, settings.height, 1.0)
+        view = PinholeView.from_camera(camera, settings.width, settings.height).resized(size.width, size.height)
+        unlit = settings.shading == "unlit"
+        with renderer.on_device():
+            looks = renderer.loaded(scene, camera, settings)
+            peeled = engines.preview.peeled(engines.peeler, looks, view, unlit=unlit)
+            renderer.graphics.ctx.finish()
+            clock.note("peel")
+            if settings.engine in engines.post_blur.engines and looks.f_stop > 0:
+                picture = engines.preview.blurred(engines.peeler, peeled, looks, view, settings.engine)
+                clock.note("blur")
+                return picture, 0
+            left_ms = max(1.0, budget_ms - clock.total_ms)
+            plan = self.pace.plan(settings.width, settings.height, left_ms)
+            plan = Plan(size.width, size.height, rays or min(plan.rays, settings.rays))
+            pattern = ray_pattern(plan.rays, looks.iris, seed=settings.seed, tiled=settings.tiled)
+            wavelengths = 1 if rays is None else min(settings.wavelengths, 3)
+            picture = engines.preview.traced(engines.peeler, peeled, looks, view, pattern, wavelengths)
+        took_ms = clock.note("blur")
+        if rays is None:
+            self.pace.learn(plan, took_ms, left_ms)
+        return picture, plan.rays
+
+    def traced(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
+        """A frame by the lens engine, piece by piece: as `FrameRenderer.render` has it to the bit.
+
+        Args:
+            scene: what is there.
+            camera: what looks.
+            settings: how.
+
+        Yields:
+            The share of its tracing that is done; `so_far` has the picture then.
+
+        Raises:
+            CameraError: the camera's numbers make no picture.
+            GraphicsError: the device refuses.
+        """
+        renderer = self._renderer
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        with renderer.on_device():
+            looks = renderer.loaded(scene, camera, settings)
+            traced = yield from renderer.engines.lens.tracing(
+                renderer.engines.peeler,
+                looks,
+                view,
+                ray_pattern(settings.rays, looks.iris, seed=settings.seed, tiled=settings.tiled),
+                wavelengths=settings.wavelengths,
+                layers=settings.layers,
+                supersample=settings.supersample,
+                unlit=settings.shading == "unlit",
+            )
+            return renderer.frame_of(traced.color, view, looks, scene, settings)
+
+    def so_far(self, under: FloatArray) -> FloatArray:
+        """The picture that is being traced, where there are rays of it, over one that is there everywhere.
+
+        Args:
+            under: ``(h, w, 4)`` of any size.
+
+        Returns:
+            ``(height, width, 4)`` float32, premultiplied.
+        """
+        self._renderer.graphics.make_current()
+        picture, shares = self._renderer.engines.lens.so_far()
+        return np.where(shares > 0, picture, enlarged(under, picture.shape[1], picture.shape[0]))
+
+
+def enlarged(picture: FloatArray, width: int, height: int) -> FloatArray:
+    """A picture in more pixels, with straight lines between its own."""
+    rows, columns = picture.shape[:2]
+    for axis, (old, new) in enumerate(((rows, height), (columns, width))):
+        places = np.clip((np.arange(new) + 0.5) * old / new - 0.5, 0, old - 1)
+        low = np.minimum(places.astype(int), max(old - 2, 0))
+        share = (places - low).astype(np.float32).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        high = np.minimum(low + 1, old - 1)
+        picture = (1 - share) * picture.take(low, axis) + share * picture.take(high, axis)
+    return picture

@@ -24,6 +24,7 @@ from service.routes import (
     frames,
     lenses,
     libraries,
+    live,
     long_exposure,
     metering,
     photography,
@@ -75,9 +76,10 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(MetricsMiddleware)
     install_error_handlers(app)
     lens = (cameras, photography, metering, lenses, libraries)
-    for routes in (shots, edits, *lens, frames, long_exposure, focus, solving, curves):
+    for routes in (shots, edits, *lens, frames, live, long_exposure, focus, solving, curves):
         app.include_router(routes.router, prefix="/v1")
     app.include_router(system.router)
+    live.describe_messages(app)
     install_page(app, settings.static)
     return app
 

@@ -42,7 +42,14 @@ def serve(arguments: Sequence[str]) -> int:
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
     logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
-    server = uvicorn.Server(uvicorn.Config(create_app(settings), log_config=None, timeout_graceful_shutdown=5))
+    server = uvicorn.Server(
+        uvicorn.Config(
+            create_app(settings),
+            log_config=None,
+            timeout_graceful_shutdown=5,
+            ws_per_message_deflate=False,  # pictures are packed already
+        )
+    )
     with suppress(KeyboardInterrupt):  # the way in which people stop it
         server.run(sockets=[listener])
     return 0 if server.started else 1

@@ -15,6 +15,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -92,11 +93,26 @@ def status_of(error: PullfocusError) -> int:
     return next((status for kind, status in STATUS_OF_ERROR if isinstance(error, kind)), 500)
 
 
+def answer_to(error: Exception) -> JSONResponse:
+    """The answer to a request that failed with an error which is no fault of the program; a fault is raised again."""
+    match error:
+        case ServiceError():
+            return problem(error.status, error.code, error.detail, path=error.path, headers=error.headers)
+        case PullfocusError():
+            status = status_of(error)
+            headers = RETRY_AFTER if status == 503 else None
+            return problem(status, error.code, error.detail, path=error.path, headers=headers)
+        case RequestValidationError() | ValidationError():
+            found = [_finding(e) for e in error.errors()]
+            detail = "; ".join(f"{f['path']}: {f['detail']}" for f in found)
+            return problem(422, "invalid_request", detail, path=found[0]["path"] if found else None, errors=found)
+    raise error
+
+
 def install_error_handlers(app: FastAPI) -> None:
     """Answer every exception in the one shape."""
-    app.add_exception_handler(ServiceError, _service_error)
-    app.add_exception_handler(PullfocusError, _pullfocus_error)
-    app.add_exception_handler(RequestValidationError, _validation_error)
+    for known in (ServiceError, PullfocusError, RequestValidationError):
+        app.add_exception_handler(known, _known_error)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(OSError, _os_error)
     app.add_middleware(FaultMiddleware)
@@ -130,23 +146,8 @@ class FaultMiddleware:
             await problem(500, "internal", detail, path=scope["path"])(scope, receive, send)
 
 
-async def _service_error(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, ServiceError)
-    return problem(error.status, error.code, error.detail, path=error.path, headers=error.headers)
-
-
-async def _pullfocus_error(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, PullfocusError)
-    status = status_of(error)
-    headers = RETRY_AFTER if status == 503 else None
-    return problem(status, error.code, error.detail, path=error.path, headers=headers)
-
-
-async def _validation_error(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)
-    found = [_finding(e) for e in error.errors()]
-    detail = "; ".join(f"{f['path']}: {f['detail']}" for f in found)
-    return problem(422, "invalid_request", detail, path=found[0]["path"] if found else None, errors=found)
+async def _known_error(_: Request, error: Exception) -> JSONResponse:
+    return answer_to(error)
 
 
 def _finding(error: Mapping[str, Any]) -> dict[str, str]:

@@ -1,18 +1,21 @@
 """The door: who may ask, and how much they may send. A pure ASGI layer in front of everything.
 
 The service has no passwords: on its own machine it trusts whoever can reach 127.0.0.1. A web page from elsewhere runs
-in a browser that can, so two doors stay shut: requests under a host name that is not ours (DNS rebinding), and
-requests that change something and come from another site (the browser says so in ``Sec-Fetch-Site``).
+in a browser that can, so three doors stay shut: requests under a host name that is not ours (DNS rebinding), requests
+that change something and come from another site (the browser says so in ``Sec-Fetch-Site``), and WebSockets that a page of
+another site opens: browsers let it read what comes, and say in ``Origin`` whose page it is.
 """
 
 from __future__ import annotations
 
 import re
+from urllib.parse import urlsplit
 
 from fastapi import HTTPException
 from starlette.datastructures import Headers
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
 
 from service.errors import problem
 from service.settings import MEBIBYTE, Settings
@@ -22,6 +25,7 @@ MAX_JSON_BYTES = MEBIBYTE
 MAX_CURVE_BYTES = 32 * MEBIBYTE  # some ten thousand frames as OpenTrackIO samples, focus points and all
 # The multipart wrapping of an upload: boundaries, headers and the small fields.
 WRAPPING_BYTES = 64 * 1024
+TOO_LARGE_CODE = 1009  # RFC 6455, section 7.4.1
 UPLOAD_PATH = "/v1/shots"
 CURVE_PATH = re.compile(r"/v1/shots/[^/]+/focus-curve")
 
@@ -41,6 +45,9 @@ class GuardMiddleware:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request, or refuse it."""
+        if scope["type"] == "websocket":
+            await self._watch(scope, receive, send)
+            return
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -61,6 +68,30 @@ class GuardMiddleware:
 
         await self.app(scope, receive_counted, send)
 
+    async def _watch(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let one WebSocket in, or refuse it before it is one."""
+        headers = Headers(scope=scope)
+        refusal = self._foreign_host(headers)
+        origin = headers.get("origin")
+        if (
+            refusal is None
+            and origin is not None
+            and urlsplit(origin).netloc.lower() != headers.get("host", "").lower()
+        ):
+            refusal = problem(403, "cross_site", "A page of another site may not watch here.", path="origin")
+        if refusal is not None:
+            await WebSocket(scope, receive, send).send_denial_response(refusal)
+            return
+
+        async def receive_bounded() -> Message:
+            message = await receive()
+            if len(message.get("text") or message.get("bytes") or "") <= MAX_JSON_BYTES:
+                return message
+            await send({"type": "websocket.close", "code": TOO_LARGE_CODE, "reason": _too_large(MAX_JSON_BYTES)})
+            return {"type": "websocket.disconnect", "code": TOO_LARGE_CODE}
+
+        await self.app(scope, receive_bounded, send)
+
     def _limit(self, path: str) -> int:
         """How many bytes a request may send."""
         if path == UPLOAD_PATH:
@@ -68,16 +99,22 @@ class GuardMiddleware:
         return MAX_CURVE_BYTES + WRAPPING_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
 
     def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
-        host = re.sub(r":\d+$", "", headers.get("host", "")).lower()
-        if self._hosts and host not in self._hosts:
-            detail = f"The service does not answer to the name {host[:80]!r}."
-            return problem(421, "unknown_host", detail, path="host")
+        foreign = self._foreign_host(headers)
+        if foreign is not None:
+            return foreign
         if method not in SAFE_METHODS and headers.get("sec-fetch-site") == "cross-site":
             return problem(403, "cross_site", "A page of another site may change nothing here.", path="sec-fetch-site")
         length = headers.get("content-length", "0")
         if length.isdecimal() and int(length) > limit:
             return problem(413, "too_large", _too_large(limit), path="content-length")
         return None
+
+    def _foreign_host(self, headers: Headers) -> JSONResponse | None:
+        host = re.sub(r":\d+$", "", headers.get("host", "")).lower()
+        if not self._hosts or host in self._hosts:
+            return None
+        detail = f"The service does not answer to the name {host[:80]!r}."
+        return problem(421, "unknown_host", detail, path="host")
 
 
 def _too_large(limit: int) -> str:

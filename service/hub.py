@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, TypeVar
 
-from fastapi import Depends, Request
+from fastapi import Depends
+from starlette.requests import HTTPConnection
 
 from service.errors import ServiceError
 from service.exposing import Exposures
@@ -97,8 +98,8 @@ class Hub:
             self.pictures.submit(ForgetPictures(shot_id))
 
 
-def _hub(request: Request) -> Hub:
-    hub = request.app.state.hub
+def _hub(connection: HTTPConnection) -> Hub:
+    hub = connection.app.state.hub
     assert isinstance(hub, Hub)
     return hub
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -14,6 +14,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.lane import Lane
 
 BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)
+LIVE_BUCKETS_S = (0.03, 0.06, 0.09, 0.12, 0.18, 0.25, 0.4, 0.8, 1.6, 4)
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")
 LABELS = ("method", "route", "status")
 
@@ -33,6 +34,16 @@ class Metrics:
         self.frames = Counter(
             "pullfocus_frames", "Frames by where they came from.", ("source",), registry=self.registry
         )
+        self.live_pictures = Counter(
+            "pullfocus_live_pictures", "Live pictures by how good they are.", ("stage",), registry=self.registry
+        )
+        self.live_first = Histogram(
+            "pullfocus_live_first_picture_seconds",
+            "From a live request to its first picture.",
+            buckets=LIVE_BUCKETS_S,
+            registry=self.registry,
+        )
+        self.live_viewers = Gauge("pullfocus_live_viewers", "Open live connections.", registry=self.registry)
         self.registry.register(_LaneCollector(lanes))
 
     def text(self) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,14 @@ from service.store import ShotRecord
 
 if TYPE_CHECKING:
     from render.frame import FrameRenderer
+    from render.frame import Pick as SurfacePick
+    from render.progressive.driver import Progressive
+    from render.shot import Shot
     from render.shot.live import LiveFinisher
     from render.shot.long_exposure import LongExposure
+
+MAX_WATCHED = 2
+"""Shots of which the device holds what makes live pictures."""
 
 PICK_WIDTH = 2048
 """Pixels of the picture in which a place is looked up: finer than what anybody points at."""
@@ -30,6 +37,7 @@ class Darkroom:
 
     def __init__(self) -> None:
         self.opened = OpenedShots()
+        self._progressives: OrderedDict[str, tuple[Shot, Progressive]] = OrderedDict()
         self.exposures: dict[str, LongExposure] = {}  # the oldest first
 
     @cached_property
@@ -45,6 +53,31 @@ class Darkroom:
         from render.shot.live import LiveFinisher
 
         return LiveFinisher(self.renderer)
+
+    def progressive(self, shot_id: str, shot: Shot) -> Progressive:
+        """What makes live pictures of an opened shot, and holds what it needs for the next one.
+
+        Args:
+            shot_id: of the shot.
+            shot: as it is open now: what was made for it when it was open before is let go of.
+
+        Raises:
+            GraphicsError: no context can be made.
+        """
+        from render.progressive.driver import Progressive
+
+        of_shot, progressive = self._progressives.pop(shot_id, (None, None))
+        if progressive is None or of_shot is not shot:
+            progressive = Progressive(self.renderer, shot, self.live)
+        self._progressives[shot_id] = shot, progressive
+        if len(self._progressives) > MAX_WATCHED:
+            self._progressives.popitem(last=False)
+        return progressive
+
+    def forget(self, shot_id: str) -> None:
+        """Close a shot, if it is open, and let go of what was made of it."""
+        self.opened.forget(shot_id)
+        self._progressives.pop(shot_id, None)
 
 
 @dataclass(frozen=True)
@@ -64,7 +97,7 @@ class ForgetPictures:
 
     def run(self, room: Darkroom) -> None:
         """Close it."""
-        room.opened.forget(self.shot_id)
+        room.forget(self.shot_id)
 
 
 @dataclass(frozen=True)
@@ -136,15 +169,18 @@ class PickSurface:
             found = room.renderer.pick(scene, camera, asked.width, asked.height, asked.x, asked.y)
         if found is None:
             return Pick(hit=False)
-        target = (found.prim_path,) if found.prototype_path is None else (found.prim_path, found.prototype_path)
-        anchor = Anchor(
-            target=target,
-            face=found.face,
-            fan_triangle=found.fan_triangle,
-            barycentric=found.barycentric,
-            instance=found.instance,
-        )
-        return Pick(hit=True, anchor=anchor, depth_m=found.depth_m, position_m=found.position_m)
+        return Pick(hit=True, anchor=anchor_of(found), depth_m=found.depth_m, position_m=found.position_m)
+
+
+def anchor_of(found: SurfacePick) -> Anchor:
+    """What a focus point is made of that is to stick to a surface where it was picked."""
+    return Anchor(
+        target=(found.prim_path,) if found.prototype_path is None else (found.prim_path, found.prototype_path),
+        face=found.face,
+        fan_triangle=found.fan_triangle,
+        barycentric=found.barycentric,
+        instance=found.instance,
+    )
 
 
 @dataclass(frozen=True)

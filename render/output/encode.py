@@ -68,12 +68,12 @@ def encode_png(graded: FloatArray, metadata: FrameMetadata) -> bytes:
     return file_bytes(".png", [(spec, pixels)])
 
 
-def encode_jpeg(graded: FloatArray, metadata: FrameMetadata) -> bytes:
+def encode_jpeg(graded: FloatArray, metadata: FrameMetadata | None = None) -> bytes:
     """The graded picture as a JPEG of high quality, its colour at full resolution.
 
     Args:
         graded: ``(height, width, 3)`` display-referred, 0 to 1.
-        metadata: what the file says about the frame.
+        metadata: what the file says about the frame; None says nothing, for what is looked at and gone.
     """
     spec, pixels = _picture(graded, metadata)
     spec.attribute("compression", f"jpeg:{JPEG_QUALITY}")
@@ -91,12 +91,15 @@ def to_8_bit(graded: FloatArray) -> NDArray[np.uint8]:
     return levels
 
 
-def _picture(graded: FloatArray, metadata: FrameMetadata) -> tuple[OpenImageIO.ImageSpec, NDArray[np.uint8]]:
+def _picture(graded: FloatArray, metadata: FrameMetadata | None) -> tuple[OpenImageIO.ImageSpec, NDArray[np.uint8]]:
     """The 8-bit picture and its description."""
     if graded.ndim != 3 or graded.shape[2] != 3:
         raise SettingsError(f"a graded picture must be (height, width, 3), got {graded.shape}")
     height, width, _ = graded.shape
-    spec = described(OpenImageIO.ImageSpec(width, height, 3, "uint8"), metadata.exif_attributes())
+    spec = OpenImageIO.ImageSpec(width, height, 3, "uint8")
+    if metadata is None:
+        return spec, to_8_bit(graded)
+    spec = described(spec, metadata.exif_attributes())
     spec.attribute("Software", SOFTWARE)
     spec.attribute("ImageDescription", metadata.description)
     spec.attribute("oiio:ColorSpace", metadata.grade.picture_space_id)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
@@ -23,9 +23,10 @@ router = APIRouter(tags=["frames"])
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
 BINARY = {"schema": {"type": "string", "format": "binary"}}
+FINISH = {"film", "display", "view", "look"}
 
 
-class FrameQuery(Model):
+class PictureQuery(Model):
     """Which frame, and how it is rendered."""
 
     camera: PrimPath | None = Field(
@@ -91,6 +92,11 @@ class FrameQuery(Model):
         description="Looks of the configuration with commas between, in place of the shot's; empty for none.",
         examples=[""],
     )
+
+
+class FrameQuery(PictureQuery):
+    """Which frame, how it is rendered, and what comes of it."""
+
     format: Literal["png", "jpeg", "exr"] = Field(
         default="png", description="`exr` is scene-linear light, the others the graded picture.", examples=["png"]
     )
@@ -126,10 +132,10 @@ async def get_frame(
     if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
 ) -> Response:
     """One frame. Its `ETag` is made of everything that it depends on: same tag, same pixels."""
-    _check_size(query, hub.settings.max_picture_px)
+    check_size(query, hub.settings.max_picture_px)
     record = hub.store.get(shot)
     edits = record.edit_text()
-    tag = frame_tag(_inputs(record, edits, query) | {"run": hub.run_id})
+    tag = tag_of_frame(hub, record, edits, query)
     headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
     if matches(if_none_match, tag):
         hub.metrics.frames.labels("not_modified").inc()
@@ -143,9 +149,7 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
     if cached is not None:
         hub.metrics.frames.labels("cache").inc()
         return cached
-    finish = {"film", "display", "view", "look"}
-    settings = query.model_dump(exclude={"camera", "time", "height", "format", "live", "client", *finish})
-    asked = query.model_dump(include=finish)
+    settings, asked = settings_of(query), query.model_dump(include=FINISH)
     live = query.live and query.format != "exr"  # which holds light that is not finished
     work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format, asked, live)
     group = (query.client, record.id) if query.client else None
@@ -155,13 +159,23 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
     return picture
 
 
-def _inputs(record: ShotRecord, edits: str, query: FrameQuery) -> dict[str, object]:
-    """All that a picture depends on. A shot's files never change under its id, but a shot may be sent again."""
+def tag_of_frame(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery) -> str:
+    """The entity tag of a picture, made of all that it depends on: by it a picture lies in the cache.
+
+    A shot's files never change under its id, but a shot may be sent again.
+    """
     asked = query.model_dump(mode="json", exclude={"client"})
-    return asked | {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
+    shot = {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
+    return frame_tag(asked | shot | {"run": hub.run_id})
 
 
-def _check_size(query: FrameQuery, max_px: int) -> None:
+def settings_of(query: PictureQuery) -> dict[str, Any]:
+    """The fields of `render.frame.FrameSettings`, but for the height, that a query has."""
+    return query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH})
+
+
+def check_size(query: PictureQuery, max_px: int) -> None:
+    """Raises `ServiceError` 422 where more pixels are asked for than are rendered."""
     if query.width * (query.height or 1) > max_px:
         detail = f"A picture of {query.width} × {query.height} px was asked for; at most {max_px:,} px are rendered."
         raise ServiceError(422, "too_many_pixels", detail, path="query.width")

@@ -86,6 +86,7 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
         413: "More was sent, or unpacked, than is taken.",
         415: "What was sent is no file of the kinds that are taken.",
         422: "The request, or the stage that it is about, cannot be used; says why.",
+        426: "Ask for it over a WebSocket.",
         503: "Too many wait, or a worker died on this request; try again after `Retry-After`.",
         504: "It took too long and was ended.",
     }

@@ -40,6 +40,7 @@ PUT /v1/shots/{shot}/camera/film/keys/{attribute}, DELETE /v1/shots/{shot}/camer
 GET /v1/shots/{shot}/camera/grades, GET /v1/shots/{shot}/readout/exposure, GET /v1/shots/{shot}/meter,
 POST /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure, PATCH /v1/shots/{shot}/long-exposure,
 DELETE /v1/shots/{shot}/long-exposure, GET /v1/shots/{shot}/long-exposure/picture,
+GET /v1/shots/{shot}/live,
 GET /livez, GET /readyz, GET /metrics, GET /version
 """
 

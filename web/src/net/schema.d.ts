@@ -744,6 +744,38 @@ export interface paths {
         readonly patch?: never;
         readonly trace?: never;
     };
+    readonly "/v1/shots/{shot}/live": {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path?: never;
+            readonly cookie?: never;
+        };
+        /**
+         * Watch Upgraded
+         * @description A WebSocket at this address streams pictures that get better and better, until the exact one.
+         *
+         *     **You send** text. A `LiveRequest` asks for a picture; it takes the place of the request before, whose further pictures are not
+         *     made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly; without,
+         *     further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. An `edit` is tried in
+         *     these pictures and not kept: while a slider is dragged send the value along, and edit once it is let go. A `LiveAck` says that
+         *     a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept.
+         *
+         *     **You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
+         *     JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in the pictures of
+         *     an edit, and `LiveProblem`, why there is no picture.
+         *
+         *     Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`.
+         */
+        readonly get: operations["watch"];
+        readonly put?: never;
+        readonly post?: never;
+        readonly delete?: never;
+        readonly options?: never;
+        readonly head?: never;
+        readonly patch?: never;
+        readonly trace?: never;
+    };
     readonly "/v1/shots/{shot}/long-exposure": {
         readonly parameters: {
             readonly query?: never;
@@ -4429,6 +4461,334 @@ export interface components {
             readonly vignetting: readonly number[];
         };
         /**
+         * LiveAck
+         * @description Says that a picture has arrived, and with it all before it.
+         * @example {
+         *       "ack": 7
+         *     }
+         */
+        readonly LiveAck: {
+            /**
+             * Ack
+             * @description The `picture` of its head.
+             */
+            readonly ack: number;
+        };
+        /**
+         * LivePictureHead
+         * @description What stands before a picture.
+         * @example {
+         *       "final": false,
+         *       "format": "jpeg",
+         *       "height": 270,
+         *       "id": 3,
+         *       "picture": 7,
+         *       "stage": "preview",
+         *       "timing": {
+         *         "answeredMs": 84.5,
+         *         "blurMs": 24.2,
+         *         "encodeMs": 3.1,
+         *         "finishMs": 6.3,
+         *         "peelMs": 31,
+         *         "rays": 0,
+         *         "readMs": 9.1,
+         *         "scale": 0.5,
+         *         "share": 0,
+         *         "totalMs": 74
+         *       },
+         *       "width": 480
+         *     }
+         */
+        readonly LivePictureHead: {
+            /**
+             * Final
+             * @description Whether it is the last of its request: the one that `getFrame` and `record` give.
+             */
+            readonly final: boolean;
+            /**
+             * Format
+             * @description What follows; a final picture is lossless.
+             * @enum {string}
+             */
+            readonly format: "jpeg" | "png";
+            /**
+             * Height
+             * @description px
+             */
+            readonly height: number;
+            /**
+             * Id
+             * @description Of the request.
+             */
+            readonly id: number;
+            /**
+             * Picture
+             * @description Counts the pictures of this connection, for `ack`.
+             */
+            readonly picture: number;
+            /**
+             * Stage
+             * @description `preview`: the best that could be had in time. `refining`: more rays than before. `final`: the whole of it.
+             * @enum {string}
+             */
+            readonly stage: "preview" | "refining" | "final";
+            readonly timing: components["schemas"]["LiveTiming"];
+            /**
+             * Width
+             * @description px; less than was asked for in a preview.
+             */
+            readonly width: number;
+        };
+        /**
+         * LiveProblem
+         * @description Why a request has no picture, or no further one.
+         */
+        readonly LiveProblem: {
+            /**
+             * Id
+             * @description Of the request; null where what was sent is none.
+             */
+            readonly id: number | null;
+            readonly problem: components["schemas"]["Problem"];
+            /**
+             * Status
+             * @description The HTTP status that the same problem has elsewhere.
+             */
+            readonly status: number;
+        };
+        /**
+         * LiveReadout
+         * @description What the lens does in the picture of a request that had an edit with it.
+         */
+        readonly LiveReadout: {
+            /**
+             * Id
+             * @description Of the request.
+             */
+            readonly id: number;
+            readonly readout: components["schemas"]["Readout"];
+        };
+        /**
+         * LiveRequest
+         * @description Asks for a picture, in place of what was asked for before.
+         */
+        readonly LiveRequest: {
+            /**
+             * Budgetms
+             * @description What the first picture may take.
+             * @default 100
+             * @example 100
+             */
+            readonly budgetMs?: number;
+            /**
+             * Camera
+             * @description Prim path; the shot's default camera when left out.
+             * @default null
+             * @example /World/Camera
+             */
+            readonly camera?: string | null;
+            /**
+             * Display
+             * @description Of the OpenColorIO configuration, in place of the shot's.
+             * @default null
+             * @example sRGB - Display
+             */
+            readonly display?: string | null;
+            /**
+             * @description What is tried in these pictures, and not kept.
+             * @default null
+             */
+            readonly edit?: components["schemas"]["UnsavedEdit"] | null;
+            /**
+             * Engine
+             * @description `lens` traces peeled layers, `flag` blurs one picture, `accumulation` renders once for each ray, `pinhole` has all sharp.
+             * @default lens
+             * @example lens
+             * @enum {string}
+             */
+            readonly engine?: "lens" | "flag" | "accumulation" | "pinhole";
+            /**
+             * Film
+             * @description Shoots it on this stock of the film library; what the shot says when left out.
+             * @default null
+             * @example velvia_50
+             */
+            readonly film?: string | null;
+            /**
+             * Height
+             * @description px; from the camera's film gate when left out.
+             * @default null
+             * @example 540
+             */
+            readonly height?: number | null;
+            /**
+             * Id
+             * @description Names the request in what comes of it.
+             * @example 3
+             */
+            readonly id: number;
+            /**
+             * Layers
+             * @description Layers peeled at most.
+             * @default 4
+             * @example 4
+             */
+            readonly layers?: number;
+            /**
+             * Look
+             * @description Looks of the configuration with commas between, in place of the shot's; empty for none.
+             * @default null
+             * @example
+             */
+            readonly look?: string | null;
+            /**
+             * Motion
+             * @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion.
+             * @default 1
+             * @example 1
+             */
+            readonly motion?: number;
+            /**
+             * Motionby
+             * @description `moments` draws the scene at each of them, which is exact; `velocities` draws it once, and things move straight on over the opening: much quicker.
+             * @default moments
+             * @example velocities
+             * @enum {string}
+             */
+            readonly motionBy?: "moments" | "velocities";
+            /**
+             * Moving
+             * @description While a hand moves: one picture, as good as comes in time. Else they get better until the final one.
+             * @default false
+             * @example true
+             */
+            readonly moving?: boolean;
+            /**
+             * Rays
+             * @description Lens rays for each pixel.
+             * @default 100
+             * @example 100
+             */
+            readonly rays?: number;
+            /**
+             * Seed
+             * @description Of the sampling pattern.
+             * @default 0
+             * @example 0
+             */
+            readonly seed?: number;
+            /**
+             * Shading
+             * @description `unlit`: base colour as radiance.
+             * @default lit
+             * @example lit
+             * @enum {string}
+             */
+            readonly shading?: "lit" | "unlit";
+            /**
+             * Supersample
+             * @description Layer pixels for each picture pixel.
+             * @default 2
+             * @example 2
+             */
+            readonly supersample?: number;
+            /**
+             * Time
+             * @description USD time code.
+             * @example 24
+             */
+            readonly time: number;
+            /**
+             * View
+             * @description Of the display, in place of the shot's.
+             * @default null
+             * @example Raw
+             */
+            readonly view?: string | null;
+            /**
+             * Wavelengths
+             * @description Of light, traced through a lens that has colour errors: 3 is one for each channel, more a smoother spectrum, 1 leaves colour errors out.
+             * @default 3
+             * @example 3
+             */
+            readonly wavelengths?: number;
+            /**
+             * Width
+             * @description px
+             * @default 960
+             * @example 960
+             */
+            readonly width?: number;
+        };
+        /**
+         * LiveTiming
+         * @description What a picture took, in milliseconds, and what went into it.
+         * @example {
+         *       "answeredMs": 84.5,
+         *       "blurMs": 24.2,
+         *       "encodeMs": 3.1,
+         *       "finishMs": 6.3,
+         *       "peelMs": 31,
+         *       "rays": 0,
+         *       "readMs": 9.1,
+         *       "scale": 0.5,
+         *       "share": 0,
+         *       "totalMs": 74
+         *     }
+         */
+        readonly LiveTiming: {
+            /**
+             * Answeredms
+             * @description From when the service had the request to when it had this picture to send.
+             */
+            readonly answeredMs: number;
+            /**
+             * Blurms
+             * @description To blur them, or to trace rays through them.
+             */
+            readonly blurMs: number;
+            /**
+             * Encodems
+             * @description To make a file of it.
+             */
+            readonly encodeMs: number;
+            /**
+             * Finishms
+             * @description To expose, develop and grade.
+             */
+            readonly finishMs: number;
+            /**
+             * Peelms
+             * @description To peel the layers; 0 where those of a picture before still held.
+             */
+            readonly peelMs: number;
+            /**
+             * Rays
+             * @description Lens rays for each pixel so far; 0 where a picture was blurred instead.
+             */
+            readonly rays: number;
+            /**
+             * Readms
+             * @description To read the scene and focus the camera.
+             */
+            readonly readMs: number;
+            /**
+             * Scale
+             * @description Pixels of this picture for each that was asked for, along a side.
+             */
+            readonly scale: number;
+            /**
+             * Share
+             * @description Of the final picture's work that is done.
+             */
+            readonly share: number;
+            /**
+             * Totalms
+             * @description From when the work was begun to when this picture was there.
+             */
+            readonly totalMs: number;
+        };
+        /**
          * LongExposureBegin
          * @description What is exposed, and how finely.
          * @example {
@@ -5353,6 +5713,90 @@ export interface components {
              * @default 0
              */
             readonly outWidth?: number;
+        };
+        /**
+         * UnsavedEdit
+         * @description What is tried in one picture and not kept: each part is the body of the request that would edit it for good.
+         * @example {
+         *       "camera": {
+         *         "focusDistanceM": 3.5
+         *       },
+         *       "places": {
+         *         "driver": [
+         *           0.43,
+         *           0.55
+         *         ]
+         *       }
+         *     }
+         */
+        readonly UnsavedEdit: {
+            /**
+             * @description As `editCamera` takes it.
+             * @default null
+             */
+            readonly camera?: components["schemas"]["CameraEdit"] | null;
+            /**
+             * @description As `editExposureSettings` takes it.
+             * @default null
+             */
+            readonly exposure?: components["schemas"]["ExposureSettingsEdit"] | null;
+            /**
+             * @description As `editFilmSettings` takes it.
+             * @default null
+             */
+            readonly film?: components["schemas"]["FilmSettingsEdit"] | null;
+            /**
+             * @description As `editFocusSettings` takes it.
+             * @default null
+             */
+            readonly focus?: components["schemas"]["FocusSettingsEdit"] | null;
+            /**
+             * Keys
+             * @description Keys of focus points, as `setKey` takes them.
+             * @default []
+             */
+            readonly keys?: readonly components["schemas"]["UnsavedKey"][];
+            /**
+             * Places
+             * @description Focus points that are put on what is seen at a place, from (0, 0) in the picture's top left corner to (1, 1) in the bottom right one; where nothing is seen they stay.
+             * @default {}
+             */
+            readonly places?: {
+                readonly [key: string]: readonly [
+                    number,
+                    number
+                ];
+            };
+            /**
+             * Points
+             * @description Focus points by name, each as `editFocusPoint` takes it.
+             * @default {}
+             */
+            readonly points?: {
+                readonly [key: string]: components["schemas"]["FocusPointEdit"];
+            };
+        };
+        /**
+         * UnsavedKey
+         * @description A key of a focus point.
+         * @example {
+         *       "attribute": "weight",
+         *       "key": {
+         *         "time": 24,
+         *         "value": 0.5
+         *       },
+         *       "point": "driver"
+         *     }
+         */
+        readonly UnsavedKey: {
+            /**
+             * Attribute
+             * @enum {string}
+             */
+            readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
+            readonly key: components["schemas"]["KeyEdit"];
+            /** Point */
+            readonly point: string;
         };
         /**
          * ValidationFinding
@@ -8689,6 +9133,45 @@ export interface operations {
             };
             /** @description It took too long and was ended. */
             readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly watch: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: never;
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody?: never;
+        readonly responses: {
+            /** @description From here on it is a WebSocket. */
+            readonly 101: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Ask for it over a WebSocket. */
+            readonly 426: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

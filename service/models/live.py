@@ -1,0 +1,133 @@
+"""Live pictures: what travels over the WebSocket beside the pictures themselves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+from pydantic.config import JsonDict
+
+from service.models.base import Model, PointName, Problem, Ratio, shown_as
+from service.models.cameras import CameraEdit, Readout
+from service.models.exposure import ExposureSettingsEdit
+from service.models.film_settings import FilmSettingsEdit
+from service.models.focus import FocusPointEdit, KeyedAttribute, KeyEdit
+from service.models.solving import FocusSettingsEdit
+
+MOST_POINTS = 64
+
+TIMING_EXAMPLE: JsonDict = {
+    "readMs": 9.1,
+    "peelMs": 31.0,
+    "blurMs": 24.2,
+    "finishMs": 6.3,
+    "totalMs": 74.0,
+    "encodeMs": 3.1,
+    "answeredMs": 84.5,
+    "rays": 0,
+    "scale": 0.5,
+    "share": 0.0,
+}
+
+Stage = Literal["preview", "refining", "final"]
+
+
+class UnsavedKey(Model):
+    """A key of a focus point."""
+
+    model_config = shown_as({"point": "driver", "attribute": "weight", "key": {"time": 24, "value": 0.5}})
+
+    point: PointName
+    attribute: KeyedAttribute
+    key: KeyEdit
+
+
+class UnsavedEdit(Model):
+    """What is tried in one picture and not kept: each part is the body of the request that would edit it for good."""
+
+    model_config = shown_as({"camera": {"focusDistanceM": 3.5}, "places": {"driver": [0.43, 0.55]}})
+
+    camera: CameraEdit | None = Field(default=None, description="As `editCamera` takes it.")
+    focus: FocusSettingsEdit | None = Field(default=None, description="As `editFocusSettings` takes it.")
+    exposure: ExposureSettingsEdit | None = Field(default=None, description="As `editExposureSettings` takes it.")
+    film: FilmSettingsEdit | None = Field(default=None, description="As `editFilmSettings` takes it.")
+    points: dict[PointName, FocusPointEdit] = Field(
+        default={}, max_length=MOST_POINTS, description="Focus points by name, each as `editFocusPoint` takes it."
+    )
+    keys: tuple[UnsavedKey, ...] = Field(
+        default=(), max_length=MOST_POINTS, description="Keys of focus points, as `setKey` takes them."
+    )
+    places: dict[PointName, tuple[Ratio, Ratio]] = Field(
+        default={},
+        max_length=MOST_POINTS,
+        description="Focus points that are put on what is seen at a place, from (0, 0) in the picture's top left corner to "
+        "(1, 1) in the bottom right one; where nothing is seen they stay.",
+    )
+
+
+class LiveAck(Model):
+    """Says that a picture has arrived, and with it all before it."""
+
+    model_config = shown_as({"ack": 7})
+
+    ack: Annotated[int, Field(ge=0)] = Field(description="The `picture` of its head.")
+
+
+class LiveTiming(Model):
+    """What a picture took, in milliseconds, and what went into it."""
+
+    model_config = shown_as(TIMING_EXAMPLE)
+
+    read_ms: float = Field(description="To read the scene and focus the camera.")
+    peel_ms: float = Field(description="To peel the layers; 0 where those of a picture before still held.")
+    blur_ms: float = Field(description="To blur them, or to trace rays through them.")
+    finish_ms: float = Field(description="To expose, develop and grade.")
+    total_ms: float = Field(description="From when the work was begun to when this picture was there.")
+    encode_ms: float = Field(description="To make a file of it.")
+    answered_ms: float = Field(description="From when the service had the request to when it had this picture to send.")
+    rays: int = Field(description="Lens rays for each pixel so far; 0 where a picture was blurred instead.")
+    scale: float = Field(description="Pixels of this picture for each that was asked for, along a side.")
+    share: float = Field(description="Of the final picture's work that is done.")
+
+
+class LivePictureHead(Model):
+    """What stands before a picture."""
+
+    model_config = shown_as(
+        {
+            "id": 3,
+            "picture": 7,
+            "stage": "preview",
+            "final": False,
+            "format": "jpeg",
+            "width": 480,
+            "height": 270,
+            "timing": TIMING_EXAMPLE,
+        }
+    )
+
+    id: int = Field(description="Of the request.")
+    picture: int = Field(description="Counts the pictures of this connection, for `ack`.")
+    stage: Stage = Field(
+        description="`preview`: the best that could be had in time. `refining`: more rays than before. `final`: the whole of it."
+    )
+    final: bool = Field(description="Whether it is the last of its request: the one that `getFrame` and `record` give.")
+    format: Literal["jpeg", "png"] = Field(description="What follows; a final picture is lossless.")
+    width: int = Field(description="px; less than was asked for in a preview.")
+    height: int = Field(description="px")
+    timing: LiveTiming
+
+
+class LiveReadout(Model):
+    """What the lens does in the picture of a request that had an edit with it."""
+
+    id: int = Field(description="Of the request.")
+    readout: Readout
+
+
+class LiveProblem(Model):
+    """Why a request has no picture, or no further one."""
+
+    id: int | None = Field(description="Of the request; null where what was sent is none.")
+    status: int = Field(description="The HTTP status that the same problem has elsewhere.")
+    problem: Problem

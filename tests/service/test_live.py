@@ -1,0 +1,325 @@
+"""Live pictures over a WebSocket: quick ones first, the exact one in the end, the newest request before all others."""
+
+from __future__ import annotations
+
+import json
+import struct
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import until
+from PIL import Image
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+WAIT_S = 60
+SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
+SLOW = SMALL | {"width": 640, "height": 360, "rays": 400}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as it came."""
+
+    head: dict[str, Any]
+    data: bytes
+
+    @property
+    def pixels(self) -> np.ndarray:
+        return np.asarray(Image.open(BytesIO(self.data)).convert("RGB"), np.int16)
+
+
+class Watching:
+    """A viewer's end of the socket, which says that a picture has come as soon as it has."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.acks = True
+
+    def ask(self, **asked: object) -> None:
+        self.socket.send(json.dumps(SMALL | asked))
+
+    def hear(self) -> Picture | dict[str, Any]:
+        said = self.socket.recv(WAIT_S)
+        if isinstance(said, str):
+            return json.loads(said)
+        (size,) = struct.unpack_from(">I", said)
+        picture = Picture(json.loads(said[4 : 4 + size]), said[4 + size :])
+        if self.acks:
+            self.socket.send(json.dumps({"ack": picture.head["picture"]}))
+        return picture
+
+    def until_final(self, request: int) -> list[Picture]:
+        """All pictures from here to the final one of a request."""
+        pictures: list[Picture] = []
+        while not pictures or not (pictures[-1].head["final"] and pictures[-1].head["id"] == request):
+            heard = self.hear()
+            assert isinstance(heard, Picture), heard
+            pictures.append(heard)
+        return pictures
+
+    def problem(self) -> dict[str, Any]:
+        heard = self.hear()
+        assert isinstance(heard, dict)
+        assert heard["problem"]["detail"]
+        return heard
+
+
+@contextmanager
+def opened(client, shot: str, **headers: str) -> Iterator[Watching]:
+    address = f"ws://{client.base_url.host}:{client.base_url.port}/v1/shots/{shot}/live"
+    with connect(address, additional_headers=headers, compression=None, max_size=None) as socket:
+        yield Watching(socket)
+
+
+@pytest.fixture
+def live(client, room) -> Iterator[Watching]:
+    with opened(client, room) as watching:
+        yield watching
+
+
+def frame(client, shot, **asked):
+    return client.get(f"/v1/shots/{shot}/frame", params=SMALL | asked).content
+
+
+def test_at_rest_pictures_get_better_until_the_one_that_http_gives(client, room, live):
+    live.ask(id=1, time=12)
+    pictures = live.until_final(1)
+    stages = [picture.head["stage"] for picture in pictures]
+    assert stages[0] == "preview"
+    assert stages[-1] == "final"
+    assert [picture.head["picture"] for picture in pictures] == list(range(1, len(pictures) + 1))
+    assert all(picture.head["format"] == "jpeg" for picture in pictures[:-1])
+    assert pictures[-1].data == frame(client, room, time=12)
+    for picture in pictures:
+        assert picture.pixels.shape == (picture.head["height"], picture.head["width"], 3)
+        assert picture.head["timing"]["answeredMs"] > 0
+
+
+def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
+    file = frame(client, room, time=5)
+    live.ask(id=1, time=5)
+    (picture,) = live.until_final(1)
+    assert (picture.head["width"], picture.head["height"], picture.data == file) == (96, 54, True)
+    live.ask(id=2, time=6)
+    live.until_final(2)
+    rendered = service.hub.metrics.frames.labels("rendered")._value.get()
+    frame(client, room, time=6)
+    assert service.hub.metrics.frames.labels("rendered")._value.get() == rendered
+
+
+def test_while_a_hand_moves_there_is_one_picture_of_each_request_that_is_begun(live):
+    live.ask(id=1, moving=True)
+    first = live.hear()
+    assert (first.head["id"], first.head["stage"], first.head["format"]) == (1, "preview", "jpeg")
+    live.ask(id=2, moving=True, time=2)
+    assert live.hear().head["id"] == 2
+
+
+def test_the_newest_request_wins_over_one_that_is_at_work(live):
+    live.ask(id=1, **SLOW)
+    assert live.hear().head["id"] == 1
+    began_s = time.monotonic()
+    for number in range(2, 6):
+        live.ask(id=number, moving=True, time=number)
+    heard = [live.hear()]
+    while heard[-1].head["id"] != 5:
+        heard.append(live.hear())
+    assert time.monotonic() - began_s < 20
+    assert not any(picture.head["final"] for picture in heard)
+    assert [picture.head["id"] for picture in heard] == sorted(picture.head["id"] for picture in heard)
+
+
+def test_at_most_two_pictures_are_on_their_way_and_the_newest_of_the_others_is_kept(live):
+    live.acks = False
+    for number in range(1, 6):
+        live.ask(id=number, moving=True, time=number)
+        if number <= 2:
+            assert live.hear().head["picture"] == number
+        else:
+            with pytest.raises(TimeoutError):
+                live.socket.recv(1.0)
+    live.socket.send('{"ack": 1}')
+    late = live.hear()
+    assert (late.head["id"], late.head["picture"]) == (5, 3)
+
+
+def test_what_is_tried_is_seen_and_not_kept(client, room, live):
+    before = client.get(f"/v1/shots/{room}").json()["revision"]
+    live.ask(id=1, edit={"camera": {"fStop": 1, "focusDistanceM": 8}})
+    heard = [live.hear()]
+    while not (isinstance(heard[-1], Picture) and heard[-1].head["final"]):
+        heard.append(live.hear())
+    (said,) = (words for words in heard if isinstance(words, dict))
+    assert (said["id"], said["readout"]["focusDistanceM"], said["readout"]["fStop"]) == (1, 8, 1)
+    assert client.get(f"/v1/shots/{room}").json()["revision"] == before
+    saved = frame(client, room)
+    client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
+    assert heard[-1].data == frame(client, room) != saved
+
+
+def test_every_kind_of_edit_can_be_tried(client, room, live):
+    anchor = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
+    client.post(f"/v1/shots/{room}/focus-points", params={"time": 1}, json={"name": "a"} | anchor.json()["anchor"])
+    client.patch(f"/v1/shots/{room}/camera", json={"focusMode": "points"})
+    plain = live_picture(live, 1)
+    tried = {
+        "camera": {"focalLengthMm": 30},
+        "focus": {"mode": "manual", "tiltDeg": 20},
+        "exposure": {"iso": 1600},
+        "film": {"stock": "tri_x"},
+        "points": {"a": {"kind": "soft", "blurMm": 1}},
+        "keys": [{"point": "a", "attribute": "blur", "key": {"time": 1, "value": 0}}],
+    }
+    for number, (kind, edit) in enumerate(tried.items(), 2):
+        if kind == "keys":
+            client.patch(f"/v1/shots/{room}/focus-points/a", params={"time": 1}, json={"kind": "soft", "blurMm": 1})
+            plain = live_picture(live, 100)
+        assert (live_picture(live, number, edit={kind: edit}) != plain).any(), kind
+
+
+def live_picture(live: Watching, number: int, **asked: object) -> np.ndarray:
+    """The final picture of a request."""
+    live.ask(id=number, **asked)
+    while True:
+        heard = live.hear()
+        if isinstance(heard, Picture) and heard.head["final"] and heard.head["id"] == number:
+            return heard.pixels
+        assert isinstance(heard, Picture) or "readout" in heard, heard
+
+
+def test_a_focus_point_is_tried_where_it_is_dragged_to(client, room, live):
+    anchor = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
+    client.post(f"/v1/shots/{room}/focus-points", params={"time": 1}, json={"name": "a"} | anchor.json()["anchor"])
+    client.patch(f"/v1/shots/{room}/camera", json={"focusMode": "points"})
+    focused = {}
+    for number, x in enumerate((0.1, 0.9)):
+        live.ask(id=number, moving=True, edit={"places": {"a": [x, 0.5]}})
+        assert live.hear().head["id"] == number
+        focused[x] = live.hear()["readout"]["focusDistanceM"]
+    assert focused == {0.1: pytest.approx(3, abs=0.01), 0.9: pytest.approx(8, abs=0.01)}
+    live.ask(id=9, moving=True, edit={"places": {"a": [0.45, 0.02]}})  # where there is nothing it stays
+    assert live.hear().head["id"] == 9
+    assert live.hear()["readout"]["focusDistanceM"] == pytest.approx(3, abs=0.01)
+
+
+def test_a_pick_does_not_wait_for_a_picture_that_takes_long(service, client, room, live):
+    live.ask(id=1, **SLOW)
+    assert live.hear().head["id"] == 1
+    picked = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
+    assert picked.json()["hit"] is True
+    live.ask(id=2)
+    pictures = live.until_final(2)
+    assert not any(picture.head["final"] for picture in pictures if picture.head["id"] == 1)
+
+
+def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live):
+    live.ask(id=1, width=480, height=270, rays=64)
+    assert live.hear().head["stage"] == "preview"
+    for seed in range(3):
+        frame(client, room, seed=seed, engine="pinhole")
+    rest = live.until_final(1)
+    assert "preview" not in [picture.head["stage"] for picture in rest]
+    rays = [picture.head["timing"]["rays"] for picture in rest]
+    assert rays == sorted(rays)
+
+
+@pytest.mark.parametrize(
+    ("said", "status", "code", "path"),
+    [
+        ("no json", 422, "invalid_request", None),
+        ("[1]", 422, "invalid_request", None),
+        (b"\x00", 422, "invalid_request", None),
+        ('{"ack": "all"}', 422, "invalid_request", "ack"),
+        (json.dumps({"id": 3, "time": "soon"}), 422, "invalid_request", "time"),
+        (json.dumps({"id": 3, "time": 1, "tiem": 1}), 422, "invalid_request", "tiem"),
+        (json.dumps({"id": 3, "time": 1, "edit": {"camera": {"fStop": -1}}}), 422, "invalid_request", "edit.camera.fStop"),
+        (json.dumps({"id": 3, "time": 1, "width": 8192, "height": 8192}), 422, "too_many_pixels", "query.width"),
+        (json.dumps(SMALL | {"id": 3, "camera": "/no/camera"}), 422, "no_such_camera", "/no/camera"),
+        (json.dumps(SMALL | {"id": 3, "edit": {"points": {"nobody": {"weight": 1}}}}), 404, "not_found", "/World/cam"),
+    ],
+)  # fmt: skip
+def test_a_request_that_cannot_be_used_is_told_in_the_one_shape_and_the_next_one_is_answered(
+    live, said, status, code, path
+):
+    live.socket.send(said)
+    told = live.problem()
+    assert told["status"] == status
+    assert set(told["problem"]) == {"code", "detail", "path", "errors"}
+    assert (told["problem"]["code"], told["problem"]["path"]) == (code, path)
+    assert told["id"] == (3 if isinstance(said, str) and '"id": 3' in said else None)
+    live.ask(id=4, moving=True)
+    assert live.hear().head["id"] == 4
+
+
+def test_a_shot_that_is_not_there_is_told(client):
+    with opened(client, "none") as live:
+        live.ask(id=1)
+        told = live.problem()
+    assert (told["id"], told["status"], told["problem"]["code"]) == (1, 404, "shot_not_found")
+
+
+def test_whoever_goes_away_leaves_no_work_behind(service, client, room):
+    with opened(client, room) as live:
+        live.ask(id=1, **(SLOW | {"rays": 4000}))
+        live.hear()
+        assert service.hub.pictures.busy
+    began_s = time.monotonic()
+    until(lambda: not service.hub.pictures.busy)
+    assert time.monotonic() - began_s < 15
+    until(lambda: service.hub.metrics.live_viewers._value.get() == 0)
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"Origin": "https://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+    ],
+)
+def test_a_page_of_another_site_may_not_watch(client, room, headers, status):
+    with pytest.raises(InvalidStatus) as refused, opened(client, room, **headers):
+        pass
+    assert refused.value.response.status_code == status
+    assert set(json.loads(refused.value.response.body)) == {"code", "detail", "path", "errors"}
+
+
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:8000"])
+def test_nobody_watches_under_a_foreign_host_name(client, room, host):
+    asked = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    key = {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Host": host, "Origin": f"http://{host}"}
+    answer = client.get(f"/v1/shots/{room}/live", headers=asked | key)
+    assert (answer.status_code, answer.json()["code"]) == (421, "unknown_host")
+
+
+def test_our_own_page_may(client, room):
+    with opened(client, room, Origin=str(client.base_url).rstrip("/")) as live:
+        live.ask(id=1, moving=True)
+        assert live.hear().head["id"] == 1
+
+
+def test_more_than_is_taken_ends_the_connection(live):
+    live.socket.send(json.dumps({"id": 1, "time": 1, "look": "x" * 2**20}))
+    with pytest.raises(ConnectionClosed) as closed:
+        live.hear()
+    assert closed.value.rcvd.code == 1009
+
+
+def test_who_comes_without_a_websocket_is_told(client, room):
+    answer = client.get(f"/v1/shots/{room}/live")
+    assert (answer.status_code, answer.json()["code"]) == (426, "upgrade_required")
+
+
+def test_viewers_are_counted(client, room, live):
+    live.ask(id=1, moving=True)
+    live.hear()
+    text = client.get("/metrics").text
+    assert "pullfocus_live_viewers 1.0" in text
+    assert 'pullfocus_live_pictures_total{stage="preview"}' in text
+    assert "pullfocus_live_first_picture_seconds_bucket" in text

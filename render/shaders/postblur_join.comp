@@ -27,8 +27,8 @@ void main()
         front += textureLod(near_wide, place, 0.0);
     }
     vec3 sharp = texelFetch(far_sharp, at, 0).rgb;
-    // what is hidden and would be seen around an edge is unknown: the light is that of what is known
-    vec3 light = behind.a > 0.0 ? behind.rgb / behind.a : sharp;
+    // what is hidden and would be seen around an edge is unknown: the light is that of what is known, before it if need be
+    vec3 light = behind.a > 0.0 ? behind.rgb / behind.a : front.a > 0.0 ? front.rgb / front.a : sharp;
     // and the blur of what lies behind it does not reach over what is in focus
     light = mix(sharp, light, smoothstep(0.5, 1.5, texelFetch(radii, at, 0).g));
     float cover = min(front.a, 1.0);

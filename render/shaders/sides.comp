@@ -22,6 +22,8 @@ uniform float pupil_px;             // radius of the entrance pupil times the fo
 uniform float most_px;              // largest radius that is blurred
 uniform int layers;
 
+const float OPAQUE = 0.999;
+
 float stored_w(ivec2 pixel, int layer)
 {
     return layer < 4 ? texelFetch(packed_w, pixel, 0)[layer] : texelFetch(packed_w_far, pixel, 0)[layer - 4];
@@ -34,8 +36,8 @@ void main()
     vec2 place = vec2(pixel) + 0.5;
     vec2 focused = is_mapped ? texelFetch(focal_map, pixel, 0).xy : vec2(focus.x + dot(focus.yz, place), 1.0);
     float reach = pupil_px * focused.y;
-    vec4 front = vec4(0.0), back = vec4(0.0);
-    float front_px = 0.0, back_px = reach * focused.x;
+    vec4 front = vec4(0.0), between = vec4(0.0), back = vec4(0.0);
+    float front_px = 0.0, between_px = 0.0, back_px = reach * focused.x;
     for (int layer = 0; layer < layers; ++layer) {
         float w = stored_w(pixel, layer);
         if (w == 0.0) break;
@@ -43,16 +45,25 @@ void main()
         if (w > 0.0) surface.a = 1.0;
         vec4 light = vec4(surface.rgb, 1.0) * surface.a;
         float radius = reach * (abs(w) - focused.x);
-        if (radius > 0.0) {
+        if (radius > 0.0 && front.a < OPAQUE) {
             if (front.a == 0.0) front_px = radius;
             front += (1.0 - front.a) * light;
+        } else if (radius > 0.5 * front_px) {
+            // about as near as what hides it, and hidden where that is seen through
+            if (between.a == 0.0) between_px = radius;
+            between += (1.0 - between.a) * light;
         } else {
-            if (back.a == 0.0) back_px = -radius;
+            if (back.a == 0.0) back_px = abs(radius);
             back += (1.0 - back.a) * light;
-            if (back.a > 0.999) break;
+            if (back.a >= OPAQUE) break;
         }
     }
-    back += (1.0 - back.a) * vec4(texelFetch(background, pixel, 0).rgb, 1.0);
+    if (back.a == 0.0 && between.a > 0.0) {
+        back = between;
+        back_px = between_px;
+    }
+    // where something near hides all that the layers know, the background is no more likely than what is around it
+    if (front.a < OPAQUE || back.a > 0.0) back += (1.0 - back.a) * vec4(texelFetch(background, pixel, 0).rgb, 1.0);
     imageStore(near, pixel, front);
     imageStore(far, pixel, back);
     imageStore(radii, pixel, vec4(min(front_px, most_px), min(abs(back_px), most_px), 0.0, 0.0));

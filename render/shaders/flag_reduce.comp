@@ -8,7 +8,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D reduced;
 layout(rg32f, binding = 1) uniform writeonly image2D reduced_radii;
 
-#include "flag_split.glsl"
+#include "flag_window.glsl"
 
 uniform sampler2D light;
 uniform sampler2D radii;
@@ -25,7 +25,7 @@ void main()
         ivec2 pixel = at * shrink + ivec2(i % shrink, i / shrink);
         if (any(greaterThanEqual(pixel, size))) continue;
         float px = texelFetch(radii, pixel, 0)[channel];
-        vec4 from = texelFetch(light, pixel, 0) * wide_share(px);
+        vec4 from = texelFetch(light, pixel, 0) * window_share(px);
         total += from;
         radius += from.a * px;
     }

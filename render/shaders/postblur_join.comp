@@ -1,6 +1,6 @@
 #version 450 core
-// Joins what is blurred in front of the focus with what is blurred behind it.
-// in:  both fields blurred (light and how much there is of it), and what of them is blurred at less resolution; the far field sharp, and
+// Joins what is blurred in front of the focus with what is blurred behind it: the little blurred over what is blurred more.
+// in:  the parts blurred (light and how much there is of it), and what of them is blurred at less resolution; the far side sharp, and
 //      its radii
 // out: `picture`: radiance premultiplied by coverage, coverage
 
@@ -8,30 +8,43 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D picture;
 
 uniform sampler2D near;
+uniform sampler2D middle;
 uniform sampler2D far;
 uniform sampler2D near_wide;
+uniform sampler2D middle_wide;
 uniform sampler2D far_wide;
-uniform bool is_split;
-uniform vec2 wide_px;           // pixels of the picture that those cover
+uniform vec2 near_wide_px;      // pixels of the picture that those cover; 0 where there is none
+uniform vec2 middle_wide_px;
+uniform vec2 far_wide_px;
 uniform sampler2D far_sharp;
 uniform sampler2D radii;
+
+vec4 part(ivec2 at, sampler2D fine, sampler2D wide, vec2 wide_px)
+{
+    vec4 light = texelFetch(fine, at, 0);
+    return wide_px.x > 0.0 ? light + textureLod(wide, (vec2(at) + 0.5) / wide_px, 0.0) : light;
+}
+
+// What is before, over what is behind it. More of it than can be is as much as can be.
+vec3 over(vec4 before, vec3 behind)
+{
+    return before.a >= 1.0 ? before.rgb / before.a : before.rgb + (1.0 - before.a) * behind;
+}
 
 void main()
 {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(at, imageSize(picture)))) return;
-    vec4 behind = texelFetch(far, at, 0), front = texelFetch(near, at, 0);
-    if (is_split) {
-        vec2 place = (vec2(at) + 0.5) / wide_px;
-        behind += textureLod(far_wide, place, 0.0);
-        front += textureLod(near_wide, place, 0.0);
-    }
-    vec3 sharp = texelFetch(far_sharp, at, 0).rgb;
+    vec4 behind = part(at, far, far_wide, far_wide_px);
+    vec4 between = part(at, middle, middle_wide, middle_wide_px);
+    vec4 before = part(at, near, near_wide, near_wide_px);
+    vec4 sharp = texelFetch(far_sharp, at, 0);
     // what is hidden and would be seen around an edge is unknown: the light is that of what is known, before it if need be
-    vec3 light = behind.a > 0.0 ? behind.rgb / behind.a : front.a > 0.0 ? front.rgb / front.a : sharp;
+    vec3 light = sharp.rgb;
+    if (behind.a > 0.0) light = over(between, behind.rgb / behind.a);
+    else if (between.a > 0.0) light = between.rgb / between.a;
+    else if (before.a > 0.0) light = before.rgb / before.a;
     // and the blur of what lies behind it does not reach over what is in focus
-    light = mix(sharp, light, smoothstep(0.5, 1.5, texelFetch(radii, at, 0).g));
-    float cover = min(front.a, 1.0);
-    vec3 before = front.a > 1.0 ? front.rgb / front.a : front.rgb;
-    imageStore(picture, at, vec4(before + (1.0 - cover) * light, 1.0));
+    if (sharp.a > 0.0) light = mix(sharp.rgb, light, smoothstep(0.5, 1.5, texelFetch(radii, at, 0).g));
+    imageStore(picture, at, vec4(over(before, light), 1.0));
 }

@@ -17,10 +17,11 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lens import IrisShape
 from render.postblur.blur_shape import AREA_STEPS, BlurShape, blur_shape
-from render.postblur.flag import BAND_BYTES, Field, Flag, band_rows
+from render.postblur.flag import BAND_BYTES, PILE_BYTES, Flag, Ring
+from render.postblur.shed import EVERYTHING, Field, Window
 from render.reference.metrics import psnr_db
-from render.reference.scenes import posts_before_wall, spheres_over_checkerboard
-from render.scene import Camera, FloatArray, Scene
+from render.reference.scenes import posts_before_wall, rectangle, spheres_over_checkerboard
+from render.scene import Batch, Camera, Dome, FloatArray, Material, Scene
 from render.shot import Shot, make_picture
 
 IRISES = {
@@ -45,10 +46,12 @@ def blurred(
     sources = ctx.texture((width, height), 4, light.tobytes(), dtype="f4")
     both = ctx.texture((width, height), 2, np.stack([radii, 0 * radii], axis=-1).astype("f4").tobytes(), dtype="f4")
     target = ctx.texture((width, height), 4, dtype="f4")
-    flag.blur(Field(sources, both, 0), shape, split_px or most_px, target, split_px=split_px)
+    between = 0.5 * split_px, split_px
+    fine = Window(fall=between) if split_px else EVERYTHING
+    flag.blur(Field(sources, both, 0), shape, split_px or most_px, target, fine)
     total = np.frombuffer(target.read(), np.float32).reshape(height, width, 4).copy()
     if split_px:
-        wide = flag.reduced(Field(sources, both, 0), 2, split_px)
+        wide = flag.reduced(Field(sources, both, 0), 2, Window(rise=between))
         coarse = ctx.texture(wide.light.size, 4, dtype="f4")
         flag.blur(wide, shape, most_px / 2, coarse)
         half = np.frombuffer(coarse.read(), np.float32).reshape(*wide.light.size[::-1], 4)
@@ -118,14 +121,27 @@ def test_wide_blurs_at_half_the_resolution_are_alike(ctx: moderngl.Context) -> N
     assert split.sum() == pytest.approx(whole.sum(), rel=5e-3)
 
 
-@pytest.mark.parametrize("width", [64, 960, 3840])
+@pytest.mark.parametrize("size", [(64, 36), (960, 540), (3840, 2160)])
 @pytest.mark.parametrize("most", [3, 24, 81])
-def test_memory_has_a_bound(width: int, most: int) -> None:
+def test_memory_has_a_bound(size: tuple[int, int], most: int) -> None:
     for two_sided in (False, True):
-        rows = band_rows(width, most, two_sided=two_sided)
-        held = (rows + 2 * (most + 1)) * width * (most + 2) * (2 if two_sided else 1) * 16
-        assert rows >= 8
-        assert held <= BAND_BYTES or rows == 8
+        ring = Ring.of(size, most, two_sided=two_sided)
+        least = 16 + 2 * 16 * -(-most // 16)
+        assert ring.ahead >= most
+        assert ring.slices == (most + 1) * (2 if two_sided else 1)
+        assert ring.rows * size[0] * ring.slices * PILE_BYTES <= BAND_BYTES or ring.rows == least
+        assert ring.rows < size[1] + 2 * most + 48
+
+
+def test_rows_that_are_held_in_turn_are_told_apart(ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(8)
+    light = random.random((150, 40, 4)).astype(np.float32)
+    radii = (5 * random.random((150, 40))).astype(np.float32)
+    shape = blur_shape(IRISES["five, turned"], behind=True)
+    whole = blurred(ctx, light, radii, shape, 5)
+    monkeypatch.setattr("render.postblur.flag.BAND_BYTES", 0)
+    assert Ring.of((40, 150), 6, two_sided=True).new == 16
+    np.testing.assert_array_equal(blurred(ctx, light, radii, shape, 5), whole)
 
 
 def test_what_is_in_focus_is_sharp_and_what_is_not_is_as_blurred_as_by_the_lens(
@@ -176,3 +192,53 @@ def test_an_odd_iris_stands_as_the_lens_has_it(renderer: FrameRenderer, tmp_path
     upside_down = np.corrcoef(lens.ravel(), flag[::-1, ::-1].ravel())[0, 1]
     assert drawn > 0.98
     assert drawn > upside_down + 0.05
+
+
+def before_wall(card_m: float, wall_m: float, wall_shade: float) -> tuple[Scene, Camera]:
+    """The edge of a dark card in the middle of the picture, before a wall, 4 m in focus, at f/0.35."""
+    batches = []
+    for prim, (depth, right, shade) in enumerate(((card_m, -depth_span(card_m), 0.05), (wall_m, 0.0, wall_shade))):
+        half = depth_span(depth)
+        glow = Material(base_color=(shade, shade, shade), roughness=1.0)
+        centre = (right, 0.0, -depth)
+        batches.append(Batch(rectangle(centre, (half, 0, 0), (0, half, 0), prim), glow, np.eye(4)[None]))
+    dome = Dome((0, 0, 0), np.eye(4), visible=False)
+    camera = Camera(
+        np.eye(4),
+        focal_length_mm=35,
+        horizontal_aperture_mm=24,
+        vertical_aperture_mm=18,
+        f_stop=0.35,
+        focus_distance_m=4.0,
+        near_m=0.1,
+        path="/camera",
+    )
+    return Scene(tuple(batches), (), dome, ("/card", "/wall")), camera
+
+
+def depth_span(depth_m: float) -> float:
+    """Half of a square that fills the picture from there, and more."""
+    return 0.6 * depth_m
+
+
+def profile(renderer: FrameRenderer, scene: Scene, camera: Camera, engine: str) -> FloatArray:
+    """Brightness along the middle row."""
+    settings = FrameSettings(320, 240, shading="unlit", rays=256, supersample=2, engine=engine)
+    return renderer.render(scene, camera, settings).color[100:140, :, 0].mean(axis=0)
+
+
+def test_what_is_near_before_what_is_near_has_a_soft_edge_and_no_dark_seam(renderer: FrameRenderer) -> None:
+    scene, camera = before_wall(1.2, 2.2, 0.8)  # circles of 13 and 4.5 px, both before the focus
+    lens, flag = (profile(renderer, scene, camera, engine) for engine in ("lens", "flag"))
+    assert np.abs(flag - lens).max() < 0.08
+    assert flag.min() > 0.045  # nothing is darker than the card
+    assert np.all(np.diff(flag[120:200]) > -0.02)
+
+
+def test_a_bright_wall_does_not_leak_over_what_is_little_blurred_before_it(renderer: FrameRenderer) -> None:
+    scene, camera = before_wall(4.6, 30.0, 0.8)  # circles of 0.8 and 5.3 px, both behind the focus
+    lens, flag = (profile(renderer, scene, camera, engine) for engine in ("lens", "flag"))
+    edge = 160
+    assert lens[edge - 3] < 0.06
+    np.testing.assert_allclose(flag[: edge - 2], lens[: edge - 2], atol=0.01)
+    np.testing.assert_allclose(flag[edge + 8 :], lens[edge + 8 :], atol=0.01)

@@ -1,0 +1,110 @@
+"""What the points of a picture shed on those that their circles of confusion cover: with it begins every blur that spreads them
+evenly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from render.gl.held import Held
+from render.gl.shaders import ProgramCache, set_uniforms
+from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
+from render.scene import FloatArray
+
+LEAST_PX = 0.25
+"""What is sharper is a pixel."""
+OUTLINE_DEFINES = {"OUTLINE_INSET": f"{(COLUMNS - 1) / COLUMNS:.9f}", "OUTLINE_EDGE": f"{0.5 / COLUMNS:.9f}"}
+"""What ``outline.glsl`` needs: between the middles of its first and its last texel lie columns from -1 to 1."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """Which light is meant, by its radius in pixels: of what is between the bounds of a pair, a share.
+
+    Attributes:
+        rise: none is to the first, all is from the second on.
+        fall: all is to the first, none is from the second on.
+    """
+
+    rise: tuple[float, float] = (-2.0, -1.0)
+    fall: tuple[float, float] = (1e9, 2e9)
+
+    def set_on(self, program: moderngl.ComputeShader) -> None:
+        """Tell a program that has ``flag_window.glsl``."""
+        set_uniforms(program, rise=self.rise, fall=self.fall)
+
+
+EVERYTHING = Window()
+
+
+@dataclass(frozen=True)
+class Field:
+    """One side of the focus.
+
+    Attributes:
+        light: RGBA32F, premultiplied.
+        radii: RG32F in pixels: in front of the focus, and behind it.
+        channel: of the radii that are this field's.
+    """
+
+    light: moderngl.Texture
+    radii: moderngl.Texture
+    channel: int
+
+
+@dataclass(frozen=True)
+class Shed:
+    """What each point sheds. The textures are valid until they are given back.
+
+    Attributes:
+        light: RGBA32F, on one pixel.
+        reach: R32F, its radius in pixels, 0 where it sheds nothing.
+        outline: of the shape, over columns from -1 to 1: how far it reaches up and down.
+    """
+
+    light: moderngl.Texture
+    reach: moderngl.Texture
+    outline: moderngl.Texture
+
+
+class Shedder:
+    """Finds what points shed, with the programs of one context."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx, self._programs = ctx, programs
+
+    def shed(self, field: Field, shape: BlurShape, most_px: float, window: Window, held: Held) -> Shed:
+        """What a field's points shed.
+
+        Args:
+            field: of the picture.
+            shape: of the blur.
+            most_px: no radius in the window is larger.
+            window: the light that is meant.
+            held: keeps what is made.
+        """
+        size = field.light.size
+        light = held.keep(self._ctx.texture(size, 4, dtype="f4"))
+        reach = held.keep(self._ctx.texture(size, 1, dtype="f4"))
+        outline = held.keep(self._table(shape.edges))
+        area = held.keep(self._table(shape.areas(most_px)[:, None]))
+        program = self._programs.compute("flag_shed.comp", {"LEAST": LEAST_PX, "AREA_STEPS": f"{AREA_STEPS}.0"})
+        for unit, texture in enumerate((field.light, field.radii, area)):
+            texture.use(unit)
+        set_uniforms(program, light=0, radii=1, area=2, channel=field.channel)
+        window.set_on(program)
+        light.bind_to_image(0, read=False, write=True)
+        reach.bind_to_image(1, read=False, write=True)
+        program.run(-(-size[0] // 8), -(-size[1] // 8))
+        self._ctx.memory_barrier()
+        return Shed(light, reach, outline)
+
+    def _table(self, values: FloatArray) -> moderngl.Texture:
+        data = np.ascontiguousarray(values).tobytes()
+        texture = self._ctx.texture((len(values), 1), values.shape[1], data, dtype="f4")
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        return texture

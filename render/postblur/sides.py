@@ -21,8 +21,8 @@ class Sides:
 
     Attributes:
         near: RGBA32F premultiplied: what is in front of the focus.
-        far: RGBA32F premultiplied and opaque: what is in focus or behind it, the background too; also behind what is near,
-            where the peeled layers know it.
+        far: RGBA32F premultiplied: what is in focus or behind it, the background too; also behind what is near, where the
+            peeled layers know it. Opaque, or empty where something near hides all that they know.
         radii: RG32F: radii of the circles of confusion of near and of far, in pixels.
         most_px: no radius is larger.
         iris: whose image a point out of focus is spread over.

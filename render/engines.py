@@ -30,7 +30,7 @@ class Engines:
         self.peeler = Peeler(graphics, programs)
         self.lens = LensEngine(graphics.ctx, programs, graphics.pulse)
         self._accumulator = Accumulator(graphics.ctx, programs)
-        self.post_blur = PostBlurEngine(graphics.ctx, programs)
+        self.post_blur = PostBlurEngine(graphics.ctx, programs, graphics.pulse)
         self.preview = PreviewEngine(graphics, programs, self.post_blur)
 
     def drawn(

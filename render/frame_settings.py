@@ -10,8 +10,10 @@ from render.optics.sampling import MAX_RAYS
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.optics.view import check_picture_size
 
-ENGINES = ("lens", "flag", "accumulation", "pinhole")
-LATER_ENGINES = ("scatter", "importance")
+POST_BLUR_ENGINES = ("flag", "linear", "importance")
+"""Those that blur one picture."""
+ENGINES = ("lens", *POST_BLUR_ENGINES, "accumulation", "pinhole")
+LATER_ENGINES = ("scatter",)
 AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
@@ -27,7 +29,8 @@ class FrameSettings:
         width: pixels.
         height: pixels.
         engine: one of `ENGINES`: ``lens`` traces peeled layers, ``flag`` blurs one picture in linear time (a preview, of an ideal
-            lens or one by its data sheet), ``accumulation`` renders once per ray (the reference),
+            lens or one by its data sheet), ``linear`` pixel by pixel (a baseline), ``importance`` the same by what has changed
+            since the frame before, ``accumulation`` renders once per ray (the reference),
             ``pinhole`` has everything sharp.
         rays: lens rays per pixel.
         layers: peeled layers at most.
@@ -68,7 +71,7 @@ class FrameSettings:
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("motion", self.motion, 1, MAX_MOTION)
         _check_choice("motion_by", self.motion_by, MOTIONS)
-        if self.motion > 1 and self.motion_by == "velocities" and self.engine in ("accumulation", "flag"):
+        if self.motion > 1 and self.motion_by == "velocities" and self.engine in ("accumulation", *POST_BLUR_ENGINES):
             raise SettingsError(f"the {self.engine} engine draws every moment by itself: ask for motion by moments")
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:

@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from render.gl.held import Held
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
@@ -15,6 +16,8 @@ from render.layers.umbra import layers_needed, umbra_reach
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
+from render.postblur.importance import ImportanceBlur
+from render.postblur.linear import LinearBlur
 from render.postblur.sides import Blur, Collector
 from render.scene import Camera, FloatArray
 from render.trace.picture_focus import PictureFocus, picture_focus
@@ -28,9 +31,13 @@ _ALIKE = 100
 class PostBlurEngine:
     """Blurs pictures of a peeler's scene, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._collector = Collector(ctx, programs)
-        self._blurs: dict[str, Blur] = {"flag": FlagBlur(ctx, programs)}
+        self._blurs: dict[str, Blur] = {
+            "flag": FlagBlur(ctx, programs),
+            "linear": LinearBlur(ctx, programs, pulse),
+            "importance": ImportanceBlur(ctx, programs, pulse),
+        }
 
     @property
     def engines(self) -> Collection[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from render.frame_settings import FrameSettings
+from render.frame_settings import POST_BLUR_ENGINES, FrameSettings
 from render.optics.view import PinholeView
 from render.postblur.picture_errors import PictureErrors, picture_errors
 from render.scene import Camera, Moment
@@ -17,7 +17,7 @@ from render.scene import Camera, Moment
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer
 
-SINGLE_IMAGE_ENGINES = ("pinhole", "flag")
+SINGLE_IMAGE_ENGINES = ("pinhole", *POST_BLUR_ENGINES)
 """Engines that trace no rays through the lens."""
 
 

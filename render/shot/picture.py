@@ -11,6 +11,7 @@ import numpy as np
 from pxr import Usd
 
 from render.film import Grade, GradeChoice
+from render.frame_settings import POST_BLUR_ENGINES
 from render.optics.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.scene import Camera, FloatArray
@@ -212,7 +213,7 @@ def dim(radiance: FloatArray, lens: Camera, settings: FrameSettings) -> None:
     light = light_over_picture(lens, width, height, is_pinhole=settings.engine == "pinhole")
     if light is not None:
         radiance[..., :3] *= light[..., None]
-    if settings.engine in ("accumulation", "flag"):  # which know the pupil alone
+    if settings.engine in ("accumulation", *POST_BLUR_ENGINES):  # which know the pupil alone
         radiance[..., :3] *= np.float32(lens.lens.transmittance)
 
 

@@ -46,7 +46,9 @@ class LongExposureBegin(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
-    engine: Literal["lens", "flag", "accumulation", "pinhole"] = Field(default="lens", description="As for a frame.")
+    engine: Literal["lens", "flag", "linear", "importance", "accumulation", "pinhole"] = Field(
+        default="lens", description="As for a frame."
+    )
     rays: int = Field(default=16, ge=1, description="Lens rays for each pixel, in each interval.")
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")

@@ -1,0 +1,51 @@
+"""The engine ``importance``: both sides of the focus kept spread from frame to frame (Fearing 1995), and joined."""
+
+from __future__ import annotations
+
+import moderngl
+
+from render.gl.held import Held
+from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.shaders import ProgramCache
+from render.postblur.importance_field import ALL, Extent, ImportanceField
+from render.postblur.importance_order import Importance
+from render.postblur.linear import FieldSpreader, fields_of, joined
+from render.postblur.sides import Sides
+
+
+class ImportanceBlur:
+    """Keeps what it has spread, with the programs of one context: a frame costs what has changed since the one before.
+
+    Args:
+        ctx: the context.
+        programs: of it.
+        pulse: that beats between pieces of the work.
+        importance: what makes a change important.
+
+    Attributes:
+        extent: how much of the changes to make; all of them makes the picture of the engine ``linear``.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        programs: ProgramCache,
+        pulse: Pulse = UNWATCHED,
+        importance: Importance = Importance(),  # noqa: B008 - it is frozen
+    ) -> None:
+        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+        self.extent: Extent = ALL
+        self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
+
+    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+        """As `render.postblur.sides.Blur` has it."""
+        near, far = (
+            made.update(field, side, spread, sides.most_px, self.extent, self._pulse)
+            for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
+        )
+        return joined(self._ctx, self._programs, sides, near, far, held)
+
+    def release(self) -> None:
+        """Give the memory back; the next frame begins anew."""
+        for field in self._fields:
+            field.release()

@@ -1,0 +1,154 @@
+"""How the light of a point out of focus is spread: tables of weights, one for each step of the radius (Fearing 1995, section
+4.2).
+
+A circle of confusion is spread by the table whose radius is nearest to its own, so that a change below a step is no change: half
+a pixel up to a radius of 32, a 64th of the radius beyond. Weights are multiples of 2 to the power of -20, and those of a table
+add up to 1: no light is lost, and sums of them are exact (`render.postblur.linear`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import moderngl
+import numpy as np
+
+from render.lens import IrisShape
+from render.optics.iris import transmission
+from render.scene import DoubleArray
+
+STEP_PX = 0.5
+EVEN_STEPS = 64
+"""Steps that are as wide as the first; those beyond grow with the radius."""
+MAX_RADIUS_PX = 96.0
+"""Larger circles are taken for as large: the method's time grows with their area, and the tables' memory with more."""
+WEIGHT_BITS = 20
+_ROWS = 4  # of a table in one texel
+
+
+class Spread(Protocol):
+    """How light is distributed over a circle of confusion. Equal spreads have equal tables."""
+
+    def weights(self, radius_px: float, half: int) -> DoubleArray:
+        """``(2·half + 1, 2·half + 1)`` how much falls on each pixel around the circle's middle, 0 or more; y down."""
+        ...
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """A Gaussian within the circle, of half its radius as deviation: that of Fearing's tables (1995, section 6)."""
+
+    def weights(self, radius_px: float, half: int) -> DoubleArray:
+        """As `Spread` has it."""
+        squares = np.arange(-half, half + 1.0) ** 2
+        distances = squares[:, None] + squares
+        return np.where(distances <= (radius_px + 0.5) ** 2, np.exp(-2 * distances / radius_px**2), 0.0)
+
+
+class IrisImage:
+    """The iris's own image: its blades, mask and radial weights, each pixel with as much of it as falls on it.
+
+    Args:
+        iris: of the lens.
+        is_behind: of what is behind the focus, whose image stands upside down to that of what is before it.
+        squeeze: of an anamorphic lens, whose circles are narrower by it.
+    """
+
+    def __init__(self, iris: IrisShape, *, is_behind: bool = True, squeeze: float = 1.0) -> None:
+        self._told = iris, is_behind, squeeze
+        image = transmission(iris) if is_behind else transmission(iris)[::-1, ::-1]
+        self._summed = np.pad(image, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+
+    def weights(self, radius_px: float, half: int) -> DoubleArray:
+        """As `Spread` has it."""
+        squeeze = self._told[2]
+        edges = np.arange(-half - 0.5, half + 1.0) / radius_px
+        last = len(self._summed) - 1
+        rows, columns = (np.interp(edges * narrower, [-1.0, 1.0], [0.0, last]) for narrower in (1.0, squeeze))
+        at = _between(_between(self._summed, rows).T, columns).T
+        return np.maximum(np.diff(np.diff(at, axis=0), axis=1), 0.0)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, IrisImage) and self._told == other._told
+
+    def __hash__(self) -> int:
+        return hash(self._told[1:])
+
+
+def _between(values: DoubleArray, rows: DoubleArray) -> DoubleArray:
+    """Rows of an array between its rows, linearly."""
+    low = np.minimum(rows.astype(int), len(values) - 2)
+    share = (rows - low)[:, None]
+    return np.asarray((1 - share) * values[low] + share * values[low + 1])
+
+
+def steps_to(radius_px: float, step_px: float = STEP_PX) -> int:
+    """The number of the table that a radius is spread by: 0 for a point."""
+    x = min(radius_px, MAX_RADIUS_PX) / step_px
+    return int((x if x <= EVEN_STEPS else EVEN_STEPS * (1 + np.log(x / EVEN_STEPS))) + 0.5)
+
+
+def radius_of(step: int, step_px: float = STEP_PX) -> float:
+    """The radius that a table is made for, in pixels."""
+    return step_px * (step if step <= EVEN_STEPS else EVEN_STEPS * float(np.exp(step / EVEN_STEPS - 1)))
+
+
+def table_of(spread: Spread, radius_px: float, half: int) -> DoubleArray:
+    """``(2·half + 1, 2·half + 1)`` of weights that add up to 1, in whole steps of 2 to the power of -`WEIGHT_BITS`."""
+    weights = np.zeros((2 * half + 1, 2 * half + 1))
+    if radius_px > 0:
+        weights = spread.weights(radius_px, half)
+    total = weights.sum()
+    if total <= 0:
+        weights[half, half] = total = 1.0
+    exact = weights / total * 2.0**WEIGHT_BITS
+    whole = np.floor(exact)
+    # the largest remainders are rounded up, those of an even disc here and there, so that no side of it is brighter
+    among_equals = np.random.default_rng(0).permutation(whole.size)
+    most = np.lexsort((among_equals, -np.round((exact - whole).ravel(), 6)))
+    whole.flat[most[: int(2.0**WEIGHT_BITS - whole.sum())]] += 1
+    return np.asarray(whole / 2.0**WEIGHT_BITS)
+
+
+class SpreadTables:
+    """The tables of a spread on a device, as far as they are needed.
+
+    Attributes:
+        half: pixels from the middle of a table to its edge, where there is no weight.
+        count: of tables.
+        step_px: the radius's step.
+        weights: RGBA32F array, one slice for each step: each texel holds the weights of four rows, from its own on; above the
+            table are three rows more.
+        reaches: R32F, one texel for each step: distance to the farthest pixel that has any weight.
+    """
+
+    def __init__(self, ctx: moderngl.Context, spread: Spread, most_px: float, step_px: float = STEP_PX) -> None:
+        self.spread, self.step_px = spread, step_px
+        self.count = steps_to(most_px, step_px) + 1
+        radii = [radius_of(step, step_px) for step in range(self.count)]
+        self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim without weight, for all that is out of reach
+        side = 2 * self.half + 1
+        packed = np.empty((self.count, side + _ROWS - 1, side, _ROWS), np.float32)
+        reaches = np.zeros((self.count, 1), np.float32)
+        offsets = np.arange(-self.half, self.half + 1.0)
+        distances = np.hypot(offsets[:, None], offsets)
+        for step, radius in enumerate(radii):
+            table = self._padded(table_of(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
+            reaches[step] = distances[table > 0].max()
+            rows = np.pad(table, ((_ROWS - 1, _ROWS - 1), (0, 0)))
+            packed[step] = np.stack([rows[i : i + side + _ROWS - 1] for i in range(_ROWS)], axis=-1)
+        self.weights = ctx.texture_array((side, side + _ROWS - 1, self.count), 4, packed.tobytes(), dtype="f4")
+        self.reaches = ctx.texture((self.count, 1), 1, reaches.tobytes(), dtype="f4")
+
+    def _padded(self, table: DoubleArray) -> DoubleArray:
+        return np.pad(table, self.half - len(table) // 2)
+
+    def serves(self, spread: Spread, most_px: float) -> bool:
+        """Whether these are the tables of a spread, up to a radius."""
+        return self.spread == spread and steps_to(most_px, self.step_px) < self.count
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self.weights.release()
+        self.reaches.release()

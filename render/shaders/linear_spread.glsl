@@ -1,0 +1,34 @@
+// Sheds light on a column of ROWS pixels, exactly: weights are multiples of 2^-20 and light of 2^-29 of the picture's scale, so that
+// every sum of their products is a whole number of 2^-49 that 53 bits hold, whatever the order it is made in (linear.py).
+
+uniform sampler2DArray weights;     // spread_tables.py: slices are steps of the radius, texels hold the weights of four rows
+uniform int half_px;                // from the middle of a table to its edge, where there is no weight: what is out of reach is clamped to it
+uniform float cutoff_px;            // what is blurred more than this, and farther, is hidden by what is nearer
+
+dvec4 total[ROWS];                  // what the pixels of this column have got
+float own_px[ROWS];                 // their radii: in front of the focus above 0, behind it below
+#ifdef REJUDGE
+float before_px[ROWS];              // those by which they were judged
+#endif
+
+// How often light of a radius counts on a pixel of this column.
+float counted(float from_px, int row)
+{
+    float counts = from_px < own_px[row] - cutoff_px ? 0.0 : 1.0;
+#ifdef REJUDGE
+    counts -= from_px < before_px[row] - cutoff_px ? 0.0 : 1.0;
+#endif
+    return counts;
+}
+
+// from: light, premultiplied; state: number of its table, its radius; offset: of the column's first pixel from where it comes from
+void shed(vec4 from, vec2 state, ivec2 offset)
+{
+    dvec4 light = dvec4(from);
+    int column = clamp(offset.x, -half_px, half_px) + half_px;
+    for (int first = 0; first < ROWS; first += 4) {
+        int row = clamp(offset.y + first, -half_px - 3, half_px) + half_px + 3;
+        vec4 here = texelFetch(weights, ivec3(column, row, int(state.x)), 0);
+        for (int i = 0; i < min(4, ROWS); ++i) total[first + i] += double(here[i] * counted(state.y, first + i)) * light;
+    }
+}

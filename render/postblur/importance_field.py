@@ -22,9 +22,9 @@ from render.errors import SettingsError
 from render.gl.held import Held
 from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.postblur.flag import Field
 from render.postblur.importance_order import ChangeSorter, Importance
 from render.postblur.linear import HEADROOM, NO_CUTOFF, FieldSpreader
+from render.postblur.shed import Field
 from render.postblur.spread_tables import Spread
 
 AFRESH_SHARE = 0.5

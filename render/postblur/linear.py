@@ -21,7 +21,7 @@ import numpy as np
 from render.gl.held import Held
 from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.postblur.flag import Field
+from render.postblur.shed import Field
 from render.postblur.sides import Sides
 from render.postblur.spread_tables import EVEN_STEPS, STEP_PX, IrisImage, Spread, SpreadTables
 

@@ -1,21 +1,23 @@
 #version 450 core
 // Joins what is blurred in front of the focus with what is blurred behind it: the little blurred over what is blurred more.
 // in:  the parts blurred (light and how much there is of it), and what of them is blurred at less resolution; the far side sharp, and
-//      its radii
+//      its radii. With MIDDLE, what is little blurred on the far side is a part of its own
 // out: `picture`: radiance premultiplied by coverage, coverage
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D picture;
 
 uniform sampler2D near;
-uniform sampler2D middle;
 uniform sampler2D far;
 uniform sampler2D near_wide;
-uniform sampler2D middle_wide;
 uniform sampler2D far_wide;
 uniform vec2 near_wide_px;      // pixels of the picture that those cover; 0 where there is none
-uniform vec2 middle_wide_px;
 uniform vec2 far_wide_px;
+#ifdef MIDDLE
+uniform sampler2D middle;
+uniform sampler2D middle_wide;
+uniform vec2 middle_wide_px;
+#endif
 uniform sampler2D far_sharp;
 uniform sampler2D radii;
 
@@ -36,7 +38,11 @@ void main()
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(at, imageSize(picture)))) return;
     vec4 behind = part(at, far, far_wide, far_wide_px);
+#ifdef MIDDLE
     vec4 between = part(at, middle, middle_wide, middle_wide_px);
+#else
+    vec4 between = vec4(0.0);
+#endif
     vec4 before = part(at, near, near_wide, near_wide_px);
     vec4 sharp = texelFetch(far_sharp, at, 0);
     // what is hidden and would be seen around an edge is unknown: the light is that of what is known, before it if need be

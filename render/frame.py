@@ -256,11 +256,21 @@ class FrameRenderer:
             looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, pattern, span))
         return looks
 
-    def loaded(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Camera:
-        """Put the scene on the device; the camera as the engine has it."""
+    def loaded(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> Camera:
+        """Put the scene on the device; the camera as the engine has it.
+
+        Args:
+            scene: what is there.
+            camera: what looks.
+            settings: by which engine.
+            is_preview: see `Peeler.load`.
+
+        Raises:
+            SettingsError: the engine cannot show the camera's lens.
+        """
         if settings.engine == "accumulation":
             check_thin(camera)
-        self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera))
+        self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera), is_preview=is_preview)
         return replace(camera, f_stop=0.0) if settings.engine == "pinhole" else camera
 
     def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from render.bench.film_plan import add_arguments as add_film_arguments
 from render.bench.focus_plan import add_arguments as add_focus_arguments
+from render.bench.live_plan import add_arguments as add_live_arguments
 from render.bench.motion_plan import add_arguments as add_motion_arguments
 from render.bench.plan import add_arguments
 
@@ -33,6 +34,11 @@ def add_parser(commands: Any) -> None:
     )
     motion.set_defaults(run=run_motion)
     add_motion_arguments(motion)
+    live = benches.add_parser(
+        "live", help="live work: from a change to the first picture and to the last, of five kinds of drags"
+    )
+    live.set_defaults(run=run_live)
+    add_live_arguments(live)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -94,5 +100,21 @@ def run_motion(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.motion import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_live(arguments: argparse.Namespace) -> None:
+    """Measure live work, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the picture is too small or too large.
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.live import run  # brings OpenGL with it
 
     run(arguments)

@@ -12,8 +12,15 @@ from typing import Any
 from pxr import Sdf
 
 from render.commands import arguments as shared
-from render.commands import camera_options, contact_sheet_options, flare_options, grade_options, long_exposure_options
-from render.commands.camera_options import AskedCamera
+from render.commands import (
+    camera_options,
+    contact_sheet_options,
+    flare_options,
+    grade_options,
+    long_exposure_options,
+    progressive_options,
+)
+from render.commands.camera_options import Viewed
 from render.commands.report import FrameProgress, camel_case_keys, print_json, warn_of
 from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
@@ -57,6 +64,7 @@ def add_parser(commands: Any) -> None:
     flare_options.add_arguments(parser)
     long_exposure_options.add_arguments(parser)
     contact_sheet_options.add_arguments(parser)
+    progressive_options.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
 
 
@@ -130,6 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: no OpenGL context.
         OutputError: a file cannot be written; those before it are whole.
     """
+    progressive_options.check(arguments)
     axes = contact_sheet_options.asked_axes(arguments)
     if axes is None:
         _check_output(arguments)
@@ -163,7 +172,9 @@ def run(arguments: argparse.Namespace) -> None:
             shot, camera, long, files[0], settings, arguments.film, grade, body.viewed
         )
     else:
-        written = _record(shot, camera, list(zip(frames, files, strict=True)), settings, arguments.film, grade, body)
+        plan = list(zip(frames, files, strict=True))
+        record = progressive_options.record_progressively if arguments.progressive else _record
+        written = record(shot, camera, plan, settings, arguments.film, grade, body.viewed)
     warn_of(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
@@ -260,7 +271,7 @@ def _record(
     settings: FrameSettings,
     stock: str | None,
     grade: GradeChoice | None,
-    body: AskedCamera,
+    viewed: Viewed,
 ) -> list[dict[str, Any]]:
     """Render and write each frame of the plan; what was written, for --json."""
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
@@ -273,7 +284,7 @@ def _record(
             picture = make_picture(
                 renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock, choice=grade
             )
-            write_frame(file, picture.frame, body.viewed(picture.graded, picture.camera), picture.metadata)
+            write_frame(file, picture.frame, viewed(picture.graded, picture.camera), picture.metadata)
             seconds = clock.perf_counter() - began
             progress.finish(str(file), seconds)
             written.append({"time": time, "file": str(file), "seconds": round(seconds, 3)})

@@ -105,13 +105,16 @@ class Peeler:
         self._scene: Scene | None = None
         self._interest: Sphere | None = None
 
-    def load(self, scene: Scene, interest: Sphere | None = None) -> None:
+    def load(self, scene: Scene, interest: Sphere | None = None, *, is_preview: bool = False) -> None:
         """Upload a scene: what is new in it, its lights and its shadows. Does nothing for the scene that is loaded.
 
         Args:
             scene: what to upload.
             interest: where a distant light's shadows are wanted; everywhere, where the scene is no larger.
+            is_preview: whether those of about the same place will do, so that they need not follow each turn of the focus.
         """
+        if is_preview and interest is not None and self._interest is not None and interest.is_about(self._interest):
+            interest = self._interest
         if scene is self._scene and interest == self._interest:
             return
         if scene is not self._scene:

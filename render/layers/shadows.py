@@ -29,6 +29,11 @@ class Sphere:
         """``(3,)``."""
         return np.array([self.x, self.y, self.z])
 
+    def is_about(self, other: Sphere) -> bool:
+        """Whether this sphere lies well within the other, and the other is not much larger."""
+        apart_m = float(np.linalg.norm(self.centre - other.centre))
+        return apart_m + 0.5 * self.radius_m <= other.radius_m <= 2 * self.radius_m
+
 
 @dataclass(frozen=True)
 class ShadowPlan:

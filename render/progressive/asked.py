@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from render.film import GradeChoice
 from render.frame_settings import FrameSettings
+from render.output import FrameMetadata
 from render.scene import FloatArray
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ class Shown:
     Attributes:
         stage: ``preview`` is the first one, ``final`` the last, equal to `make_picture`'s to the bit.
         graded: ``(height, width, 3)`` float32, encoded for the display, 0 to 1; a preview may be smaller than what was asked for.
+        metadata: what a file says about it.
         timing: what it took so far.
         rays: for each of its pixels; 0 where it was not traced.
         share: of the final picture's work that is done.
@@ -72,6 +74,7 @@ class Shown:
 
     stage: Stage
     graded: FloatArray
+    metadata: FrameMetadata
     timing: Timing = field(default_factory=Timing)
     rays: int = 0
     share: float = 0.0

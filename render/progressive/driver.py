@@ -18,6 +18,7 @@ from render.alike import alike
 from render.frame import Frame, FrameRenderer
 from render.frame_settings import FrameSettings
 from render.gl.pulse import Interrupted
+from render.output import FrameMetadata
 from render.progressive.asked import Asked, Shown, Stage
 from render.progressive.clock import Clock
 from render.progressive.frames import LiveFrames
@@ -27,7 +28,7 @@ from render.shot.finish import Finish, frame_number, gate_mm
 from render.shot.image_space import ImageSpace
 from render.shot.live import LiveFinisher
 from render.shot.moving import moves
-from render.shot.picture import dim, landed, light_on_film, looked_through, picture_of
+from render.shot.picture import dim, landed, light_on_film, looked_through, metadata_of, picture_of
 from render.shot.shot import Shot
 
 REFRESH_MS = 250.0
@@ -135,13 +136,13 @@ class Progressive:
         else:
             graded = self._graded(frame.color, lens, finish, asked)
             clock.note("finish")
-            yield Shown("preview", graded, clock.timing(), settings.rays, 1.0)
+            yield Shown("preview", graded, self._metadata(lens, finish, asked), clock.timing(), settings.rays, 1.0)
             if asked.is_moving:
                 return
         graded = finish.graded(self._on_film(frame, lens, finish, asked))
         picture = picture_of(self._shot, frame, lens, asked.time, settings, finish, graded=graded)
         clock.note("finish")
-        yield Shown("final", picture.graded, clock.timing(), settings.rays, 1.0, picture)
+        yield Shown("final", picture.graded, picture.metadata, clock.timing(), settings.rays, 1.0, picture)
 
     def _rendered(
         self, asked: Asked, scene: Scene, lens: Camera, finish: Finish, clock: Clock, light: FloatArray, rays: int
@@ -186,7 +187,10 @@ class Progressive:
         dim(light, lens, asked.settings)
         graded = self._graded(light, lens, finish, asked)
         clock.note("finish")
-        return Shown(stage, graded, clock.timing(), rays, share)
+        return Shown(stage, graded, self._metadata(lens, finish, asked), clock.timing(), rays, share)
+
+    def _metadata(self, lens: Camera, finish: Finish, asked: Asked) -> FrameMetadata:
+        return metadata_of(self._shot, lens, asked.time, asked.settings, finish)
 
     def _graded(self, light: FloatArray, lens: Camera, finish: Finish, asked: Asked) -> FloatArray:
         """Finished for those who look at it while they work."""

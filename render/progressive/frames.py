@@ -14,6 +14,9 @@ from render.progressive.pace import Pace, Plan
 from render.scene import Camera, FloatArray, Scene
 from render.trace.rays import ray_pattern
 
+_LEAST_SHARE = 0.4
+"""Of the time for a preview, that its rays have even where peeling took all of it."""
+
 
 class LiveFrames:
     """Draws on a renderer, in its thread."""
@@ -54,7 +57,7 @@ class LiveFrames:
         view = PinholeView.from_camera(camera, settings.width, settings.height).resized(size.width, size.height)
         unlit = settings.shading == "unlit"
         with renderer.on_device():
-            looks = renderer.loaded(scene, camera, settings)
+            looks = renderer.loaded(scene, camera, settings, is_preview=True)
             peeled = engines.preview.peeled(engines.peeler, looks, view, unlit=unlit)
             renderer.graphics.ctx.finish()
             clock.note("peel")
@@ -62,7 +65,7 @@ class LiveFrames:
                 picture = engines.preview.blurred(engines.peeler, peeled, looks, view, settings.engine)
                 clock.note("blur")
                 return picture, 0
-            left_ms = max(1.0, budget_ms - clock.total_ms)
+            left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
             plan = self.pace.plan(settings.width, settings.height, left_ms)
             plan = Plan(size.width, size.height, rays or min(plan.rays, settings.rays))
             pattern = ray_pattern(plan.rays, looks.iris, seed=settings.seed, tiled=settings.tiled)

@@ -129,8 +129,27 @@ def picture_of(
         SettingsError: it cannot be finished so.
         GraphicsError: the device refuses.
     """
+    if graded is None:
+        by = finish.picture if live is None else partial(live.picture, finish)
+        graded = by(frame.color, lens, time=time, seed=settings.seed)
+    return Picture(frame, graded, lens, metadata_of(shot, lens, time, settings, finish, frame.prim_paths))
+
+
+def metadata_of(
+    shot: Shot, lens: Camera, time: float, settings: FrameSettings, finish: Finish, prim_paths: tuple[str, ...] = ()
+) -> FrameMetadata:
+    """What a file says about a picture.
+
+    Args:
+        shot: the shot.
+        lens: the camera that took it.
+        time: USD time code.
+        settings: how it was rendered.
+        finish: how it was finished.
+        prim_paths: what its ids index.
+    """
     prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
-    metadata = FrameMetadata(
+    return FrameMetadata(
         camera=lens,
         time=time,
         frames_per_second=shot.stage.GetFramesPerSecond(),
@@ -138,14 +157,10 @@ def picture_of(
         film=finish.film,
         settings=asdict(settings),
         stage=shot.path.name,
-        prim_paths=frame.prim_paths,
+        prim_paths=prim_paths,
         exposure_time_s=_authored(prim, "exposure:time", time),
         iso=_authored(prim, "exposure:iso", time),
     )
-    if graded is None:
-        by = finish.picture if live is None else partial(live.picture, finish)
-        graded = by(frame.color, lens, time=time, seed=settings.seed)
-    return Picture(frame, graded, lens, metadata)
 
 
 def light_on_film(

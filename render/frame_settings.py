@@ -10,7 +10,7 @@ from render.optics.sampling import MAX_RAYS
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.optics.view import check_picture_size
 
-POST_BLUR_ENGINES = ("flag", "linear", "importance")
+POST_BLUR_ENGINES = ("flag", "gather", "linear", "importance")
 """Those that blur one picture."""
 ENGINES = ("lens", *POST_BLUR_ENGINES, "accumulation", "pinhole")
 LATER_ENGINES = ("scatter",)
@@ -29,9 +29,9 @@ class FrameSettings:
         width: pixels.
         height: pixels.
         engine: one of `ENGINES`: ``lens`` traces peeled layers, ``flag`` blurs one picture in linear time (a preview, of an ideal
-            lens or one by its data sheet), ``linear`` pixel by pixel (a baseline), ``importance`` the same by what has changed
-            since the frame before, ``accumulation`` renders once per ray (the reference),
-            ``pinhole`` has everything sharp.
+            lens or one by its data sheet), ``gather`` the same point by point (a baseline, slow), ``linear`` pixel by pixel
+            (another), ``importance`` the same by what has changed since the frame before, ``accumulation`` renders once per ray
+            (the reference), ``pinhole`` has everything sharp.
         rays: lens rays per pixel.
         layers: peeled layers at most.
         supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be.

@@ -16,6 +16,7 @@ from render.layers.umbra import layers_needed, umbra_reach
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
+from render.postblur.gather import GatherBlur
 from render.postblur.importance import ImportanceBlur
 from render.postblur.linear import LinearBlur
 from render.postblur.sides import Blur, Collector
@@ -34,7 +35,8 @@ class PostBlurEngine:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._collector = Collector(ctx, programs)
         self._blurs: dict[str, Blur] = {
-            "flag": FlagBlur(ctx, programs),
+            "flag": FlagBlur(ctx, programs, pulse),
+            "gather": GatherBlur(ctx, programs, pulse),
             "linear": LinearBlur(ctx, programs, pulse),
             "importance": ImportanceBlur(ctx, programs, pulse),
         }

@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 
 from render.gl.held import Held, Making
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import Defines, ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
 from render.postblur.shed import EVERYTHING, OUTLINE_DEFINES, Field, Shedder, Window
@@ -23,6 +24,8 @@ BAND_BYTES = 64 << 20
 """Memory of the piles that are held, at most, unless fewest rows need more."""
 PILE_BYTES = 16
 """Of a slice of a pile."""
+WATCHED_ROWS = 64
+"""That are finished at once while somebody may call the work off."""
 _TILE = 16
 
 
@@ -41,18 +44,20 @@ class Ring:
     slices: int
 
     @classmethod
-    def of(cls, size: tuple[int, int], most: int, *, two_sided: bool) -> Ring:
+    def of(cls, size: tuple[int, int], most: int, *, two_sided: bool, is_watched: bool = False) -> Ring:
         """For a picture.
 
         Args:
             size: its width and height in pixels.
             most: rows that anything reaches up or down, at most.
             two_sided: whether the shape is not symmetric, which takes two piles.
+            is_watched: whether somebody may call the work off.
         """
         slices = (most + 1) * (2 if two_sided else 1)
         ahead = _TILE * -(-most // _TILE)
         fitting = BAND_BYTES // (size[0] * slices * PILE_BYTES) - 2 * ahead
-        return cls(_TILE * max(1, min(fitting, size[1] + _TILE - 1) // _TILE), ahead, slices)
+        wanted = min(size[1], WATCHED_ROWS) if is_watched else size[1]
+        return cls(_TILE * max(1, min(fitting, wanted + _TILE - 1) // _TILE), ahead, slices)
 
     @property
     def rows(self) -> int:
@@ -63,8 +68,8 @@ class Ring:
 class Flag:
     """Blurs fields, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._ctx, self._programs = ctx, programs
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+        self._ctx, self._programs, self._pulse = ctx, programs, pulse
         self._shedder = Shedder(ctx, programs)
 
     def reduced(self, field: Field, shrink: int, window: Window) -> Field:
@@ -105,7 +110,7 @@ class Flag:
         width, height = field.light.size
         most = int(np.ceil(most_px)) + 1
         two_sided = not shape.is_symmetric
-        ring = Ring.of((width, height), most, two_sided=two_sided)
+        ring = Ring.of((width, height), most, two_sided=two_sided, is_watched=self._pulse.is_watched)
         rows, columns = self._made(two_sided)
         with Held() as held:
             shed = self._shedder.shed(field, shape, most, window, held)
@@ -123,6 +128,7 @@ class Flag:
                 heights.bind_to_image(1, read=False, write=True)
                 rows.run(-(-width // 32), -(-(wanted - there) // 2))
                 self._ctx.memory_barrier()
+                self._pulse.beat()
                 there = wanted
                 with Held() as passing:
                     tallest = self._widest(heights, (0, 1), passing)
@@ -134,6 +140,7 @@ class Flag:
                     target.bind_to_image(0, read=False, write=True)
                     columns.run(-(-width // 32), -(-ring.new // 2))
                     self._ctx.memory_barrier()
+                    self._pulse.beat()
 
     def _widest(self, values: moderngl.Texture, along: tuple[int, int], held: Held) -> moderngl.Texture:
         """The largest values of stretches of rows or of columns."""

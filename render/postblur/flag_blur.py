@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from render.gl.held import Held
+from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache
 from render.postblur.flag import Flag
 from render.postblur.joined import Blurred, Joiner, Part, parts_of
@@ -20,9 +21,9 @@ SPLIT_PX = 24.0
 class FlagBlur:
     """Blurs pictures by `Flag`, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._ctx = ctx
-        self._flag, self._joiner = Flag(ctx, programs), Joiner(ctx, programs)
+        self._flag, self._joiner = Flag(ctx, programs, pulse), Joiner(ctx, programs)
 
     def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""

@@ -60,7 +60,7 @@ void gather(ivec2 at, int dx)
     float radius = texelFetch(reach, source, 0).r;
     if (radius <= 0.0 || float(abs(dx)) >= radius && dx != 0) return;
     vec4 light = texelFetch(shed, source, 0);
-    vec2 sides = reach_at(dx, radius);
+    vec2 sides = reach_at(-dx, radius);
 #ifdef TWO_SIDED
     put(0, light, sides.x);
     put(most + 1, light, sides.y);

@@ -10,6 +10,7 @@ from render.bench.focus_plan import add_arguments as add_focus_arguments
 from render.bench.live_plan import add_arguments as add_live_arguments
 from render.bench.motion_plan import add_arguments as add_motion_arguments
 from render.bench.plan import add_arguments
+from render.bench.soak_plan import add_arguments as add_soak_arguments
 
 
 def add_parser(commands: Any) -> None:
@@ -39,6 +40,11 @@ def add_parser(commands: Any) -> None:
     )
     live.set_defaults(run=run_live)
     add_live_arguments(live)
+    soak = benches.add_parser(
+        "soak", help="thousands of random edits of a small shot: no drift, no error, no growth of memory"
+    )
+    soak.set_defaults(run=run_soak)
+    add_soak_arguments(soak)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -116,5 +122,21 @@ def run_live(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.live import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_soak(arguments: argparse.Namespace) -> None:
+    """Edit a shot thousands of times, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: no edits are asked for.
+        GraphicsError: there is no device to draw on.
+        OutputError: the JSON cannot be written.
+    """
+    from render.bench.soak import run  # brings OpenGL with it
 
     run(arguments)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,27 +54,27 @@ class LiveFrames:
             GraphicsError: the device refuses.
         """
         renderer, engines = self._renderer, self._renderer.engines
-        size = self.pace.plan(settings.width, settings.height, 1.0)
-        view = PinholeView.from_camera(camera, settings.width, settings.height).resized(size.width, size.height)
-        unlit = settings.shading == "unlit"
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        largest = view.resized(*self.pace.largest(view.width, view.height))
         with renderer.on_device():
             looks = renderer.loaded(scene, camera, settings, is_preview=True)
-            peeled = engines.preview.peeled(engines.peeler, looks, view, unlit=unlit)
+            peeled = engines.preview.peeled(engines.peeler, looks, largest, unlit=settings.shading == "unlit")
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if settings.engine in engines.post_blur.engines and looks.f_stop > 0:
-                picture = engines.preview.blurred(engines.peeler, peeled, looks, view, settings.engine)
+                picture = engines.preview.blurred(engines.peeler, peeled, looks, largest, settings.engine)
                 clock.note("blur")
                 return picture, 0
             left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
-            plan = self.pace.plan(settings.width, settings.height, left_ms)
-            plan = Plan(size.width, size.height, rays or min(plan.rays, settings.rays))
+            plan = self.pace.plan(view.width, view.height, left_ms)
+            if rays is not None:
+                plan = Plan(largest.width, largest.height, rays)
+            plan = replace(plan, rays=min(plan.rays, settings.rays))
             pattern = ray_pattern(plan.rays, looks.iris, seed=settings.seed, tiled=settings.tiled)
             wavelengths = 1 if rays is None else min(settings.wavelengths, 3)
-            picture = engines.preview.traced(engines.peeler, peeled, looks, view, pattern, wavelengths)
-        took_ms = clock.note("blur")
-        if rays is None:
-            self.pace.learn(plan, took_ms, left_ms)
+            small = view.resized(plan.width, plan.height)
+            picture = engines.preview.traced(engines.peeler, peeled, looks, small, pattern, wavelengths)
+        self.pace.learn(plan, clock.note("blur"))
         return picture, plan.rays
 
     def traced(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-LEAST_RAYS, ENOUGH_RAYS = 6, 64
+GOOD_RAYS, ENOUGH_RAYS = 12, 64
+"""With fewer rays a smaller picture is better; more are seldom seen in a preview."""
 SOFTWARE_SIDE_PX, DEVICE_SIDE_PX = 480, 1920
-"""Longer side of the first preview, on a processor and on a graphics device."""
-_LEAST_SIDE_PX = 160
+"""Longer side of what is peeled for previews, on a processor and on a graphics device."""
+_SHARES = (1.0, 5 / 6, 2 / 3, 1 / 2, 1 / 3)  # of that, which a preview has: few, so that it does not flicker
 _FIXED_RAYS = 7  # that what is done once for a pixel costs as much as
-_STEP = 1.5
-_SLOW, _QUICK = 3, 12
-"""Previews, one after the other, that are late until they become smaller, and that have rays to spare until they grow again."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +26,26 @@ class Plan:
     height: int
     rays: int
 
+    @property
+    def work(self) -> int:
+        """Rays, and what costs as much as so many."""
+        return self.width * self.height * (self.rays + _FIXED_RAYS)
+
 
 class Pace:
-    """Of one machine. The size changes seldom: layers that are kept are lost with it.
+    """Of one machine.
 
     Args:
         is_software: whether a processor draws.
     """
 
     def __init__(self, *, is_software: bool) -> None:
-        self._side_px = self._most_px = float(SOFTWARE_SIDE_PX if is_software else DEVICE_SIDE_PX)
-        self._ms_of_ray = 3e-5 if is_software else 1e-6  # of one pixel
-        self._late = self._early = 0
+        self._side_px = SOFTWARE_SIDE_PX if is_software else DEVICE_SIDE_PX
+        self._ms = 3e-5 if is_software else 1e-6  # of a unit of work
+
+    def largest(self, width: int, height: int) -> tuple[int, int]:
+        """The width and height of what is peeled for previews of a picture, pixels."""
+        return self._scaled(width, height, 1.0)
 
     def plan(self, width: int, height: int, left_ms: float) -> Plan:
         """The preview of a picture.
@@ -47,19 +53,19 @@ class Pace:
         Args:
             width: of the picture in pixels.
             height: likewise.
-            left_ms: of its time, for its rays.
+            left_ms: for its rays.
         """
-        share = min(1.0, self._side_px / max(width, height))
-        width, height = max(1, round(share * width)), max(1, round(share * height))
-        fits = int(left_ms / (self._ms_of_ray * width * height)) - _FIXED_RAYS
-        return Plan(width, height, min(max(fits, LEAST_RAYS), ENOUGH_RAYS))
+        for share in _SHARES:
+            size = self._scaled(width, height, share)
+            rays = int(left_ms / self._ms / (size[0] * size[1])) - _FIXED_RAYS
+            if rays >= GOOD_RAYS:
+                return Plan(*size, min(rays, ENOUGH_RAYS))
+        return Plan(*self._scaled(width, height, _SHARES[-1]), GOOD_RAYS)
 
-    def learn(self, plan: Plan, took_ms: float, left_ms: float) -> None:
-        """Take note of what a preview's rays took, and of what they had."""
-        self._ms_of_ray += 0.5 * (took_ms / ((plan.rays + _FIXED_RAYS) * plan.width * plan.height) - self._ms_of_ray)
-        self._late = self._late + 1 if took_ms > 1.5 * left_ms and plan.rays == LEAST_RAYS else 0
-        self._early = self._early + 1 if left_ms > 3 * _STEP**2 * LEAST_RAYS / plan.rays * took_ms else 0
-        if self._late >= _SLOW:
-            self._late, self._side_px = 0, max(self._side_px / _STEP, _LEAST_SIDE_PX)
-        elif self._early >= _QUICK and self._side_px < self._most_px:
-            self._early, self._side_px = 0, min(self._side_px * _STEP, self._most_px)
+    def learn(self, plan: Plan, took_ms: float) -> None:
+        """Take note of what a preview's rays took."""
+        self._ms += 0.3 * (took_ms / plan.work - self._ms)
+
+    def _scaled(self, width: int, height: int, share: float) -> tuple[int, int]:
+        scale = share * min(1.0, self._side_px / max(width, height))
+        return max(1, round(scale * width)), max(1, round(scale * height))

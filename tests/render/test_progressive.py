@@ -18,7 +18,7 @@ from render.layers.renderer import LayerRenderer
 from render.progressive import Asked, Shown
 from render.progressive.driver import Progressive
 from render.progressive.frames import enlarged
-from render.progressive.pace import ENOUGH_RAYS, LEAST_RAYS, Pace
+from render.progressive.pace import ENOUGH_RAYS, GOOD_RAYS, Pace, Plan
 from render.reference.metrics import psnr_db
 from render.shot import Shot, make_picture
 from render.shot import finish as finishing
@@ -102,12 +102,14 @@ def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, cha
 
 def test_the_first_picture_is_like_the_last(driver: Progressive) -> None:
     pictures = list(driver.pictures(Asked("/cam", 2.0, SETTINGS, budget_ms=1.0)))
-    assert pictures[0].rays == LEAST_RAYS
+    assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
     assert psnr_db(enlarged(first, 160, 90), final) > 22
     assert pictures[0].timing.total_ms >= pictures[0].timing.blur_ms > 0
-    better = psnr_db(enlarged(pictures[-2].graded, 160, 90), final)
-    assert better > psnr_db(enlarged(first, 160, 90), final)
+    better = pictures[1]
+    assert better.rays > pictures[0].rays
+    assert better.graded.shape > first.shape
+    assert psnr_db(enlarged(better.graded, 160, 90), final) > 30
 
 
 def test_what_moves_gets_its_first_picture_alone(driver: Progressive) -> None:
@@ -225,22 +227,25 @@ def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
 
 def test_the_pace_follows_the_machine() -> None:
     pace = Pace(is_software=True)
-    first = pace.plan(960, 540, 60)
-    assert (first.width, first.height) == (480, 270)
-    for _ in range(8):
-        plan = pace.plan(960, 540, 60)
-        pace.learn(plan, 1e-5 * plan.rays * plan.width * plan.height, 60)
-    assert pace.plan(960, 540, 60).rays > 20
-    for _ in range(40):
-        plan = pace.plan(960, 540, 60)
-        assert LEAST_RAYS <= plan.rays <= ENOUGH_RAYS
-        pace.learn(plan, 1e-3 * plan.rays * plan.width * plan.height, 60)
-    assert pace.plan(960, 540, 60).width == 160, "a slow machine has smaller pictures"
-    for _ in range(60):
-        plan = pace.plan(960, 540, 60)
-        pace.learn(plan, 1e-5 * plan.rays * plan.width * plan.height, 60)
-    assert pace.plan(960, 540, 60).width == 480, "and one that has become quick again, larger ones"
-    assert (pace.plan(8, 3, 60).width, pace.plan(8, 3, 60).height) == (8, 3)
+    assert pace.largest(960, 540) == (480, 270)
+    assert pace.largest(8, 3) == (8, 3)
+
+    def settled(ms: float) -> Plan:
+        for _ in range(30):
+            plan = pace.plan(960, 540, 60)
+            assert GOOD_RAYS <= plan.rays <= ENOUGH_RAYS
+            pace.learn(plan, ms * plan.work)
+        return plan
+
+    quick = settled(2e-5)
+    assert (quick.width, quick.height) == (480, 270)
+    assert 2e-5 * quick.work == pytest.approx(60, rel=0.1), "the time there is, is used"
+    slow = settled(6e-5)
+    assert slow.width < 480, "few rays make a smaller picture better"
+    assert 6e-5 * slow.work == pytest.approx(60, rel=0.35)
+    assert settled(1e-2) == Plan(160, 90, GOOD_RAYS)
+    assert settled(2e-5) == quick
+    assert settled(1e-9).rays == ENOUGH_RAYS
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 5), (90, 160)])

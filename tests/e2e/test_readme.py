@@ -60,6 +60,7 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 "frame.png",
                 "frame.exr",
                 "quick.png",
+                "better.png",
                 "planar.png",
                 "swirl.png",
                 "flare.png",

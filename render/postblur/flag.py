@@ -27,6 +27,7 @@ PILE_BYTES = 16
 WATCHED_ROWS = 64
 """That are finished at once while somebody may call the work off."""
 _TILE = 16
+_HEIGHT_BYTES, _SHED_BYTES = 4, 20  # of a pile's height; of what a pixel sheds, and how far
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,18 @@ class Ring:
     def rows(self) -> int:
         """That are held."""
         return self.new + 2 * self.ahead
+
+
+def held_bytes(size: tuple[int, int], most_px: float, *, two_sided: bool) -> int:
+    """Memory that a blur holds while it works: the piles of some rows, and what each pixel sheds.
+
+    Args:
+        size: width and height of the picture in pixels.
+        most_px: largest radius.
+        two_sided: whether the shape is not symmetric.
+    """
+    ring = Ring.of(size, int(np.ceil(most_px)) + 1, two_sided=two_sided)
+    return size[0] * ring.rows * (ring.slices * PILE_BYTES + _HEIGHT_BYTES) + size[0] * size[1] * _SHED_BYTES
 
 
 class Flag:

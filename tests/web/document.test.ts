@@ -107,65 +107,86 @@ describe("two editors of a shot", () => {
 });
 
 describe("a drag", () => {
-  it("is one edit, from where it began to where it ended", async () => {
+  it("is tried as it goes, and is one edit in the end", async () => {
     const { fake, document } = opened();
     const drag = document.drag("stop", toStop);
     for (const stop of [2.8, 4, 5.6]) {
       drag.move(stop);
-      await turn();
+      expect(document.tried.value).toEqual(toStop(stop));
     }
-    drag.commit(8);
     await turn();
-    expect(fake.performed.at(-1)).toEqual(setStop(8));
+    expect([fake.performed, document.revision.value, document.dragging.value]).toEqual([[], 0, true]);
+    drag.commit(8);
+    expect([document.tried.value, document.dragging.value, document.pending.value]).toEqual([toStop(8), false, 1]);
+    await turn();
+    expect(fake.performed).toEqual([setStop(8)]);
+    expect([document.tried.value, document.revision.value]).toEqual([[], 1]);
     expect(document.undoLabel.value).toBe("stop");
     await document.undo();
     expect(fake.done).toEqual([]);
     expect(document.undoLabel.value).toBeNull();
-    expect(document.dragging.value).toBe(false);
   });
 
-  it("skips the values that a slow service has no time for", async () => {
+  it("shows what the lens does meanwhile, and what the service says of it in the end", async () => {
+    const { fake, document } = opened();
+    const told = await fake.readout();
+    document.follow(1, false, 0);
+    await turn();
+    const drag = document.drag("stop", toStop);
+    drag.move(4);
+    document.hearReadout({ ...told, fStop: 4 }, document.tried.value);
+    expect(document.readout.value?.fStop).toBe(4);
+    drag.commit(4);
+    await turn();
+    expect(document.readout.value?.fStop).toBe(4); // until it is told anew, and not the old one in between
+    document.follow(1, false, document.revision.value);
+    await turn();
+    expect(document.readout.value).toEqual(told);
+  });
+
+  it("that is followed by another one at once leaves that one its say", async () => {
     const { fake, document } = opened();
     let open = (): void => undefined;
     fake.gate = () => new Promise((resolve) => (open = resolve));
-    const drag = document.drag("stop", toStop);
-    for (const stop of [2.8, 4, 5.6]) drag.move(stop);
-    drag.commit(8);
+    document.drag("stop", toStop).commit(8);
     await turn();
+    document.drag("stop", toStop).move(11);
     open();
     await turn();
-    open();
-    await turn();
-    expect(fake.performed).toEqual([setStop(2.8), setStop(8)]);
+    expect(fake.performed).toEqual([setStop(8)]);
+    expect([document.tried.value, document.dragging.value]).toEqual([toStop(11), true]);
   });
 });
 
 describe("a drag that comes to nothing", () => {
-  it("because it is given up leaves all as it was, and no edit", async () => {
+  it("because it is given up was never an edit", async () => {
     const { fake, document } = opened();
     const drag = document.drag("stop", toStop);
     drag.move(4);
-    await turn();
     drag.cancel();
     await turn();
-    expect(fake.performed).toEqual([setStop(4)]);
-    expect(fake.done).toEqual([]);
-    expect([document.undoLabel.value, document.redoLabel.value]).toEqual([null, null]);
-    expect(document.dragging.value).toBe(false);
+    expect(fake.performed).toEqual([]);
+    expect([document.tried.value, document.dragging.value, document.undoLabel.value]).toEqual([[], false, null]);
   });
 
-  it("because it is refused ends there", async () => {
+  it("because it ends where it began is none either", async () => {
+    const { fake, document } = opened();
+    const drag = document.drag("stop", (stop: number) => (stop === 2 ? [] : toStop(stop)));
+    drag.move(4);
+    drag.commit(2);
+    await turn();
+    expect([fake.performed, document.tried.value, document.dragging.value]).toEqual([[], [], false]);
+  });
+
+  it("because it is refused shows again what is saved", async () => {
     const { fake, document, failed } = opened();
     fake.failing = "setLens";
     const drag = document.drag("stop", toStop);
     drag.move(4);
-    await turn();
-    fake.failing = null;
-    drag.move(5);
     drag.commit(8);
     await turn();
     expect(failed).toHaveLength(1);
     expect(fake.performed).toEqual([]);
-    expect(document.dragging.value).toBe(false);
+    expect([document.tried.value, document.dragging.value]).toEqual([[], false]);
   });
 });

@@ -3,8 +3,9 @@
 import type { Command } from "@/model/command";
 import type { EditHistory } from "@/model/history";
 import type { Quality } from "@/model/quality";
-import type { Readout, Shot } from "@/model/shot";
+import type { FocusSettings, Readout, Shot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
+import type { LiveEar, LiveLink, LivePicture, Wish } from "@/net/live";
 import type { Service, View } from "@/net/service";
 
 export const SHOT: Shot = {
@@ -46,6 +47,9 @@ export class FakeService implements Partial<Service> {
   #states: State[] = [{ done: [], gesture: "" }];
   #now = 0;
   readonly frames: { time: number; quality: Quality }[] = [];
+  /** What live pictures were wanted, and who waits for them. */
+  readonly wishes: Wish[] = [];
+  ear: LiveEar | null = null;
   /** Commands of this kind fail. */
   failing: Command["do"] | null = null;
   /** Called for each command, before it is done; a test may hold it up. */
@@ -117,11 +121,29 @@ export class FakeService implements Partial<Service> {
     // It keeps no tags.
   }
 
-  /** Takes as long as neither makes the page ask for less nor for more. */
+  live(_: View, ear: LiveEar): LiveLink {
+    this.ear = ear;
+    return { free: true, want: (wish) => void this.wishes.push(wish), close: () => (this.ear = null) };
+  }
+
+  /** A picture for the newest wish comes, or for the one at an index. */
+  async show(stage: LivePicture["stage"], index = -1): Promise<void> {
+    const wish = this.wishes.at(index);
+    if (!wish || !this.ear) throw new Error("Nobody waits for a picture.");
+    const scale = stage === "preview" ? 0.25 : 1;
+    const { width, height, rays } = wish.quality;
+    const said = { width: width * scale, height: height * scale, rays, share: Number(stage === "final"), tookMs: 80 };
+    await this.ear.onPicture({ blob: new Blob([stage]), stage, ...said }, wish);
+  }
+
   async frame(_: View, time: number, quality: Quality): Promise<Blob> {
     this.frames.push({ time, quality });
     await new Promise((resolve) => setTimeout(resolve, 150));
     return new Blob(["picture"]);
+  }
+
+  focusSettings(): Promise<FocusSettings> {
+    return Promise.resolve({ keys: {} } as unknown as FocusSettings);
   }
 
   focusPoints(): Promise<[]> {

@@ -1,10 +1,12 @@
 import { signal } from "@preact/signals";
 import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
+import type { Trial } from "@/model/command";
 import { restQuality } from "@/model/quality";
 import { FakeService, SHOT } from "./fake_service";
 
 const REST = restQuality(800, 400);
+const TRIED: readonly Trial[] = [{ do: "place", name: "hero", at: [0.5, 0.5] }];
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -16,44 +18,128 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-function opened(): { fake: FakeService; pictures: Pictures; show: (time: number, moving: boolean) => Promise<void> } {
+function opened(): {
+  fake: FakeService;
+  pictures: Pictures;
+  document: ShotDocument;
+  want: (time: number, moving: boolean, tried?: readonly Trial[]) => void;
+} {
   const fake = new FakeService();
   const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail);
   const pictures = new Pictures(fake.service, document, fail);
-  const show = async (time: number, moving: boolean): Promise<void> => {
-    pictures.want({ time, revision: document.revision.value, quality: REST }, moving);
-    await vi.advanceTimersByTimeAsync(200);
+  const want = (time: number, moving: boolean, tried: readonly Trial[] = []): void => {
+    pictures.want({ time, revision: document.revision.value, quality: REST, moving, tried });
   };
-  return { fake, pictures, show };
+  return { fake, pictures, document, want };
 }
 
 function fail(error: unknown): void {
   throw error;
 }
 
-describe("pictures", () => {
-  it("at rest a quick one comes first, and the best when all has been still", async () => {
-    const { fake, pictures, show } = opened();
-    await show(5, false);
-    expect(pictures.displayed.value).toMatchObject({ time: 5, best: false });
+describe("live pictures", () => {
+  it("are shown as they come, until the exact one", async () => {
+    const { fake, pictures, want } = opened();
+    want(5, false);
+    expect(pictures.busy.value).toBe(true);
+    await fake.show("preview");
+    expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "preview", width: 200 });
+    await fake.show("refining");
+    await fake.show("final");
+    expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "final", width: 800, tookMs: 80 });
+    expect(pictures.busy.value).toBe(false);
+  });
+
+  it("are wanted once while a hand moves and again when it rests, however often the same is asked for", () => {
+    const { fake, want } = opened();
+    for (const moving of [true, true, false, false, true]) want(5, moving);
+    expect(fake.wishes.map((wish) => wish.moving)).toEqual([true, false]);
+  });
+
+  it("of what is tried are shown and not kept", async () => {
+    const { fake, pictures, want } = opened();
+    want(1, true, TRIED);
+    await fake.show("preview");
+    expect(pictures.displayed.value?.tried).toBe(TRIED);
+    expect(pictures.keptTimes.value).toEqual([]);
+    want(1, true);
+    expect(fake.wishes.at(-1)?.tried).toEqual([]);
+  });
+});
+
+describe("pictures that were shown once", () => {
+  it("and were exact are shown again without asking", async () => {
+    const { fake, pictures, want } = opened();
+    for (const time of [1, 2]) {
+      want(time, false);
+      await fake.show("final");
+    }
+    want(1, true);
+    want(2, false);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(fake.wishes).toHaveLength(2);
+    expect(pictures.displayed.value?.time).toBe(2);
+    expect(pictures.keptTimes.value.toSorted()).toEqual([1, 2]);
+  });
+
+  it("and were poor are asked for again, and never take the place of a better one", async () => {
+    const { fake, pictures, want } = opened();
+    want(1, false);
+    await fake.show("preview");
+    want(2, true);
+    want(1, true);
+    expect(fake.wishes).toHaveLength(3);
+    await fake.show("final", 0);
+    await fake.show("preview", 2);
+    want(3, true);
+    want(1, false);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(pictures.displayed.value).toMatchObject({ time: 1, stage: "final" });
+  });
+
+  it("before an edit are not shown after it", async () => {
+    const { fake, document, want } = opened();
+    want(1, false);
+    await fake.show("final");
+    document.refresh();
+    want(1, false);
+    expect(fake.wishes).toHaveLength(2);
+  });
+});
+
+describe("where pictures do not come live", () => {
+  it("a draft is asked for, and the whole one when all has been still", async () => {
+    const { fake, pictures, want } = opened();
+    fake.ear?.onOpen(false);
+    want(5, false);
+    await vi.advanceTimersByTimeAsync(200);
+    expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "preview" });
     await vi.advanceTimersByTimeAsync(2000);
-    expect(pictures.displayed.value).toMatchObject({ time: 5, best: true, quality: REST });
+    expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "final", quality: REST });
     expect(fake.frames.map(({ quality }) => quality.width < REST.width)).toEqual([true, false]);
   });
 
-  it("while things move the best one is never asked for", async () => {
-    const { fake, show } = opened();
-    for (const time of [1, 2, 3]) await show(time, true);
+  it("while things move the whole one is never asked for, and what is only tried not at all", async () => {
+    const { fake, want } = opened();
+    fake.ear?.onOpen(false);
+    for (const time of [1, 2, 3]) {
+      want(time, true);
+      await vi.advanceTimersByTimeAsync(200);
+    }
+    want(3, true, TRIED);
     await vi.advanceTimersByTimeAsync(5000);
-    expect(fake.frames).toHaveLength(3);
+    expect(fake.frames.map(({ time }) => time)).toEqual([1, 2, 3]);
     expect(fake.frames.every(({ quality }) => quality.rays < REST.rays)).toBe(true);
   });
 
-  it("what was shown once is shown again without asking", async () => {
-    const { fake, pictures, show } = opened();
-    for (const time of [1, 2, 1, 2]) await show(time, true);
-    expect(fake.frames.map(({ time }) => time)).toEqual([1, 2]);
-    expect(pictures.displayed.value?.time).toBe(2);
-    expect(pictures.keptTimes.value.toSorted()).toEqual([1, 2]);
+  it("they do again as soon as the connection is there, beginning with what was wanted last", () => {
+    const { fake, pictures, want } = opened();
+    want(1, false);
+    fake.ear?.onOpen(false);
+    want(2, false);
+    expect(fake.wishes).toHaveLength(1);
+    fake.ear?.onOpen(true);
+    expect(fake.wishes.map(({ time }) => time)).toEqual([1, 2]);
+    expect(pictures.free).toBe(true);
   });
 });

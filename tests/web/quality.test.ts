@@ -1,4 +1,4 @@
-import { FIRST_RUNG, letterbox, movingQuality, nextRung, restQuality } from "@/model/quality";
+import { draftQuality, letterbox, restQuality } from "@/model/quality";
 
 describe("letterbox", () => {
   it("fills a wide box in height, a tall one in width, centred", () => {
@@ -31,22 +31,12 @@ describe("quality", () => {
     expect([large.width, large.height]).toEqual([1920, 1080]);
   });
 
-  it("while moving each rung is less work than the one before, and the last is still a picture", () => {
+  it("where pictures are not live a draft is a fraction of the work, and still a picture", () => {
     const rest = restQuality(960, 540);
-    const work = [0, 1, 2, 3, 4].map((rung) => {
-      const { width, height, rays } = movingQuality(rest, rung);
-      expect(Math.min(width, height)).toBeGreaterThanOrEqual(16);
-      return width * height * rays;
-    });
-    expect(work).toEqual(work.toSorted((a, b) => b - a));
-    expect(new Set(work).size).toBe(5);
-  });
-
-  it("goes down when the service is slow, up when it is quick, and rests between", () => {
-    expect(nextRung(FIRST_RUNG, 900)).toBeGreaterThan(FIRST_RUNG);
-    expect(nextRung(FIRST_RUNG, 20)).toBeLessThan(FIRST_RUNG);
-    expect(nextRung(FIRST_RUNG, 150)).toBe(FIRST_RUNG);
-    expect(nextRung(nextRung(4, 900), 900)).toBe(4);
-    expect(nextRung(0, 1)).toBe(0);
+    const draft = draftQuality(rest);
+    expect(draft.width * draft.height * draft.rays).toBeLessThan(0.1 * rest.width * rest.height * rest.rays);
+    expect(draft.width / draft.height).toBeCloseTo(rest.width / rest.height, 1);
+    const least = draftQuality(restQuality(1, 1));
+    expect(Math.min(least.width, least.height)).toBeGreaterThanOrEqual(16);
   });
 });

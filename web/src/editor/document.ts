@@ -1,7 +1,7 @@
 /** One shot as it is at the service: its focus points, lens and curve, and the edits that change them. */
 
-import { computed, signal, type ReadonlySignal } from "@preact/signals";
-import type { Change } from "../model/command";
+import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
+import type { Change, Trial } from "../model/command";
 import { sampleAt, type Curve } from "../model/curve";
 import { NO_HISTORY, redoLabel, undoLabel, type Labels } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
@@ -11,13 +11,15 @@ import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service, View } from "../net/service";
 
+const NOTHING_TRIED: readonly Trial[] = [];
+
 type Fail = (error: unknown) => void;
 
-/** A change that a person is still dragging: shown as it goes, and one edit in the end. */
+/** A change that a person is still dragging: tried in the picture as it goes, and one edit in the end. */
 export interface Drag<Value> {
   move(value: Value): void;
   commit(value: Value): void;
-  /** Puts back what was there before. */
+  /** Leaves what was there before. */
   cancel(): void;
 }
 
@@ -30,12 +32,16 @@ export class ShotDocument {
   readonly curve = signal<Curve>([]);
   /** What can be undone, here and by whoever else edits the shot. */
   readonly history = signal(NO_HISTORY);
+  /** A hand is trying something. */
   readonly dragging = signal(false);
+  /** What the picture shows beyond what is saved: what a hand is trying, or has just let go of. */
+  readonly tried = signal(NOTHING_TRIED);
   /** Edits that are on their way. */
   readonly pending = signal(0);
   readonly #readout = signal<{ readonly revision: number; readonly time: number; readonly value: Readout } | null>(
     null,
   );
+  readonly #triedReadout = signal<{ readonly time: number; readonly value: Readout } | null>(null);
   readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
   readonly #curveRevision = signal(-1);
   readonly #labels = signal<Labels>(new Map());
@@ -64,7 +70,13 @@ export class ShotDocument {
     });
     this.#followReadout = new NewestWins({
       load: ({ time: at }, signal) => service.readout(this.view, at, signal),
-      onResult: (value, request) => (this.#readout.value = { ...request, value }),
+      onResult: (value, request) => {
+        batch(() => {
+          this.#readout.value = { ...request, value };
+          if (request.revision === this.revision.value && this.tried.value.length === 0)
+            this.#triedReadout.value = null;
+        });
+      },
       onError: fail,
       mostInFlight: 1,
     });
@@ -90,9 +102,11 @@ export class ShotDocument {
     return this.view.camera !== null;
   }
 
-  /** The lens now: from the curve where it is up to date, else what the service last said. */
+  /** The lens now: as it is tried, else from the curve where it is up to date, else what the service last said. */
   readonly readout = computed<Readout | null>(() => {
     const told = this.#readout.value;
+    const tried = this.#triedReadout.value;
+    if (tried && sameTime(tried.time, this.#time.value)) return tried.value;
     if (told?.revision === this.revision.value && sameTime(told.time, this.#time.value)) return told.value;
     const sample =
       this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
@@ -114,7 +128,7 @@ export class ShotDocument {
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;
     this.#followPoints.want({ request: time });
-    if (moving && !this.dragging.value) return;
+    if (moving) return;
     this.#followReadout.want({ request: { time, revision } });
     this.#followSettings.want({ request: { time, revision } });
   }
@@ -142,14 +156,21 @@ export class ShotDocument {
   readonly undoLabel = computed(() => undoLabel(this.history.value, this.#labels.value));
   readonly redoLabel = computed(() => redoLabel(this.history.value, this.#labels.value));
 
-  /** Makes an edit, which is one step of undo. Resolves to whether it was made. */
-  edit(label: string, change: Change): Promise<boolean> {
-    if (change.length === 0) return Promise.resolve(true);
+  /**
+   * Makes an edit, which is one step of undo. Resolves to whether it was made.
+   *
+   * @param tried is shown until then, and is what comes of it.
+   */
+  edit(label: string, change: Change, tried?: readonly Trial[]): Promise<boolean> {
+    if (change.length === 0) {
+      if (tried) this.stopTrying();
+      return Promise.resolve(true);
+    }
     const time = this.#time.peek();
     return this.#inTurn(async () => {
       await this.#make(change, time, freshGesture());
       await this.#name(label);
-    });
+    }, tried);
   }
 
   /** Takes back the last edit; nothing where somebody edited since it was shown what that is. */
@@ -184,60 +205,48 @@ export class ShotDocument {
   }
 
   /**
-   * Starts a drag. Values go to the service as fast as it takes them, the newest first, and are one edit in the end. What the
-   * service refuses ends it.
+   * Starts a drag. Its values are tried in the picture; the last one is made an edit.
    *
    * @param make the change to a value.
    */
   drag<Value>(label: string, make: (value: Value) => Change): Drag<Value> {
-    const gesture = freshGesture();
-    const time = this.#time.peek();
-    let before: string | null = null;
-    let waiting: (() => Promise<unknown>) | null = null;
-    let sending = false;
-    let refused = false;
-    const pump = async (next: () => Promise<unknown>): Promise<void> => {
-      waiting = next;
-      if (sending) return;
-      sending = true;
-      while (waiting) {
-        const send: () => Promise<unknown> = waiting;
-        waiting = null;
-        await send();
-      }
-      sending = false;
-    };
-    const end = (last: () => Promise<void>): void => {
-      void pump(async () => {
-        this.dragging.value = false;
-        if (!refused) await this.#inTurn(last);
-      });
-    };
     return {
       move: (value) => {
-        if (refused) return;
-        this.dragging.value = true;
-        void pump(async () => {
-          const done = await this.#inTurn(async () => {
-            before ??= (await this.#service.history(this.shot.id)).revision;
-            await this.#make(make(value), time, gesture);
-          });
-          refused ||= !done;
-        });
+        this.try(make(value));
       },
       commit: (value) => {
-        end(async () => {
-          await this.#make(make(value), time, gesture);
-          await this.#name(label);
-        });
+        const change = make(value);
+        this.tried.value = change;
+        void this.edit(label, change, change);
+        this.dragging.value = false;
       },
       cancel: () => {
-        if (!this.dragging.value) return;
-        end(async () => {
-          if (before !== null) await this.#takeBack(before, gesture);
-        });
+        this.stopTrying();
       },
     };
+  }
+
+  /** Has the picture show what is not saved, in place of what it tried before. */
+  try(tried: readonly Trial[]): void {
+    batch(() => {
+      this.tried.value = tried;
+      this.dragging.value = true;
+    });
+  }
+
+  /** Shows again what is saved. */
+  stopTrying(): void {
+    batch(() => {
+      this.tried.value = NOTHING_TRIED;
+      this.#triedReadout.value = null;
+      this.dragging.value = false;
+    });
+  }
+
+  /** The lens in a picture in which something was tried. */
+  hearReadout(readout: Readout, tried: readonly Trial[]): void {
+    if (tried === this.tried.value || this.dragging.value)
+      this.#triedReadout.value = { time: this.#time.peek(), value: readout };
   }
 
   /** Asks again for everything, as after an edit. */
@@ -253,8 +262,12 @@ export class ShotDocument {
       follower.clear();
   }
 
-  /** Does something after all that was begun before, and then asks again for everything. Resolves to whether it was done. */
-  #inTurn(task: () => Promise<void>): Promise<boolean> {
+  /**
+   * Does something after all that was begun before, and then asks again for everything. Resolves to whether it was done.
+   *
+   * @param tried is not shown any more then.
+   */
+  #inTurn(task: () => Promise<void>, tried?: readonly Trial[]): Promise<boolean> {
     this.pending.value += 1;
     const done = this.#queue.then(async () => {
       try {
@@ -262,11 +275,15 @@ export class ShotDocument {
         return true;
       } catch (error) {
         if (!isAbort(error)) this.#fail(error);
+        this.#triedReadout.value = null;
         this.history.value = await this.#service.history(this.shot.id).catch(() => this.history.peek());
         return false;
       } finally {
-        this.refresh();
-        this.pending.value -= 1;
+        batch(() => {
+          if (tried && this.tried.value === tried) this.tried.value = NOTHING_TRIED;
+          this.refresh();
+          this.pending.value -= 1;
+        });
       }
     });
     this.#queue = done;

@@ -1,159 +1,195 @@
-/** Keeps the picture on screen up with the time and the edits: a quick one while things move, the best one at rest. */
+/**
+ * Keeps the picture on screen up with the time, the edits and what a hand is trying: at once with what can be had at once,
+ * then better and better until the exact one. They come live; where that connection cannot be had they are asked for one by one.
+ */
 
 import { signal } from "@preact/signals";
-import { FIRST_RUNG, movingQuality, nextRung, type Quality } from "../model/quality";
-import type { FocusPoint } from "../model/shot";
+import type { Trial } from "../model/command";
+import { draftQuality, type Quality } from "../model/quality";
+import type { FocusPoint, Readout } from "../model/shot";
 import { sameTime } from "../model/time";
+import type { LiveLink, LivePicture, Wish } from "../net/live";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
 import type { ShotDocument } from "./document";
 
-/**
- * How long things must be still before the best picture is asked for, ms: a part of what it takes, since the service
- * cannot stop one that it has begun and the next click would wait for it.
- */
-const SETTLE_MS = { least: 120, most: 1500, part: 0.25 };
-/** A best picture that comes this fast needs no quick one before it, ms. */
-const QUICK_MS = 180;
-
 /** Pictures kept for playing again. */
 const MOST_KEPT = 400;
+/** Of the width at rest: a kept picture that is wider will do while things move. */
+const GOOD_WIDTH = 0.45;
+/** How long things must be still before a whole picture is asked for where it does not come live, ms. */
+const SETTLE_MS = 400;
 
 /** A picture on screen, with the points where they were at its time. */
-export interface Displayed {
+export interface Displayed extends Omit<LivePicture, "blob"> {
   readonly bitmap: ImageBitmap;
   readonly time: number;
   readonly revision: number;
+  /** That was asked for; the picture may be less. */
   readonly quality: Quality;
-  readonly best: boolean;
+  readonly tried: readonly Trial[];
   readonly points: readonly FocusPoint[];
 }
 
-interface WantedPicture {
-  readonly time: number;
+export interface WantedPicture extends Wish {
   readonly revision: number;
-  readonly quality: Quality;
-}
-
-interface FrameRequest extends WantedPicture {
-  readonly best: boolean;
 }
 
 interface Kept {
-  readonly blob: Blob;
+  readonly picture: LivePicture;
   readonly quality: Quality;
-  readonly best: boolean;
 }
 
 export class Pictures {
   readonly displayed = signal<Displayed | null>(null);
+  /** Whether a better picture is on its way. */
   readonly busy = signal(false);
   /** Times whose picture is kept and can be played without the service. */
   readonly keptTimes = signal<readonly number[]>([]);
 
-  readonly #service: Service;
   readonly #document: ShotDocument;
-  readonly #fetcher: NewestWins<FrameRequest, Displayed>;
+  readonly #link: LiveLink;
+  readonly #fetcher: NewestWins<WantedPicture, LivePicture>;
+  readonly #hearReadout: (readout: Readout, tried: readonly Trial[]) => void;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
+  #isLive = true;
   #keptRevision = -1;
-  #rung = FIRST_RUNG;
-  #bestTookMs = 2 * QUICK_MS;
+  #wanted: WantedPicture | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
+  #serial = 0;
+  #shownSerial = 0;
 
   constructor(service: Service, document: ShotDocument, fail: (error: unknown) => void) {
-    this.#service = service;
     this.#document = document;
-    this.#fetcher = new NewestWins({
-      load: (request, signal) => this.#load(request, signal),
-      onResult: (picture) => {
-        this.#show(picture);
+    this.#hearReadout = (readout, tried) => {
+      document.hearReadout(readout, tried);
+    };
+    this.#link = service.live(document.view, {
+      onPicture: (picture, wish) => this.#take(picture, wish as WantedPicture),
+      onReadout: (readout, wish) => {
+        this.#hearReadout(readout, wish.tried);
       },
-      onError: fail,
-      onBusy: (busy) => (this.busy.value = busy),
+      onError: (error) => {
+        this.busy.value = false;
+        fail(error);
+      },
+      onOpen: (isOpen) => {
+        const was = this.#isLive;
+        this.#isLive = isOpen;
+        if (isOpen) this.#fetcher.clear();
+        if (was !== isOpen && this.#wanted) this.#ask(this.#wanted);
+      },
+    });
+    this.#fetcher = new NewestWins({
+      load: async (wanted, signal) => {
+        const quality = wanted.moving ? draftQuality(wanted.quality) : wanted.quality;
+        const began = performance.now();
+        const blob = await service.frame(document.view, wanted.time, quality, signal);
+        const { width, height, rays } = quality;
+        const stage = wanted.moving ? "preview" : "final";
+        return { blob, stage, width, height, rays, share: wanted.moving ? 0 : 1, tookMs: performance.now() - began };
+      },
+      onResult: (picture, wanted) => void this.#take(picture, wanted),
+      onError: (error) => {
+        this.busy.value = false;
+        fail(error);
+      },
     });
   }
 
-  /** Whether another picture would be asked for at once: what playing waits for. */
+  /** Whether another picture would be made soon: what playing waits for. */
   get free(): boolean {
-    return this.#fetcher.free;
+    return this.#isLive ? this.#link.free : this.#fetcher.free;
   }
 
-  /** Asks for a picture: at rest the wanted one, while things move one that comes in time. */
-  want(wanted: WantedPicture, moving: boolean): void {
-    clearTimeout(this.#timer);
-    const { time, revision } = wanted;
-    const best: FrameRequest = { ...wanted, best: true };
-    if (!moving && (this.#isKept(best) || this.#bestTookMs < QUICK_MS)) {
-      this.#fetcher.want({ request: best, disposable: true });
+  /** Asks for a picture, in place of what was wanted before. */
+  want(wanted: WantedPicture): void {
+    if (this.#wanted && isSame(this.#wanted, wanted) && (wanted.moving || !this.#wanted.moving)) return;
+    this.#wanted = wanted;
+    const kept = this.#keptFor(wanted);
+    if (kept) void this.#take(kept.picture, { ...wanted, quality: kept.quality });
+    if (kept && (wanted.moving || kept.picture.stage === "final")) {
+      // What is under way would only bring back what was wanted before.
+      this.busy.value = false;
+      this.#fetcher.clear();
       return;
     }
-    if (moving || !this.#shows(time, revision)) {
-      const quality = movingQuality(wanted.quality, this.#rung);
-      this.#fetcher.want({ request: { time, revision, quality, best: false } });
-    }
-    if (moving) return;
-    const settle = Math.min(Math.max(this.#bestTookMs * SETTLE_MS.part, SETTLE_MS.least), SETTLE_MS.most);
-    this.#timer = setTimeout(() => {
-      this.#fetcher.want({ request: best, disposable: true });
-    }, settle);
+    this.#ask(wanted);
   }
 
   close(): void {
     clearTimeout(this.#timer);
+    this.#wanted = null;
+    this.#link.close();
     this.#fetcher.clear();
     this.displayed.value?.bitmap.close();
     this.displayed.value = null;
   }
 
-  #shows(time: number, revision: number): boolean {
-    const shown = this.displayed.peek();
-    return shown !== null && shown.revision === revision && sameTime(shown.time, time);
-  }
-
-  async #load(request: FrameRequest, signal: AbortSignal): Promise<Displayed> {
-    const { time, revision } = request;
-    const kept = this.#isKept(request) ? this.#kept.get(time.toString()) : undefined;
-    const started = performance.now();
-    const [blob, points] = await Promise.all([
-      kept?.blob ?? this.#service.frame(this.#document.view, time, request.quality, signal),
-      this.#document.pointsAt(time),
-    ]);
-    if (!kept) {
-      this.#learn(request, performance.now() - started);
-      this.#keep(request, blob);
+  #ask(wanted: WantedPicture): void {
+    clearTimeout(this.#timer);
+    this.busy.value = !wanted.moving;
+    if (this.#isLive) {
+      this.#link.want(wanted);
+      return;
     }
-    const { quality, best } = kept ?? request;
-    return { bitmap: await createImageBitmap(blob), time, revision, quality, best, points };
+    // One that is asked for cannot be stopped half way, and what is only tried cannot be asked for at all.
+    if (wanted.tried.length > 0) return;
+    this.#fetcher.want({ request: { ...wanted, moving: true } });
+    if (wanted.moving) return;
+    this.#timer = setTimeout(() => {
+      this.#fetcher.want({ request: wanted, disposable: true });
+    }, SETTLE_MS);
   }
 
-  /** Fits what is asked for to how fast the service is. */
-  #learn(request: FrameRequest, tookMs: number): void {
-    if (request.best) this.#bestTookMs = tookMs;
-    else this.#rung = nextRung(this.#rung, tookMs);
+  /** Shows a picture, unless a newer one was shown meanwhile. Resolves when it is on screen. */
+  async #take(picture: LivePicture, wanted: WantedPicture): Promise<void> {
+    const serial = (this.#serial += 1);
+    this.#keep(picture, wanted);
+    const { blob, ...said } = picture;
+    const { time, revision, quality, tried } = wanted;
+    const [bitmap, points] = await Promise.all([createImageBitmap(blob), this.#document.pointsAt(time)]);
+    if (serial < this.#shownSerial || this.#wanted === null) {
+      bitmap.close();
+      return;
+    }
+    this.#shownSerial = serial;
+    this.displayed.peek()?.bitmap.close();
+    this.displayed.value = { ...said, bitmap, time, revision, quality, tried, points };
+    if (said.stage === "final" && isSame(this.#wanted, wanted)) this.busy.value = false;
   }
 
-  #keep(request: FrameRequest, blob: Blob): void {
-    if (request.revision !== this.#document.revision.value) return;
-    if (request.revision !== this.#keptRevision) {
+  #keep(picture: LivePicture, { time, revision, quality, tried }: WantedPicture): void {
+    if (tried.length > 0 || revision !== this.#document.revision.value) return;
+    if (revision !== this.#keptRevision) {
       this.#kept.clear();
-      this.#keptRevision = request.revision;
+      this.#keptRevision = revision;
     }
-    this.#kept.set(request.time.toString(), { blob, quality: request.quality, best: request.best });
+    const before = this.#kept.get(time.toString());
+    if (before && picture.stage !== "final" && before.picture.width > picture.width) return;
+    this.#kept.set(time.toString(), { picture, quality });
     this.keptTimes.value = this.#kept.names().map(Number);
   }
 
-  /** Whether a kept picture will do for a request. */
-  #isKept(request: FrameRequest): boolean {
-    const kept = request.revision === this.#keptRevision ? this.#kept.get(request.time.toString()) : undefined;
-    if (!kept) return false;
-    return request.best
-      ? kept.best && kept.quality.width === request.quality.width && kept.quality.motion === request.quality.motion
-      : kept.quality.width >= 0.65 * request.quality.width;
+  /** A kept picture that will do for what is wanted. */
+  #keptFor({ time, revision, quality, tried, moving }: WantedPicture): Kept | null {
+    const kept = revision === this.#keptRevision && tried.length === 0 ? this.#kept.get(time.toString()) : undefined;
+    if (!kept) return null;
+    const isWhole =
+      kept.picture.stage === "final" && kept.quality.width === quality.width && kept.quality.motion === quality.motion;
+    return isWhole || (moving && kept.picture.width >= GOOD_WIDTH * quality.width) ? kept : null;
   }
+}
 
-  #show(picture: Displayed): void {
-    this.displayed.peek()?.bitmap.close();
-    this.displayed.value = picture;
-  }
+/** Whether two wishes are for the same picture, however good it is to be. */
+function isSame(one: WantedPicture, other: WantedPicture): boolean {
+  return (
+    one.revision === other.revision &&
+    sameTime(one.time, other.time) &&
+    (one.tried === other.tried || (one.tried.length === 0 && other.tried.length === 0)) &&
+    one.quality.width === other.quality.width &&
+    one.quality.height === other.quality.height &&
+    one.quality.motion === other.quality.motion
+  );
 }

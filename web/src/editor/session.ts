@@ -109,7 +109,8 @@ export class Session {
     const shown = this.pictures.displayed.value;
     return (
       shown !== null &&
-      shown.best &&
+      shown.stage === "final" &&
+      shown.tried.length === 0 &&
       !this.moving.value &&
       this.document.pending.value === 0 &&
       shown.revision === this.document.revision.value &&
@@ -150,7 +151,8 @@ export class Session {
     const points = await this.document.pointsAt(time);
     const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
     if (moved) {
-      await this.document.edit(`Move ${moved.name}`, [{ do: "changePoint", name: moved.name, change: { anchor } }]);
+      const change: Change = [{ do: "changePoint", name: moved.name, change: { anchor } }];
+      await this.document.edit(`Move ${moved.name}`, change, this.document.tried.peek());
       return;
     }
     const name = freshName(
@@ -300,8 +302,11 @@ export class Session {
       }),
       effect(() => {
         const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
-        const [moving, motion] = [this.moving.value, this.motion.value];
-        if (box) this.pictures.want({ time, revision, quality: restQuality(box.width, box.height, motion) }, moving);
+        const [tried, motion] = [this.document.tried.value, this.motion.value];
+        // While an edit is on its way the picture of what comes of it is wanted soon.
+        const moving = this.moving.value || this.document.pending.value > 0;
+        if (!box) return;
+        this.pictures.want({ time, revision, tried, moving, quality: restQuality(box.width, box.height, motion) });
       }),
       effect(() => {
         this.photography.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);

@@ -50,6 +50,9 @@ export type Command =
       readonly key: Key | null;
     };
 
+/** What can be tried in a picture without saving it: a command, or a point put on what is seen at a place, 0 to 1. */
+export type Trial = Command | { readonly do: "place"; readonly name: string; readonly at: readonly [number, number] };
+
 /** What has settings that take keys. */
 export type SettingsKind = "focus" | "exposure" | "film";
 

@@ -1,6 +1,4 @@
-/**
- * How good a picture to ask for: all of it at rest, and while something moves as much as comes back in time.
- */
+/** How good a picture to ask for. Live pictures begin with what comes in time and end with it. */
 
 export interface Quality {
   readonly width: number;
@@ -21,25 +19,6 @@ export interface Quality {
 /** Longest side of a picture at rest; more than this no viewer on the page shows. */
 const MOST_PX = 1920;
 
-interface Rung {
-  /** Of the width at rest. */
-  readonly scale: number;
-  readonly rays: number;
-  /** Fewer than 2 would show holes behind what is near. */
-  readonly layers: number;
-}
-
-const CHEAPEST: Rung = { scale: 0.25, rays: 16, layers: 2 };
-
-/** From dear to cheap. */
-const LADDER: readonly Rung[] = [
-  { scale: 1, rays: 48, layers: 4 },
-  { scale: 0.7, rays: 36, layers: 3 },
-  { scale: 0.5, rays: 28, layers: 2 },
-  { scale: 0.35, rays: 20, layers: 2 },
-  CHEAPEST,
-];
-
 /** A picture that fills a box of device pixels. */
 export function restQuality(widthPx: number, heightPx: number, motion = 1): Quality {
   const scale = Math.min(1, MOST_PX / Math.max(widthPx, heightPx));
@@ -50,31 +29,10 @@ export function restQuality(widthPx: number, heightPx: number, motion = 1): Qual
 /** Moments of a picture at rest that shows motion. */
 export const MOTION_MOMENTS = 16;
 
-/** The picture for a rung of the ladder. */
-export function movingQuality(rest: Quality, rung: number): Quality {
-  const { scale, rays, layers } = LADDER[Math.min(Math.max(rung, 0), LADDER.length - 1)] ?? CHEAPEST;
-  return {
-    ...even(rest.width * scale, rest.height * scale),
-    rays,
-    layers,
-    supersample: 1,
-    motion: 1,
-    motionBy: "velocities",
-    format: "jpeg",
-  };
-}
-
-/** Rung to start from before anything is known of the service's speed. */
-export const FIRST_RUNG = 2;
-
-/**
- * The rung after a moving picture took so long: one down when it was slow, one up when it was quick.
- *
- * The two limits are a factor of 3 apart, more than a rung changes the work, so that it does not swing to and fro.
- */
-export function nextRung(rung: number, tookMs: number): number {
-  if (tookMs > 240) return Math.min(rung + 1, LADDER.length - 1);
-  return tookMs < 80 ? Math.max(rung - 1, 0) : rung;
+/** The picture to ask for while something moves where pictures are not live: little work, and the same each time. */
+export function draftQuality(rest: Quality): Quality {
+  const size = even(rest.width / 2, rest.height / 2);
+  return { ...rest, ...size, rays: 24, layers: 2, supersample: 1, motion: 1, format: "jpeg" };
 }
 
 /** Even sizes, as chroma-subsampled JPEGs and movies like them, and never none. */

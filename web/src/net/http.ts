@@ -24,6 +24,7 @@ import {
   type Json,
 } from "./convert";
 import { errorOf, isAbort, UnreachableError } from "./errors";
+import { LiveSocket, liveAddress, type LiveEar, type LiveLink } from "./live";
 import { CAMERA, cameraOf, pointThing, POINTS, send, thingOf, type Answer } from "./perform";
 import type { paths } from "./schema";
 import type { CurveFormat, Download, PictureFormat, Service, View } from "./service";
@@ -122,6 +123,10 @@ export class HttpService implements Service {
   async notes(shot: string): Promise<readonly Note[]> {
     const asked = this.#client.GET("/v1/shots/{shot}/inspect", { params: { path: { shot } } });
     return (await result(asked)).notes;
+  }
+
+  live(view: View, ear: LiveEar): LiveLink {
+    return new LiveSocket(liveAddress(this.#base || location.origin, view.shot), view, ear);
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {

@@ -1,7 +1,8 @@
 /** Commands as requests, and what each of them is made upon. */
 
 import type { Client } from "openapi-fetch";
-import type { Command } from "../model/command";
+import type { Command, Trial } from "../model/command";
+import type { Json } from "./convert";
 import type { paths } from "./schema";
 import type { View } from "./service";
 
@@ -48,15 +49,10 @@ export function send(client: Client<paths>, view: View, command: Command, terms:
   const query = { ...cameraOf(view), gesture: terms.gesture };
   const params = { path: { shot: view.shot }, query, header: headerOf(terms) };
   switch (command.do) {
-    case "setLens": {
-      const { focusDistanceM, ...rest } = command.change;
-      // The service says infinity as USD does: 0.
-      const focus =
-        focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
-      return client.PATCH(CAMERA_ADDRESS, { params, body: { ...rest, ...focus, ...timeOf(command) } });
-    }
+    case "setLens":
+      return client.PATCH(CAMERA_ADDRESS, { params, body: lensIn(command) });
     case "setFocus":
-      return client.PATCH("/v1/shots/{shot}/camera/focus", { params, body: { ...command.change, ...timeOf(command) } });
+      return client.PATCH("/v1/shots/{shot}/camera/focus", { params, body: changeIn(command) });
     case "rack":
       return client.POST("/v1/shots/{shot}/racks", { params, body: command.rack });
     case "mountLens":
@@ -70,9 +66,9 @@ export function send(client: Client<paths>, view: View, command: Command, terms:
     case "mountBody":
       return client.PATCH(CAMERA_ADDRESS, { params, body: { body: command.body } });
     case "setExposure":
-      return client.PATCH(`${CAMERA_ADDRESS}/exposure`, { params, body: { ...command.change, ...timeOf(command) } });
+      return client.PATCH(`${CAMERA_ADDRESS}/exposure`, { params, body: changeIn(command) });
     case "setFilm":
-      return client.PATCH(`${CAMERA_ADDRESS}/film`, { params, body: { ...command.change, ...timeOf(command) } });
+      return client.PATCH(`${CAMERA_ADDRESS}/film`, { params, body: changeIn(command) });
     case "importCurve": {
       const body = new FormData();
       body.append("file", command.file);
@@ -128,9 +124,8 @@ function sendOfPoint(
       return client.POST(POINTS_ADDRESS, { params: { path, query: atTime, header }, body });
     }
     case "changePoint": {
-      const { anchor, ...settings } = command.change;
-      const body = { ...anchor, ...settings };
-      return client.PATCH(`${POINTS_ADDRESS}/{name}`, { params: { path, query: atTime, header }, body });
+      const params = { path, query: atTime, header };
+      return client.PATCH(`${POINTS_ADDRESS}/{name}`, { params, body: pointIn(command) });
     }
     case "removePoint":
       return client.DELETE(`${POINTS_ADDRESS}/{name}`, { params: { path, query, header } });
@@ -144,6 +139,47 @@ function sendOfPoint(
       return client.DELETE(`${POINTS_ADDRESS}/{name}/keys/{attribute}`, { params });
     }
   }
+}
+
+/**
+ * What is tried, in the bodies that would edit it for good; null for nothing. What nobody tries by dragging has no place in it.
+ */
+export function triedIn(tried: readonly Trial[]): Json["UnsavedEdit"] | null {
+  if (tried.length === 0) return null;
+  const points: Record<string, Json["FocusPointEdit"]> = {};
+  const places: Record<string, readonly [number, number]> = {};
+  const keys: Json["UnsavedKey"][] = [];
+  let camera: Pick<Json["UnsavedEdit"], "camera" | "focus" | "exposure" | "film"> = {};
+  for (const trial of tried) {
+    if (trial.do === "setLens") camera = { ...camera, camera: { ...camera.camera, ...lensIn(trial) } };
+    else if (trial.do === "setFocus") camera = { ...camera, focus: { ...camera.focus, ...changeIn(trial) } };
+    else if (trial.do === "setExposure") camera = { ...camera, exposure: { ...camera.exposure, ...changeIn(trial) } };
+    else if (trial.do === "setFilm") camera = { ...camera, film: { ...camera.film, ...changeIn(trial) } };
+    else if (trial.do === "changePoint") points[trial.name] = { ...points[trial.name], ...pointIn(trial) };
+    else if (trial.do === "setKey") keys.push({ point: trial.name, attribute: trial.attribute, key: trial.key });
+    else if (trial.do === "place") places[trial.name] = trial.at;
+  }
+  return { ...camera, points, places, keys };
+}
+
+function lensIn(command: Extract<Command, { readonly do: "setLens" }>): Json["CameraEdit"] {
+  const { focusDistanceM, ...rest } = command.change;
+  // The service says infinity as USD does: 0.
+  const focus =
+    focusDistanceM === undefined ? {} : { focusDistanceM: focusDistanceM === Infinity ? 0 : focusDistanceM };
+  return { ...rest, ...focus, ...timeOf(command) };
+}
+
+function changeIn<Changed>(command: {
+  readonly change: Changed;
+  readonly time: number | null;
+}): Changed & { time?: number } {
+  return { ...command.change, ...timeOf(command) };
+}
+
+function pointIn(command: Extract<Command, { readonly do: "changePoint" }>): Json["FocusPointEdit"] {
+  const { anchor, ...settings } = command.change;
+  return { ...anchor, ...settings };
 }
 
 function timeOf({ time }: { readonly time: number | null }): { time?: number } {

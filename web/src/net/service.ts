@@ -6,6 +6,7 @@ import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
+import type { LiveEar, LiveLink } from "./live";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 
 /** Which camera of which shot; null is the shot's own choice. */
@@ -40,6 +41,8 @@ export interface Service {
   restore(shot: string, to: string, now: string, gesture: string): Promise<void>;
   /** What of the shot is not shown as it says. */
   notes(shot: string): Promise<readonly Note[]>;
+  /** Pictures of a view as they are wanted, that get better and better. */
+  live(view: View, ear: LiveEar): LiveLink;
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;

@@ -2,6 +2,7 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
+import { MarkerDrag } from "../editor/marker";
 import type { Session } from "../editor/session";
 import { formatDistance, type LengthUnit } from "../model/distance";
 import { inFrame, type FocusPoint } from "../model/shot";
@@ -43,21 +44,25 @@ function Marker({ session, point, unit }: { session: Session; point: FocusPoint;
         if (down.button !== 0) return;
         const frame = down.currentTarget.closest(".picture")?.getBoundingClientRect();
         if (!frame) return;
+        const drag = new MarkerDrag(session, point);
         let at: readonly [number, number] | null = null;
         followPointer(
           down,
           (event) => {
             if (!at && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < SLACK_PX) return;
-            session.selected.value = point.name;
             at = [hold((event.clientX - frame.left) / frame.width), hold((event.clientY - frame.top) / frame.height)];
             setDragged(at);
+            drag.move(at);
           },
           (event) => {
-            if (at && event.type === "pointerup")
-              void session.click(at, "move").then(() => {
-                setDragged(null);
-              });
-            else setDragged(null);
+            if (event.type !== "pointerup") {
+              drag.cancel();
+              setDragged(null);
+              return;
+            }
+            void drag.drop().then(() => {
+              setDragged(null);
+            });
           },
         );
       }}

@@ -4,6 +4,7 @@ import { useSignalEffect } from "@preact/signals";
 import type { JSX } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Editor } from "../editor/editor";
+import type { Displayed } from "../editor/pictures";
 import type { ClickIntent, Session } from "../editor/session";
 import { letterbox, MOTION_MOMENTS } from "../model/quality";
 import { formatFrame } from "../model/time";
@@ -87,6 +88,8 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       role="img"
       aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
       data-settled={session.settled.value}
+      data-stage={shown?.stage}
+      data-tried={shown !== null && shown.tried.length > 0}
       data-time={shown?.time}
       data-revision={shown?.revision}
       onClick={(event) => void session.click(placeOf(event), intentOf(event, session.gathers.value))}
@@ -113,11 +116,18 @@ function snapToPixels<Box extends Record<"left" | "top" | "width" | "height", nu
   return { ...box, left: snap(box.left), top: snap(box.top), width: even(box.width), height: even(box.height) };
 }
 
+/** That something is on its way, and of a picture that gets better how far it is. */
 function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
-  const busy = session.pictures.busy.value || session.document.pending.value > 0 || editor.opening.value !== null;
-  return busy && !session.playhead.playing.value ? (
-    <div class="busy" role="progressbar" aria-label="Rendering" />
-  ) : null;
+  const refining = session.pictures.busy.value;
+  const busy = refining || session.document.pending.value > 0 || editor.opening.value !== null;
+  if (!busy || session.playhead.playing.value) return null;
+  const shown = session.pictures.displayed.value;
+  const share = refining && shown?.stage === "refining" ? shown.share : 0;
+  if (share === 0) return <div class="busy" role="progressbar" aria-label="Rendering" />;
+  const done = Math.round(100 * share);
+  return (
+    <div class="refining" role="progressbar" aria-label="Refining" aria-valuenow={done} style={{ "--done": share }} />
+  );
 }
 
 /** What went wrong, in one line, with what to do. */
@@ -148,6 +158,28 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
 
 const [PULLS, ADDS] = ["pulls focus there", "adds a point"];
 
+/** What the picture on screen is, and how long it took. */
+function PictureSaid({ shown }: { shown: Displayed }): JSX.Element {
+  const { width, height, stage, rays, share, tookMs, quality } = shown;
+  const said = [`${width} × ${height}`];
+  if (rays > 0) said.push(`${rays} rays`);
+  if (stage === "final" && quality.motion > 1) said.push(`${quality.motion} moments`);
+  if (stage === "refining" && share > 0) said.push(`${Math.round(100 * share)} %`);
+  said.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
+  return (
+    <>
+      {said.join(" · ")}{" "}
+      <i class="stage" data-stage={stage} title={STAGES[stage]} aria-label={STAGES[stage]} role="img" />
+    </>
+  );
+}
+
+const STAGES: Readonly<Record<Displayed["stage"], string>> = {
+  preview: "Quick: what could be had at once",
+  refining: "Getting better",
+  final: "Exact: the picture that a file would hold",
+};
+
 function PictureFoot({ session }: { session: Session }): JSX.Element {
   const shown = session.pictures.displayed.value;
   const selected = session.selected.value;
@@ -163,8 +195,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
         )}
       </span>
       <span class="numbers" aria-live="off">
-        {shown &&
-          `${shown.quality.width} × ${shown.quality.height} · ${shown.quality.rays} rays${shown.quality.motion > 1 ? ` · ${shown.quality.motion} moments` : ""}${shown.best ? "" : " · draft"}`}
+        {shown && <PictureSaid shown={shown} />}
       </span>
     </footer>
   );

@@ -1,0 +1,209 @@
+import { restQuality } from "@/model/quality";
+import type { Trial } from "@/model/command";
+import { LiveSocket, liveAddress, type LivePicture, type Socket, type Wish } from "@/net/live";
+
+const QUALITY = restQuality(800, 400);
+
+/** The service's end of a connection. */
+class FakeSocket implements Socket {
+  binaryType: BinaryType = "blob";
+  onopen: Socket["onopen"] = null;
+  onclose: Socket["onclose"] = null;
+  onmessage: Socket["onmessage"] = null;
+  readonly sent: Record<string, unknown>[] = [];
+  closed = false;
+
+  send(said: unknown): void {
+    this.sent.push(JSON.parse(String(said)) as Record<string, unknown>);
+  }
+
+  close(): void {
+    this.closed = true;
+  }
+
+  open(): void {
+    this.onopen?.call(this as unknown as WebSocket, new Event("open"));
+  }
+
+  lose(): void {
+    this.onclose?.call(this as unknown as WebSocket, new Event("close") as CloseEvent);
+  }
+
+  say(data: unknown): void {
+    this.onmessage?.call(this as unknown as WebSocket, { data } as MessageEvent);
+  }
+
+  picture(id: number, picture: number, data = "pixels"): void {
+    const timing = { rays: 6, share: 0.5, answeredMs: 80 };
+    const head = { id, picture, stage: "preview", final: false, format: "jpeg", width: 200, height: 100, timing };
+    const said = new TextEncoder().encode(JSON.stringify(head));
+    const message = new Uint8Array([
+      0,
+      0,
+      said.length >> 8,
+      said.length & 255,
+      ...said,
+      ...new TextEncoder().encode(data),
+    ]);
+    this.say(message.buffer);
+  }
+}
+
+interface Heard {
+  readonly sockets: FakeSocket[];
+  readonly live: LiveSocket;
+  readonly pictures: { readonly picture: LivePicture; readonly time: number; readonly looked: () => void }[];
+  readonly said: unknown[];
+  readonly states: boolean[];
+}
+
+function connected(): Heard & { socket: FakeSocket } {
+  const [sockets, pictures, said, states]: [FakeSocket[], Heard["pictures"], unknown[], boolean[]] = [[], [], [], []];
+  const ear = {
+    onPicture: (picture: LivePicture, { time }: Wish): Promise<void> =>
+      new Promise((looked) => pictures.push({ picture, time, looked })),
+    onReadout: (readout: unknown): void => void said.push(readout),
+    onError: (error: unknown): void => void said.push(error),
+    onOpen: (isOpen: boolean): void => void states.push(isOpen),
+  };
+  const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, ear, () => {
+    const socket = new FakeSocket();
+    sockets.push(socket);
+    return socket;
+  });
+  const [socket] = sockets;
+  if (!socket) throw new Error("It does not connect.");
+  return { sockets, live, pictures, said, states, socket };
+}
+
+function wish(time: number, tried: readonly Trial[] = [], moving = true): Wish {
+  return { time, quality: QUALITY, tried, moving };
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+describe("a live connection", () => {
+  it("asks at once, and of what was wanted before it was there for the newest alone", () => {
+    const { live, socket } = connected();
+    live.want(wish(1));
+    live.want(wish(2));
+    expect(socket.sent).toEqual([]);
+    socket.open();
+    live.want(wish(3));
+    expect(socket.sent.map(({ id, time }) => [id, time])).toEqual([
+      [2, 2],
+      [3, 3],
+    ]);
+    expect(socket.sent[0]).toMatchObject({ camera: "/cam", width: 800, height: 400, rays: 100, moving: true });
+    expect(socket.binaryType).toBe("arraybuffer");
+  });
+  it("is free while at most two requests are without an answer; a newer one's answer stands for those before it", () => {
+    const { live, socket } = connected();
+    socket.open();
+    const free = [1, 2, 3].map((time) => {
+      live.want(wish(time));
+      return live.free;
+    });
+    expect(free).toEqual([true, false, false]);
+    socket.picture(3, 1);
+    expect(live.free).toBe(true);
+  });
+
+  it("sends what is tried in the bodies that would edit it", () => {
+    const { live, socket } = connected();
+    socket.open();
+    const tried: Trial[] = [
+      { do: "setLens", change: { focusDistanceM: Infinity }, time: 3 },
+      { do: "setLens", change: { fStop: 4 }, time: 3 },
+      { do: "setExposure", change: { iso: 400 }, time: null },
+      { do: "changePoint", name: "hero", change: { weight: 0.5 } },
+      { do: "setKey", name: "hero", attribute: "blur", key: { time: 3, value: 1, interpolation: "auto" } },
+      { do: "place", name: "side", at: [0.1, 0.2] },
+    ];
+    live.want(wish(1, tried));
+    expect(socket.sent[0]?.edit).toEqual({
+      camera: { focusDistanceM: 0, fStop: 4, time: 3 },
+      exposure: { iso: 400 },
+      points: { hero: { weight: 0.5 } },
+      keys: [{ point: "hero", attribute: "blur", key: { time: 3, value: 1, interpolation: "auto" } }],
+      places: { side: [0.1, 0.2] },
+    });
+  });
+});
+
+describe("a live picture", () => {
+  it("is acknowledged when it was looked at, and not before", async () => {
+    const { live, socket, pictures } = connected();
+    socket.open();
+    live.want(wish(1));
+    socket.picture(1, 1);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(socket.sent).toHaveLength(1);
+    const [shown] = pictures;
+    expect(shown).toMatchObject({
+      time: 1,
+      picture: { stage: "preview", width: 200, rays: 6, share: 0.5, tookMs: 80 },
+    });
+    expect(await shown?.picture.blob.text()).toBe("pixels");
+    shown?.looked();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(socket.sent.at(-1)).toEqual({ ack: 1 });
+  });
+
+  it("of a request whose newer one was answered is acknowledged and not shown", async () => {
+    const { live, socket, pictures } = connected();
+    socket.open();
+    live.want(wish(1));
+    live.want(wish(2));
+    socket.picture(2, 1);
+    socket.picture(1, 2);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(pictures.map(({ time }) => time)).toEqual([2]);
+    expect(socket.sent.at(-1)).toEqual({ ack: 2 });
+  });
+});
+
+describe("a live connection that fails", () => {
+  it("tells what the service refuses", () => {
+    const { live, socket, said } = connected();
+    socket.open();
+    live.want(wish(1));
+    socket.say(
+      JSON.stringify({ id: 1, status: 422, problem: { code: "bad", detail: "No such camera.", path: "/cam" } }),
+    );
+    expect(said).toMatchObject([{ message: "No such camera.", status: 422, path: "/cam" }]);
+    expect(live.free).toBe(true);
+  });
+
+  it("that is lost is tried again, later each time, until it is given up for good", () => {
+    const { live, sockets, states, socket } = connected();
+    socket.open();
+    live.want(wish(1));
+    socket.lose();
+    expect(states).toEqual([true, false]);
+    expect(live.free).toBe(true);
+    vi.advanceTimersByTime(500);
+    expect(sockets).toHaveLength(2);
+    sockets[1]?.lose();
+    vi.advanceTimersByTime(999);
+    expect(sockets).toHaveLength(2);
+    vi.advanceTimersByTime(1);
+    sockets[2]?.open();
+    expect(sockets[2]?.sent).toEqual([]); // whoever waits is told, and asks again
+    live.close();
+    sockets[2]?.lose();
+    vi.advanceTimersByTime(60_000);
+    expect(sockets).toHaveLength(3);
+    expect(sockets[2]?.closed).toBe(true);
+  });
+});
+
+it("live pictures are where the service is", () => {
+  expect(liveAddress("https://there:8000", "a b")).toBe("wss://there:8000/v1/shots/a%20b/live");
+});

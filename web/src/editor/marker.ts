@@ -1,0 +1,38 @@
+/** A focus point's marker in somebody's hand: the picture shows the focus where the point would be if it were let go. */
+
+import type { FocusPoint } from "../model/shot";
+import type { Session } from "./session";
+
+type Place = readonly [number, number];
+
+export class MarkerDrag {
+  readonly #session: Session;
+  readonly #point: FocusPoint;
+  #last: Place | null = null;
+
+  constructor(session: Session, point: FocusPoint) {
+    [this.#session, this.#point] = [session, point];
+  }
+
+  /** @param at 0 to 1 from the picture's top left. */
+  move(at: Place): void {
+    const { name } = this.#point;
+    this.#last = at;
+    this.#session.selected.value = name;
+    this.#session.document.try([{ do: "place", name, at }]);
+  }
+
+  /** Puts the point there. */
+  async drop(): Promise<void> {
+    const { document } = this.#session;
+    if (!this.#last) return;
+    const tried = document.tried.peek();
+    document.dragging.value = false;
+    await this.#session.click(this.#last, "move");
+    if (document.tried.peek() === tried) document.stopTrying(); // there was nothing to put it on
+  }
+
+  cancel(): void {
+    this.#session.document.stopTrying();
+  }
+}

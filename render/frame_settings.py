@@ -10,10 +10,9 @@ from render.optics.sampling import MAX_RAYS
 from render.optics.spectrum import MAX_WAVELENGTHS
 from render.optics.view import check_picture_size
 
-POST_BLUR_ENGINES = ("flag", "gather", "linear", "importance")
+POST_BLUR_ENGINES = ("flag", "scatter", "gather", "linear", "importance")
 """Those that blur one picture."""
 ENGINES = ("lens", *POST_BLUR_ENGINES, "accumulation", "pinhole")
-LATER_ENGINES = ("scatter",)
 AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
@@ -29,7 +28,8 @@ class FrameSettings:
         width: pixels.
         height: pixels.
         engine: one of `ENGINES`: ``lens`` traces peeled layers, ``flag`` blurs one picture in linear time (a preview, of an ideal
-            lens or one by its data sheet), ``gather`` the same point by point (a baseline, slow), ``linear`` pixel by pixel
+            lens or one by its data sheet), ``scatter`` draws each point as the iris with the lens's spherical aberration,
+            ``gather`` is ``flag`` point by point (a baseline, slow), ``linear`` pixel by pixel
             (another), ``importance`` the same by what has changed since the frame before, ``accumulation`` renders once per ray
             (the reference), ``pinhole`` has everything sharp.
         rays: lens rays per pixel.
@@ -61,8 +61,6 @@ class FrameSettings:
 
     def __post_init__(self) -> None:
         check_picture_size(self.width, self.height)
-        if self.engine in LATER_ENGINES:
-            raise SettingsError(f"engine {self.engine} comes later; use one of {', '.join(ENGINES)}")
         _check_choice("engine", self.engine, ENGINES)
         _check_choice("shading", self.shading, SHADINGS)
         _check_range("rays", self.rays, 1, MAX_RAYS)

@@ -88,9 +88,9 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--engine",
         default="lens",
         metavar="NAME",
-        help="lens, flag (a quick preview without noise), gather (the same slowly), linear (a blur pixel by pixel), "
-        "importance (the same by what has changed since the frame before), accumulation (the slow reference) or "
-        "pinhole (all sharp)",
+        help="lens, flag (a quick preview without noise), scatter (likewise, with the iris and spherical aberration), "
+        "gather (flag's slowly), linear (a blur pixel by pixel), importance (the same by what has changed since the "
+        "frame before), accumulation (the slow reference) or pinhole (all sharp)",
     )
     group.add_argument("--rays", type=int, default=100, metavar="N", help="lens rays for each pixel")
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")

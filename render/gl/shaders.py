@@ -42,7 +42,7 @@ def load_source(name: str, defines: Defines | None = None) -> str:
     return text[: version.end()] + lines + text[version.end() :]
 
 
-def set_uniforms(program: moderngl.ComputeShader, **values: object) -> None:
+def set_uniforms(program: moderngl.ComputeShader | moderngl.Program, **values: object) -> None:
     """Set uniforms by name; those that this variant of a shader does not read are passed over."""
     for name, value in values.items():
         if name in program:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -13,18 +14,25 @@ from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
+from render.lens import IrisShape
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
 from render.postblur.gather import GatherBlur
 from render.postblur.importance import ImportanceBlur
 from render.postblur.linear import LinearBlur
+from render.postblur.scatter import ScatterBlur
 from render.postblur.sides import Blur, Collector
 from render.scene import Camera, FloatArray
+from render.trace.axis_rays import LensErrors
+from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import PictureFocus, picture_focus
+from render.trace.rays import ray_pattern
 
 MAX_MARGIN = 0.125
 """Of the picture's longer side, what is peeled around it at most for what it sheds into it."""
+_DRAWS_ERRORS = ("scatter",)
+"""Engines that draw the lens's errors on its axis."""
 _ALIKE = 100
 """Rays of a lens whose sampling of surfaces this is like."""
 
@@ -38,8 +46,10 @@ class PostBlurEngine:
             "flag": FlagBlur(ctx, programs, pulse),
             "gather": GatherBlur(ctx, programs, pulse),
             "linear": LinearBlur(ctx, programs, pulse),
+            "scatter": ScatterBlur(ctx, programs, pulse),
             "importance": ImportanceBlur(ctx, programs, pulse),
         }
+        self._bundles = BundleMaker(ctx, programs)
 
     @property
     def engines(self) -> Collection[str]:
@@ -61,7 +71,7 @@ class PostBlurEngine:
 
         Args:
             peeler: with the scene loaded.
-            camera: its iris, stop, squeeze and focus count; its lens is taken for ideal.
+            camera: its iris, stop, squeeze and focus count; its lens is taken for ideal, but for what `scatter` draws of it.
             view: the picture, from the pupil's centre.
             engine: one of `engines`.
             layers: at most this many layers.
@@ -108,8 +118,14 @@ class PostBlurEngine:
         with Held() as held:
             iris, squeeze = camera.iris, camera.lens.squeeze
             sides = self._collector.sides(peeled, focus, pupil_px, most_px, iris, squeeze, held)
+            if engine in _DRAWS_ERRORS:
+                sides = replace(sides, errors=self._errors(camera, focus.view))
             blurred = self._blurs[engine].blurred(sides, held)
             return np.frombuffer(blurred.read(), np.float32).reshape(*sides.size[::-1], 4).copy()
+
+    def _errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
+        table = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+        return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
 
     def release(self) -> None:
         """Give the memory back."""

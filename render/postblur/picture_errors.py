@@ -91,6 +91,7 @@ def picture_errors(
     last_slope: float,
     squeeze: float = 1.0,
     colours: bool = True,
+    axis_is_drawn: bool = False,
 ) -> PictureErrors:
     """What a lens by its data sheet does to pictures.
 
@@ -102,12 +103,17 @@ def picture_errors(
         last_slope: field of the picture's farthest corner.
         squeeze: of an anamorphic lens.
         colours: whether colour errors are drawn.
+        axis_is_drawn: whether the picture has the blur of one colour that there is on the axis, as the engine `scatter` draws
+            it: over the whole picture, and changing with defocus. What is left then is what the blur has more elsewhere.
     """
     slopes = np.linspace(0.0, last_slope, ROWS)
     heights = slopes * focal_length_mm
     errors = sheet_errors(sheet, heights, focal_length_mm=focal_length_mm, f_stop=f_stop, scales=scales)
     channels = THREE_LINES.wavelengths_nm if colours else (MIDDLE_NM,) * 3
     blur = np.stack([errors.spread_mm(wavelength, coma=False) for wavelength in channels], axis=1) / focal_length_mm
+    if axis_is_drawn:
+        drawn = errors.spread_mm(coma=False)[0] / focal_length_mm
+        blur = np.sqrt(np.maximum(blur**2 - drawn**2, 0.0))
     even, excess = blur.min(axis=-1), blur[..., 0] ** 2 - blur[..., 1] ** 2
     near = np.maximum(heights, 1e-3 * focal_length_mm * last_slope)  # on the axis all ratios have their limits
     bend = seen_slopes(sheet, near, focal_length_mm, scales.distortion) * focal_length_mm / near

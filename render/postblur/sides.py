@@ -11,6 +11,7 @@ from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peel import Layers
 from render.lens import IrisShape
+from render.trace.axis_rays import LensErrors
 from render.trace.focal_map import FocalMaps
 from render.trace.picture_focus import PictureFocus
 
@@ -27,6 +28,7 @@ class Sides:
         most_px: no radius is larger.
         iris: whose image a point out of focus is spread over.
         squeeze: of an anamorphic lens, whose blurs are narrower by it.
+        errors: of the lens, for a blur that draws them; None where it has none.
     """
 
     near: moderngl.Texture
@@ -35,6 +37,7 @@ class Sides:
     most_px: float
     iris: IrisShape
     squeeze: float = 1.0
+    errors: LensErrors | None = None
 
     @property
     def size(self) -> tuple[int, int]:

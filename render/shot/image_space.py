@@ -63,6 +63,7 @@ class ImageSpace:
                 last_slope=float(np.hypot(x, y)),
                 squeeze=camera.lens.squeeze,
                 colours=settings.wavelengths > 1,
+                axis_is_drawn=settings.engine == "scatter",
             )
 
         margin = errors(view).margin(view)

@@ -46,7 +46,7 @@ class LongExposureBegin(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
-    engine: Literal["lens", "flag", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
+    engine: Literal["lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
         default="lens", description="As for a frame."
     )
     rays: int = Field(default=16, ge=1, description="Lens rays for each pixel, in each interval.")

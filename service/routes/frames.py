@@ -37,10 +37,10 @@ class PictureQuery(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
     )
-    engine: Literal["lens", "flag", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
+    engine: Literal["lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
         default="lens",
         description="`lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, "
-        "`linear` and `importance` do it pixel by pixel, "
+        "`scatter` draws each point of one as the iris, `linear` and `importance` blur it pixel by pixel, "
         "the latter by what has changed since the frame before; `accumulation` renders once for each ray, "
         "`pinhole` has all sharp.",
         examples=["lens"],

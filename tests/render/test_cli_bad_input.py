@@ -174,7 +174,6 @@ def test_an_empty_stage_has_nothing_to_frame(pullfocus: Command, tmp_path: Path)
         (["--wavelengths", "0"], "wavelengths must be from 1 to 64, got 0"),
         (["--wavelengths", "65"], "wavelengths must be from 1 to 64, got 65"),
         (["--seed", "-1"], "seed"),
-        (["--engine", "scatter"], "comes later"),
         (["--engine", "magic"], "magic"),
         (["--shading", "toon"], "toon"),
         (["--purposes", "secret"], "secret"),
@@ -332,7 +331,7 @@ def test_a_mask_that_names_no_prim_is_refused(mask: str, words: str, pullfocus: 
 
 @pytest.mark.parametrize(
     "options",
-    [["--engine", "scatter"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
+    [["--engine", "magic"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
     ids=" ".join,
 )
 def test_wrong_arguments_are_told_before_a_bad_stage(options: list[str], pullfocus: Command, tmp_path: Path) -> None:

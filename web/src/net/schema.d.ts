@@ -4601,12 +4601,12 @@ export interface components {
             readonly edit?: components["schemas"]["UnsavedEdit"] | null;
             /**
              * Engine
-             * @description `lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, `linear` and `importance` do it pixel by pixel, the latter by what has changed since the frame before; `accumulation` renders once for each ray, `pinhole` has all sharp.
+             * @description `lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, `scatter` draws each point of one as the iris, `linear` and `importance` blur it pixel by pixel, the latter by what has changed since the frame before; `accumulation` renders once for each ray, `pinhole` has all sharp.
              * @default lens
              * @example lens
              * @enum {string}
              */
-            readonly engine?: "lens" | "flag" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
+            readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
             /**
              * Film
              * @description Shoots it on this stock of the film library; what the shot says when left out.
@@ -4811,7 +4811,7 @@ export interface components {
              * @default lens
              * @enum {string}
              */
-            readonly engine?: "lens" | "flag" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
+            readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
             /**
              * Film
              * @description A stock of the film library; the shot's when left out.
@@ -8972,8 +8972,8 @@ export interface operations {
                 readonly client?: string | null;
                 /** @description Of the OpenColorIO configuration, in place of the shot's. */
                 readonly display?: string | null;
-                /** @description `lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, `linear` and `importance` do it pixel by pixel, the latter by what has changed since the frame before; `accumulation` renders once for each ray, `pinhole` has all sharp. */
-                readonly engine?: "lens" | "flag" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
+                /** @description `lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, `scatter` draws each point of one as the iris, `linear` and `importance` blur it pixel by pixel, the latter by what has changed since the frame before; `accumulation` renders once for each ray, `pinhole` has all sharp. */
+                readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
                 /** @description Shoots it on this stock of the film library; what the shot says when left out. */
                 readonly film?: string | null;
                 /** @description `exr` is scene-linear light, the others the graded picture. */

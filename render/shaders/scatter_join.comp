@@ -1,0 +1,21 @@
+#version 450 core
+// Puts a class of spots behind the ones that stand before it.
+// in:  what the spots of one class shed: light, and how much of each pixel it fills
+// out: `sum`: the classes so far, from the front; a pixel that they fill has no room for more
+// What is in front is drawn first, so that what is far out of focus does not leak over what is less so; a surface that goes on
+// from one class to the next fills its pixels from both.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) uniform image2D sum;
+
+uniform sampler2D class_light;
+uniform vec2 class_px;          // pixels of the picture that it covers
+
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(at, imageSize(sum)))) return;
+    vec4 before = imageLoad(sum, at), more = textureLod(class_light, (vec2(at) + 0.5) / class_px, 0.0);
+    if (more.a <= 0.0) return;
+    imageStore(sum, at, before + more * min(max(1.0 - before.a, 0.0) / more.a, 1.0));
+}

@@ -1,0 +1,84 @@
+"""A lens on its axis: where the rays of a point there land, from the table of any lens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from render.scene import DoubleArray
+from render.trace.lens_fit import even_basis, odd_basis
+from render.trace.lens_table import PUPIL_S, PUPIL_T, REGION, SLOPE_S, SLOPE_T, GridTable, PolynomialTable
+
+_SLOPE_DEGREE, _PUPIL_DEGREE = 7, 5
+
+
+@dataclass(frozen=True, eq=False)
+class LensErrors:
+    """A lens with errors before a picture.
+
+    Attributes:
+        table: of its rays.
+        pupil_m: radius of the pupil by the f-number.
+        focal_px: focal length in pixels.
+    """
+
+    table: PolynomialTable | GridTable
+    pupil_m: float
+    focal_px: float
+
+
+@dataclass(frozen=True, eq=False)
+class AxisRays:
+    """The rays of a lens on its axis, through points of the iris.
+
+    Attributes:
+        slope: ``(n, 2)`` slope error in the plane of focus, x right and y down.
+        pupil_m: ``(n, 2)`` where they pass the plane of the entrance pupil, likewise.
+    """
+
+    slope: DoubleArray
+    pupil_m: DoubleArray
+
+
+def axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> AxisRays:
+    """The rays of the middle wavelength; those that the lens blocks are left out.
+
+    Args:
+        table: of the lens.
+        stops: ``(n, 2)`` points of the iris, of unit radius, x right and y down.
+    """
+    if isinstance(table, GridTable):
+        return _of_grid(table, stops)
+    row = table.rows[len(table.rows) // 2, 0].astype(np.float64)
+    inner = (stops - [row[REGION], 0.0]) / row[REGION + 1 : REGION + 3]
+    inner = inner[np.hypot(*inner.T) <= 1 + 1e-6]
+    odd = np.sign(inner[:, 1:])  # rows are of the half pupil; the other one mirrors it
+    half = np.abs(inner * [0.0, 1.0]) + inner * [1.0, 0.0]
+
+    def both(even: int, sagittal: int, end: int, degree: int) -> DoubleArray:
+        along = even_basis(half, degree) @ row[even:sagittal]
+        return np.stack([along, odd[:, 0] * (odd_basis(half, degree) @ row[sagittal:end])], axis=1)
+
+    slope = both(SLOPE_T, SLOPE_S, PUPIL_T, _SLOPE_DEGREE)
+    return AxisRays(slope, both(PUPIL_T, PUPIL_S, PUPIL_S + 9, _PUPIL_DEGREE))
+
+
+def _of_grid(table: GridTable, stops: DoubleArray) -> AxisRays:
+    """Joined linearly between the grid's points, in the field that is nearest the axis."""
+    columns, rows = table.fields
+    field = (rows // 2) * columns + columns // 2
+    rays = table.rays[len(table.rays) // 2, field].astype(np.float64)
+    passes = table.light[len(table.light) // 2, field, ..., 1] <= 0
+    side = len(rays)
+    at = np.clip((stops + 1) / 2 * (side - 1), 0, side - 1)
+    low = np.minimum(at.astype(np.int64), side - 2)
+    part = at - low
+    total, is_open = np.zeros((len(stops), 4)), np.ones(len(stops), bool)
+    for right in (0, 1):
+        for down in (0, 1):
+            share = np.abs(1 - right - part[:, 0]) * np.abs(1 - down - part[:, 1])
+            place = low[:, 1] + down, low[:, 0] + right
+            total += share[:, None] * rays[place]
+            is_open &= passes[place] | (share < 1e-9)
+    return AxisRays(total[is_open, :2], total[is_open, 2:])

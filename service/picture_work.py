@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from render.shot.long_exposure import LongExposure
 
 MAX_WATCHED = 2
-"""Shots of which the device holds what makes live pictures."""
+"""Shots of which the process keeps what was made for live pictures."""
 
 PICK_WIDTH = 2048
 """Pixels of the picture in which a place is looked up: finer than what anybody points at."""
@@ -66,13 +66,13 @@ class Darkroom:
         """
         from render.progressive.driver import Progressive
 
-        of_shot, progressive = self._progressives.pop(shot_id, (None, None))
-        if progressive is None or of_shot is not shot:
-            progressive = Progressive(self.renderer, shot, self.live)
-        self._progressives[shot_id] = shot, progressive
+        kept = self._progressives.pop(shot_id, None)
+        if kept is None or kept[0] is not shot:
+            kept = shot, Progressive(self.renderer, shot, self.live)
+        self._progressives[shot_id] = kept
         if len(self._progressives) > MAX_WATCHED:
             self._progressives.popitem(last=False)
-        return progressive
+        return kept[1]
 
     def forget(self, shot_id: str) -> None:
         """Close a shot, if it is open, and let go of what was made of it."""

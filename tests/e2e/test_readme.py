@@ -115,6 +115,18 @@ def test_the_tour_over_rest_runs(tmp_path: Path) -> None:
     assert (tmp_path / "focus.csv").read_text().count("\n") == 97
 
 
+def test_what_it_says_of_live_pictures_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    with served(tmp_path / "data") as address:
+        httpx.get(f"{address}/livez", timeout=300).raise_for_status()  # the demo shot is there
+        small = program.replace('"width": 480', '"width": 64, "rays": 4')
+        exec(small.replace("ws://127.0.0.1:8000", address.replace("http", "ws")), {})
+    pictures = sorted(Path().glob("live.*"))
+    assert [picture.suffix for picture in pictures][-1] == ".png"
+    assert all(is_picture(picture) for picture in pictures)
+
+
 def test_what_the_readme_links_to_is_there() -> None:
     links = re.findall(r"\]\((?!http)([^)#]+)\)", README.read_text())
     assert links

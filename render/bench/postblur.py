@@ -35,8 +35,7 @@ class PostBlurBench:
         side: pixels of the square picture that is blurred for time.
         clock: that exponents and ratios are by: the ``processor``'s where it does the work, which then counts no other work of a
             busy machine, else the ``wall``'s.
-        fit_from_px: radius from which on growth is fitted: a line through logarithms.
-        flag_exponent: of the radius that FLAG's time grows with, where all radii are alike.
+        flag_exponent: e of the c + k·rᵉ that FLAG's times follow, where all radii are alike.
         naive_exponent: of the naive gather's.
         crossover_px: radius from which on FLAG is ahead, the smallest measured or between two; None where it is not at the
             largest.
@@ -56,7 +55,6 @@ class PostBlurBench:
     device: str
     side: int
     clock: str
-    fit_from_px: int
     flag_exponent: float
     naive_exponent: float
     crossover_px: float | None
@@ -89,7 +87,6 @@ def measure(plan: PostBlurPlan) -> PostBlurBench:
         device=device,
         side=plan.side,
         clock="processor" if by_processor else "wall",
-        fit_from_px=plan.fit_from,
         flag_exponent=even.flag_exponent,
         naive_exponent=even.naive_exponent,
         crossover_px=even.crossover_px,
@@ -174,7 +171,7 @@ def report(found: PostBlurBench) -> str:
     lines = [
         f"{found.device}; a picture of {found.side}x{found.side} blurred by a disc",
         "Milliseconds by the wall's clock, and in brackets by the processor's, of all threads. 'Ahead' is how many times faster",
-        f"FLAG is, by the {found.clock}'s clock; growth is fitted in logarithms from {found.fit_from_px} px on.",
+        f"FLAG is, by the {found.clock}'s clock; growth is e of the c + k·rᵉ that fits all times best.",
     ]
     for name, side in (("the same radius everywhere", found.even), ("radii from 0 to the largest", found.mixed)):
         lines += ["", f"{name + ':':28} radius px         FLAG               naive gather   ahead   FLAG holds MB"]
@@ -185,7 +182,7 @@ def report(found: PostBlurBench) -> str:
             )
         crossed = "nowhere" if side.crossover_px is None else f"from {side.crossover_px:.2g} px on"
         lines.append(
-            f"  grows with the radius to the power of {side.flag_exponent:.2f}, the naive gather to that of "
+            f"  FLAG grows with the radius to the power of {side.flag_exponent:.2f}, the naive gather to that of "
             f"{side.naive_exponent:.2f}; FLAG is ahead {crossed}"
         )
     lines += [

@@ -25,7 +25,6 @@ class PostBlurPlan:
     Attributes:
         side: pixels of the square picture that is blurred for time.
         radii: of its blur.
-        fit_from: pixels of radius from which on growth is fitted, where what does not grow no longer counts.
         repeats: of the quick blurs; the naive gather is measured once where it is slow.
         picture: of the generated scenes, for likeness.
         demo: of the demo shot; without it the demo shot is left out.
@@ -33,7 +32,6 @@ class PostBlurPlan:
 
     side: int
     radii: tuple[int, ...]
-    fit_from: int
     repeats: Repeats
     picture: FrameSettings
     demo: FrameSettings | None
@@ -42,15 +40,13 @@ class PostBlurPlan:
 FULL = PostBlurPlan(
     side=384,
     radii=RADII,
-    fit_from=13,
-    repeats=Repeats(3, most=7),
+    repeats=Repeats(5, most=9),
     picture=FrameSettings(320, 240, rays=144, tiled=False),
     demo=FrameSettings(320, 180, rays=144, tiled=False),
 )
 QUICK = PostBlurPlan(
     side=64,
     radii=(3, 7, 13, 19),
-    fit_from=7,
     repeats=Repeats(1, 1),
     picture=FrameSettings(96, 72, rays=16, supersample=1, tiled=False),
     demo=None,

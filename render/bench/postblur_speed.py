@@ -5,6 +5,7 @@ Moersch & Hamilton 2014, section 4 and figure 9.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -25,6 +26,8 @@ from render.scene import FloatArray
 
 SLOW = Repeats(1, most=3)
 """Of the naive gather."""
+EXPONENTS = np.arange(0.2, 3.2, 0.01)
+"""That growth may have."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def judged(plan: PostBlurPlan, spent: Sequence[tuple[Spent, Spent]], *, by_proce
     """What times say: of FLAG and of the naive gather at each of the plan's radii."""
     flag, naive = ([pair[i] for pair in spent] for i in (0, 1))
     times = [[one.cpu_ms if by_processor else one.wall_ms for one in side] for side in (flag, naive)]
-    exponents = [exponent(plan.radii, side, plan.fit_from) for side in times]
+    exponents = [exponent(plan.radii, side) for side in times]
     return Growth(
         flag_ms=[one.wall_ms for one in flag],
         flag_cpu_ms=[one.cpu_ms for one in flag],
@@ -104,11 +107,23 @@ def judged(plan: PostBlurPlan, spent: Sequence[tuple[Spent, Spent]], *, by_proce
     )
 
 
-def exponent(radii: Sequence[float], times: Sequence[float], fit_from: float) -> float:
-    """Of the power of the radius that fits the times best from some radius on, in logarithms."""
-    fitted = np.array([(radius, time) for radius, time in zip(radii, times, strict=True) if radius >= fit_from])
-    log_radius, log_time = np.log(fitted).T
-    return float(np.polyfit(log_radius, log_time, 1)[0])
+def exponent(radii: Sequence[float], times: Sequence[float]) -> float:
+    """The power of the radius that a time grows with: e of the c + k·rᵉ whose relative errors are least.
+
+    Args:
+        radii: three or more.
+        times: at each, above 0; c and k are not below 0.
+    """
+    r, t = np.asarray(radii, np.float64), np.asarray(times, np.float64)
+    best, found = math.inf, 0.0
+    for power in EXPONENTS:
+        both = np.stack([1 / t, r**power / t], axis=1)
+        for terms in (both, both[:, 1:]):  # with c, and without it where it would be below 0
+            weights = np.linalg.lstsq(terms, np.ones_like(t), rcond=None)[0]
+            error = float(np.sum((terms @ weights - 1) ** 2))
+            if weights.min() >= 0 and error < best:
+                best, found = error, float(power)
+    return found
 
 
 def crossover(radii: Sequence[float], fast: Sequence[float], slow: Sequence[float]) -> float | None:

@@ -18,8 +18,9 @@ RADII = (3.0, 7.0, 13.0, 27.0, 81.0)
 
 
 def test_growth_is_that_of_the_radius() -> None:
-    assert exponent(RADII, [0.2 * r**2 for r in RADII], 7) == pytest.approx(2)
-    assert exponent(RADII, [9.0, *(3 * r for r in RADII[1:])], 7) == pytest.approx(1)
+    assert exponent(RADII, [0.2 * r**2 for r in RADII]) == pytest.approx(2)
+    assert exponent(RADII, [9 + 3 * r for r in RADII]) == pytest.approx(1)
+    assert exponent(RADII, [40 + 0.1 * r**1.5 for r in RADII]) == pytest.approx(1.5)
 
 
 def test_the_crossover_lies_where_both_take_as_long() -> None:

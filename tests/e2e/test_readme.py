@@ -60,6 +60,8 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 "frame.png",
                 "frame.exr",
                 "quick.png",
+                "flag.png",
+                "gather.png",
                 "better.png",
                 "planar.png",
                 "swirl.png",

@@ -294,7 +294,9 @@ class FrameRenderer:
         if not (0 <= x <= width and 0 <= y <= height):
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
         with self.on_device():
-            self._peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera))
+            lit = self._headlight.lit(scene, camera)
+            if not self._peeler.holds(lit):  # one that is there will do, wherever its shadows are: a pick sees none
+                self._peeler.load(lit, shadow_interest(camera))
             return pick_surface(self._peeler, scene, view, *seen_at(view, camera, x, y))
 
     def forget_layers(self) -> None:

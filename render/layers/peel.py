@@ -127,6 +127,14 @@ class Peeler:
             self._kept = {}
         self._scene, self._interest = scene, interest
 
+    def holds(self, scene: Scene) -> bool:
+        """Whether a scene is loaded, whatever it is that its shadows are wanted for.
+
+        Args:
+            scene: as `load` takes it.
+        """
+        return scene is self._scene
+
     @property
     def is_opaque(self) -> bool:
         """Whether no surface of the loaded scene can be seen through; cut-outs, which are there or are not, cannot."""

@@ -61,20 +61,40 @@ def test_what_moves_casts_the_shadow_that_it_would_in_a_new_scene(monkeypatch: p
             np.testing.assert_array_equal(renderer.render(other, camera, SETTINGS).color, fresh(other, camera))
 
 
-def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two suns, whose maps follow the focus; work is left between the first map and the second."""
+def wide() -> tuple[Scene, Camera]:
+    """A scene that is larger than what shadows are resolved in, with two suns, whose maps therefore follow the focus."""
     scene, camera = lit()
     sun = scene.lights[0]
     turned = sun.pose.copy()
     turned[:3, :3] = turned[:3, :3] @ np.array([[1, 0, 0], [0, 0.9, -0.436], [0, 0.436, 0.9]])
     far = moved(scene, 2, 0.0).batches[0]
     poses = far.poses.copy()
-    poses[:, 2, 3] -= 400.0  # a scene larger than what shadows are resolved in
+    poses[:, 2, 3] -= 400.0
     scene = replace(
         scene,
         lights=(sun, replace(sun, pose=turned, path="/other")),
         batches=(*scene.batches, replace(far, poses=poses)),
     )
+    return scene, camera
+
+
+def test_a_pick_casts_no_shadow_of_the_scene_that_is_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, camera = wide()
+    later = replace(camera, focus_distance_m=2 * camera.focus_distance_m + 20.0)
+    with FrameRenderer() as renderer:
+        before = renderer.render(scene, camera, SETTINGS).color
+        with monkeypatch.context() as patched:
+            patched.setattr(LayerRenderer, "draw_shadow", lambda *_: pytest.fail("a pick sees no shadow"))
+            patched.setattr(
+                renderer.engines.peeler._lighting._maps, "_draw", lambda *_: pytest.fail("nor does it here")
+            )
+            assert renderer.pick(scene, later, 64, 48, 32, 40) is not None
+        np.testing.assert_array_equal(renderer.render(scene, camera, SETTINGS).color, before)
+
+
+def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two suns, whose maps follow the focus; work is left between the first map and the second."""
+    scene, camera = wide()
     later = replace(camera, focus_distance_m=2 * camera.focus_distance_m + 20.0)
     with FrameRenderer() as renderer:
         renderer.render(scene, camera, SETTINGS)

@@ -88,7 +88,7 @@ def soft_lens(edge_px: float) -> LensErrors:
 
 
 def test_tables_keep_all_the_light() -> None:
-    for iris in IRISES.values():
+    for iris in (IRISES["three blades"], IRISES["ring"]):
         tables = spot_tables(spot_of(iris, 1.0, soft_lens(4.0)), 12, behind=False)
         np.testing.assert_allclose(tables.weights.sum(axis=(1, 2), dtype=np.float64), 1.0, atol=1e-6)
         assert len(tables.weights) == len(SIDES) * tables.steps

@@ -30,8 +30,8 @@ from render.scene import DoubleArray, Scene
 
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
 
-PICTURE, PREVIEW = "picture", "preview"
-"""Places where layers are kept: of pictures as they are asked for, and of the small ones before them."""
+PICTURE, PREVIEW, SKETCH = "picture", "preview", "sketch"
+"""Places where layers are kept: of pictures as they are asked for, of the small ones before them, and of smaller ones yet."""
 MAX_PINHOLE_LAYERS = 64
 """Surfaces that are composited at most behind one pixel of a pinhole's picture."""
 
@@ -183,6 +183,11 @@ class Peeler:
         if not moves:
             self._kept[place] = asked, made
         return made
+
+    def keeps(self, view: PinholeView, *, unlit: bool, place: str) -> bool:
+        """Whether layers of this view are kept at a place, however many and for whatever pupil."""
+        kept = self._kept.get(place)
+        return kept is not None and kept[0].unlit == unlit and kept[0].view.is_like(view)
 
     def _peeled(self, asked: _Asked, moves: Mapping[int, Movement], place: str) -> Layers:
         view, layers, umbra, unlit, sampling = asked.view, asked.layers, asked.umbra, asked.unlit, asked.sampling

@@ -10,7 +10,7 @@ import numpy as np
 
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
-from render.layers.peel import PREVIEW, Layers, Peeler
+from render.layers.peel import PREVIEW, SKETCH, Layers, Peeler
 from render.layers.umbra import umbra_reach
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
@@ -24,7 +24,9 @@ LAYERS = 2
 """What is seen, and what it hides from the middle of the pupil alone."""
 WIDE_OPEN = 1.4
 """The f-number for which they are peeled: with a smaller one, a little of what is hidden is taken for what hides it."""
-_MARGIN = 0.1  # of the longer side
+SKETCH_SHARE = 2 / 3
+"""Of the largest preview, along a side: what is peeled of a view that was not there before, and may change at once again."""
+_MARGIN = 1 / 16  # of the longer side
 
 
 class PreviewEngine:
@@ -34,19 +36,35 @@ class PreviewEngine:
         self._lens = LensEngine(graphics.ctx, programs, graphics.pulse)
         self._post_blur = post_blur
 
-    def peeled(self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool) -> Layers:
+    def peeled(
+        self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, may_be_sketched: bool
+    ) -> tuple[Layers, PinholeView]:
         """The layers of the loaded scene; nothing is drawn where they are there.
 
         Args:
             peeler: with the scene loaded.
             camera: whose focus and stop do not matter.
-            view: the picture.
+            view: the largest preview.
             unlit: take base colour for radiance.
+            may_be_sketched: whether smaller layers will do. They are made of what is new; what is asked for again, and has
+                other changes than those that need new layers, is worth the whole size.
+
+        Returns:
+            The layers, and what they are of: the view, or the same in fewer pixels.
         """
-        wide = view.widened(int(np.ceil(_MARGIN * max(view.width, view.height))))
+        width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
+        small, wide = _widened(view.resized(width, height)), _widened(view)
+        is_new = not peeler.keeps(wide, unlit=unlit, place=PREVIEW) and not peeler.keeps(
+            small, unlit=unlit, place=SKETCH
+        )
+        if may_be_sketched and is_new:
+            return self._peeled(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
+        return self._peeled(peeler, camera, wide, unlit, PREVIEW), view
+
+    def _peeled(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, place: str) -> Layers:
         pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
         umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
-        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, place=PREVIEW)
+        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, place=place)
 
     def traced(
         self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int
@@ -94,3 +112,7 @@ class PreviewEngine:
     def release(self) -> None:
         """Give the memory back."""
         self._lens.release()
+
+
+def _widened(view: PinholeView) -> PinholeView:
+    return view.widened(int(np.ceil(_MARGIN * max(view.width, view.height))))

@@ -58,7 +58,8 @@ class LiveFrames:
         largest = view.resized(*self.pace.largest(view.width, view.height))
         with renderer.on_device():
             looks = renderer.loaded(scene, camera, settings, is_preview=True)
-            peeled = engines.preview.peeled(engines.peeler, looks, largest, unlit=settings.shading == "unlit")
+            unlit, first = settings.shading == "unlit", rays is None
+            peeled, largest = engines.preview.peeled(engines.peeler, looks, largest, unlit=unlit, may_be_sketched=first)
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if settings.engine in engines.post_blur.engines and looks.f_stop > 0:
@@ -66,7 +67,7 @@ class LiveFrames:
                 clock.note("blur")
                 return picture, 0
             left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
-            plan = self.pace.plan(view.width, view.height, left_ms)
+            plan = self.pace.plan(largest.width, largest.height, left_ms)
             if rays is not None:
                 plan = Plan(largest.width, largest.height, rays)
             plan = replace(plan, rays=min(plan.rays, settings.rays))

@@ -27,7 +27,7 @@ def test_the_last_picture_is_that_of_record(tmp_path: Path, capsys: pytest.Captu
     assert (stages[0], stages[-1]) == ("preview", "final")
     times = [picture["totalMs"] for picture in frame["pictures"]]
     assert times == sorted(times)
-    assert "preview of 64 x" in ended.err
+    assert "preview of 43 x" in ended.err
 
 
 def test_every_picture_on_the_way_is_a_whole_file_of_the_same_size(

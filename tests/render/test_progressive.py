@@ -123,7 +123,9 @@ def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
     shadows = Counted(monkeypatch, LayerRenderer, "draw_shadow")
     moving = Asked("/cam", 2.0, SETTINGS, is_moving=True)
+    sketched = last(driver.pictures(moving)).graded
     before = last(driver.pictures(moving)).graded
+    assert sketched.shape < before.shape, "what is new, and may change at once again, is sketched"
     assert drawn.since() > 0
     shadows.since()
     for distance, stop in ((2.0, 0.5), (5.0, 0.5), (5.0, 8.0)):

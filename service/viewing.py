@@ -62,7 +62,6 @@ class Viewer:
         self._shot = shot
         self._loop = asyncio.get_running_loop()
         self._stream: Stream[Darkroom] | None = None
-        self._newest: _Asked | None = None
         self._words: deque[str] = deque()
         self._picture: tuple[_Asked, ShownPicture] | None = None  # the newest that was not sent
         self._sent = self._arrived = 0
@@ -99,7 +98,7 @@ class Viewer:
 
     async def _begin(self, asked: _Asked) -> None:
         """Have pictures made, in place of those that were asked for before."""
-        request, self._newest = asked.request, asked
+        request = asked.request
         check_size(request, self._hub.settings.max_picture_px)
         record = self._hub.store.get(self._shot)
         edits = await run_in_threadpool(record.edit_text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 from pydantic.config import JsonDict
 
 from service.models.base import Model, PointName, Problem, Ratio, shown_as
@@ -29,6 +29,7 @@ TIMING_EXAMPLE: JsonDict = {
     "share": 0.0,
 }
 
+Milliseconds = Annotated[float, AfterValidator(lambda ms: round(ms, 1))]
 Stage = Literal["preview", "refining", "final"]
 
 
@@ -78,13 +79,15 @@ class LiveTiming(Model):
 
     model_config = shown_as(TIMING_EXAMPLE)
 
-    read_ms: float = Field(description="To read the scene and focus the camera.")
-    peel_ms: float = Field(description="To peel the layers; 0 where those of a picture before still held.")
-    blur_ms: float = Field(description="To blur them, or to trace rays through them.")
-    finish_ms: float = Field(description="To expose, develop and grade.")
-    total_ms: float = Field(description="From when the work was begun to when this picture was there.")
-    encode_ms: float = Field(description="To make a file of it.")
-    answered_ms: float = Field(description="From when the service had the request to when it had this picture to send.")
+    read_ms: Milliseconds = Field(description="To read the scene and focus the camera.")
+    peel_ms: Milliseconds = Field(description="To peel the layers; 0 where those of a picture before still held.")
+    blur_ms: Milliseconds = Field(description="To blur them, or to trace rays through them.")
+    finish_ms: Milliseconds = Field(description="To expose, develop and grade.")
+    total_ms: Milliseconds = Field(description="From when the work was begun to when this picture was there.")
+    encode_ms: Milliseconds = Field(description="To make a file of it.")
+    answered_ms: Milliseconds = Field(
+        description="From when the service had the request to when it had this picture to send."
+    )
     rays: int = Field(description="Lens rays for each pixel so far; 0 where a picture was blurred instead.")
     scale: float = Field(description="Pixels of this picture for each that was asked for, along a side.")
     share: float = Field(description="Of the final picture's work that is done.")

@@ -67,14 +67,14 @@ def test_an_iris_stands_as_the_lens_has_it(renderer: FrameRenderer, iris: IrisSh
 
 
 def through_the_sheet(
-    renderer: FrameRenderer, scene: Scene, sheet: DataSheet, settings: FrameSettings = SETTINGS
+    renderer: FrameRenderer, scene: Scene, sheet: DataSheet, **changes: int
 ) -> tuple[FloatArray, FloatArray]:
     """A scene through a lens by its data sheet: by rays, and scattered and then bent, blurred and darkened."""
-    camera = sheet_camera(sheet)
+    camera, settings = sheet_camera(sheet), replace(SETTINGS, **({"rays": 64} | changes))
     space = ImageSpace.of(camera, replace(settings, engine="scatter"))
     assert space.errors is not None
     wide = renderer.render(scene, space.camera(camera), space.settings)
-    return renderer.render(scene, camera, replace(settings, rays=64)).color, space.finished(renderer, wide).color
+    return renderer.render(scene, camera, settings).color, space.finished(renderer, wide).color
 
 
 ONE_BY_ONE = {
@@ -100,9 +100,7 @@ def test_each_error_of_a_data_sheet_is_drawn(renderer: FrameRenderer, kind: str)
 
 
 def test_a_white_field_is_as_dark_in_the_corners_as_the_sheet_says(renderer: FrameRenderer) -> None:
-    rays, scattered = through_the_sheet(
-        renderer, WHITE, ONE_BY_ONE["vignetting"], replace(SETTINGS, width=80, height=60)
-    )
+    rays, scattered = through_the_sheet(renderer, WHITE, ONE_BY_ONE["vignetting"], width=80, height=60)
     np.testing.assert_allclose(scattered[30, 40, :3], 1.0, atol=1e-3)
     np.testing.assert_allclose(scattered[..., 1], rays[..., 1], atol=0.02)
 
@@ -110,9 +108,7 @@ def test_a_white_field_is_as_dark_in_the_corners_as_the_sheet_says(renderer: Fra
 def test_out_of_focus_a_sheets_spherical_aberration_is_in_the_spot(renderer: FrameRenderer) -> None:
     """It is no blur laid over all: a rim stays bright, as by the rays."""
     scene = glowing_point(0, 0, 12.0, 0.05)
-    rays, scattered = through_the_sheet(
-        renderer, scene, ONE_BY_ONE["spherical"], replace(SETTINGS, width=160, height=120)
-    )
+    rays, scattered = through_the_sheet(renderer, scene, ONE_BY_ONE["spherical"], width=160, height=120, rays=256)
     assert np.corrcoef(rays[..., 1].ravel(), scattered[..., 1].ravel())[0, 1] > 0.99
 
 

@@ -180,7 +180,7 @@ class _Soak:
         self.asked = replace(self.asked, settings=replace(self.asked.settings, width=width, height=width * 9 // 16))
 
     def _other_engine(self) -> None:
-        engine = self._random.choice(("lens", "lens", "flag", "pinhole"))
+        engine = self._random.choice(("lens", "lens", "flag", "importance", "scatter", "pinhole"))
         self.asked = replace(self.asked, settings=replace(self.asked.settings, engine=engine))
 
     def _undo(self) -> None:

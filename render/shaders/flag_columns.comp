@@ -21,14 +21,9 @@ vec4 shed_by(int x, int held, int below)
     int z = abs(below);
     if (float(z) > texelFetch(heights, ivec2(x, held), 0).r) return vec4(0.0);
 #ifdef TWO_SIDED
-    // of a row below, what it sheds above itself; the row itself has half of it on either side
-    vec4 total = vec4(0.0);
-    if (below >= 0) total += texelFetch(piles, ivec3(x, held, z), 0) * (below == 0 ? 0.5 : 1.0);
-    if (below <= 0) total += texelFetch(piles, ivec3(x, held, most + 1 + z), 0) * (below == 0 ? 0.5 : 1.0);
-    return total;
-#else
-    return texelFetch(piles, ivec3(x, held, z), 0);
+    if (below < 0) z += most + 1;       // of a row above, what it sheds below itself
 #endif
+    return texelFetch(piles, ivec3(x, held, z), 0);
 }
 
 void main()

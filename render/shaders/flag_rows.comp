@@ -43,8 +43,8 @@ void put(int first, vec4 light, float side)
     add(first + min(k, highest), light * share);
 }
 
-// Sum what ends at each height from the top down.
-void pile_up(int first)
+// Sum what ends at each height from the top down, and what falls on the row itself.
+vec4 pile_up(int first)
 {
     vec4 pile = vec4(0.0);
     for (int z = highest; z >= 0; --z) {
@@ -52,6 +52,7 @@ void pile_up(int first)
         pile += imageLoad(piles, at);
         imageStore(piles, at, pile);
     }
+    return pile;
 }
 
 void gather(ivec2 at, int dx)
@@ -107,8 +108,8 @@ void main()
         if (!reaches(at, tile, from, to, side)) continue;
         for (int x = from; x <= to; ++x) gather(at, x - at.x);
     }
-    pile_up(0);
+    vec4 middle = pile_up(0);
 #ifdef TWO_SIDED
-    pile_up(most + 1);
+    imageStore(piles, ivec3(own, 0), 0.5 * (middle + pile_up(most + 1)));   // half of it is above the middle, half below
 #endif
 }

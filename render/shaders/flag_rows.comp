@@ -34,13 +34,9 @@ void put(int first, vec4 light, float side)
 {
     float t = side + 0.5;
     int k = int(t);
-    if (k == 0) {
-        add(first, light * min(2.0 * side, 1.0));
-        return;
-    }
-    float share = t - float(k);
-    add(first + min(k - 1, highest), light * (1.0 - share));
-    add(first + min(k, highest), light * share);
+    vec2 shares = k == 0 ? vec2(0.0, 2.0 * side) : vec2(1.0 - (t - float(k)), t - float(k));
+    add(first + clamp(k - 1, 0, highest), light * shares.x);
+    add(first + min(k, highest), light * shares.y);
 }
 
 // Sum what ends at each height from the top down, and what falls on the row itself.

@@ -77,9 +77,12 @@ function Canvas({ session }: { session: Session }): JSX.Element {
     const shown = session.pictures.displayed.value;
     const context = canvas.current?.getContext("2d", { alpha: false });
     if (!shown || !canvas.current || !context) return;
-    canvas.current.width = shown.bitmap.width;
-    canvas.current.height = shown.bitmap.height;
-    context.drawImage(shown.bitmap, 0, 0);
+    const { width, height } = shown.quality;
+    canvas.current.width = width;
+    canvas.current.height = height;
+    // A preview is smaller than the place that it fills; browsers enlarge more smoothly here than by style.
+    context.imageSmoothingQuality = "high";
+    context.drawImage(shown.bitmap, 0, 0, width, height);
   });
   const shown = session.pictures.displayed.value;
   return (

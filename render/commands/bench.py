@@ -7,6 +7,7 @@ from typing import Any
 
 from render.bench.film_plan import add_arguments as add_film_arguments
 from render.bench.focus_plan import add_arguments as add_focus_arguments
+from render.bench.importance_plan import add_arguments as add_importance_arguments
 from render.bench.live_plan import add_arguments as add_live_arguments
 from render.bench.motion_plan import add_arguments as add_motion_arguments
 from render.bench.plan import add_arguments
@@ -52,6 +53,27 @@ def add_parser(commands: Any) -> None:
     )
     postblur.set_defaults(run=run_postblur)
     add_postblur_arguments(postblur)
+    importance = benches.add_parser(
+        "importance", help="importance ordering: Fearing's experiments, beside the linear method"
+    )
+    importance.set_defaults(run=run_importance)
+    add_importance_arguments(importance)
+
+
+def run_importance(arguments: argparse.Namespace) -> None:
+    """Measure importance ordering, and print and write what was found.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: a setting is out of range.
+        GraphicsError: there is no device to draw on.
+        OutputError: a file cannot be written.
+    """
+    from render.bench.importance import run  # brings OpenGL with it
+
+    run(arguments)
 
 
 def run_lens(arguments: argparse.Namespace) -> None:

@@ -9,7 +9,8 @@ from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache
 from render.postblur.importance_field import ALL, Extent, ImportanceField
 from render.postblur.importance_order import Importance
-from render.postblur.linear import FieldSpreader, fields_of, joined
+from render.postblur.joined import Blurred, Joiner
+from render.postblur.linear import FieldSpreader, fields_of
 from render.postblur.sides import Sides
 
 
@@ -33,7 +34,7 @@ class ImportanceBlur:
         pulse: Pulse = UNWATCHED,
         importance: Importance = Importance(),  # noqa: B008 - it is frozen
     ) -> None:
-        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+        self._pulse, self._joiner = pulse, Joiner(ctx, programs)
         self.extent: Extent = ALL
         self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
 
@@ -43,7 +44,7 @@ class ImportanceBlur:
             made.update(field, side, spread, sides.most_px, self.extent, self._pulse)
             for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
         )
-        return joined(self._ctx, self._programs, sides, near, far, held)
+        return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)
 
     def release(self) -> None:
         """Give the memory back; the next frame begins anew."""

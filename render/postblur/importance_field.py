@@ -23,13 +23,12 @@ from render.gl.held import Held
 from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.importance_order import ChangeSorter, Importance
-from render.postblur.linear import HEADROOM, NO_CUTOFF, FieldSpreader
+from render.postblur.linear import LANES, FieldSpreader
 from render.postblur.shed import Field
 from render.postblur.spread_tables import Spread
 
 AFRESH_SHARE = 0.5
 """Where more of the pixels have changed than this, and all changes are wanted, all is spread afresh: that is less work."""
-_LESS_LIGHT = 4  # powers of 2 that the brightest light must fall by for a finer scale
 _FEW = 2048  # pixels of a first piece of the work
 
 
@@ -102,7 +101,7 @@ class ImportanceField:
         self._held = Held()
         self._is_whole = False  # whether the sums are those of what was taken last
         self._side = 0.0
-        self._scale = 0
+        self._is_ordered = False
         self._piece = PieceSize(_FEW)
         self.done = Done(0, 0, False)
 
@@ -134,22 +133,16 @@ class ImportanceField:
         made = self._spreader
         if made.fit(field.light.size):
             self._make_room()
-        is_other = made.tabled(spread, most_px)
-        scale = made.scale(field)
-        if is_other or side != self._side or not scale - HEADROOM <= self._scale <= scale + _LESS_LIGHT:
-            self._is_whole, self._side, self._scale = False, side, scale
-        made.take(field, side, self._scale)
-        if not self._is_whole:
-            self._spread_afresh(pulse, made.size[0] * made.size[1])
-            return made.shown
-        firsts = self._sorter.sort(self._light, self._state)
-        changed = firsts[-1]
-        if extent.is_all and changed > AFRESH_SHARE * made.size[0] * made.size[1]:
-            self._spread_afresh(pulse, changed)
+        if made.tabled(spread, most_px) or side != self._side:
+            self._is_whole, self._side = False, side
+        pixels = made.size[0] * made.size[1]
+        changed = self._compared(field, is_ordered=not extent.is_all or pulse.is_watched) if self._is_whole else None
+        if changed is None or (extent.is_all and changed > AFRESH_SHARE * pixels):
+            self._spread_afresh(field, pulse, pixels if changed is None else changed)
             return made.shown
         done = 0
         for first, end in self._pieces(changed, extent, pulse):
-            self._spread_pixels(first, end)
+            self._spread_changes(first, end)
             done = end
         self.done = Done(changed, done, False)
         return made.shown
@@ -163,19 +156,36 @@ class ImportanceField:
     def _make_room(self) -> None:
         self._held.close()
         self._is_whole = False
-        keep, size = self._held.keep, self._spreader.size
-        pixels, tiles = size[0] * size[1], self._spreader.tiles[0] * self._spreader.tiles[1]
-        self._light = keep(self._ctx.texture(size, 4, dtype="f4"))  # those of the sums
-        self._state, self._before = (keep(self._ctx.texture(size, 2, dtype="f4")) for _ in range(2))
-        self._sums = keep(self._ctx.buffer(reserve=32 * pixels))
-        self._picked, self._reaches = (keep(self._ctx.buffer(reserve=bytes_ * tiles)) for bytes_ in (8, 4))
+        keep, made = self._held.keep, self._spreader
+        self._light = keep(self._ctx.texture(made.size, 4, dtype="f4"))  # those of the sums
+        self._state, self._before = (keep(self._ctx.texture(made.size, 2, dtype="f4")) for _ in range(2))
+        self._sums = keep(self._ctx.buffer(reserve=32 * made.size[0] * made.size[1]))
+        self._changes, self._reaches, self._picked = (
+            keep(self._ctx.buffer(reserve=size * made.half_tiles)) for size in (16, 4, 4)
+        )
+        self._buffers = self._changes, self._reaches, keep(made.bits_of_tiles())
+        tiles = made.half_tiles // 2
         self._reached, self._judged = (keep(self._ctx.buffer(reserve=4 * tiles)) for _ in range(2))
         self._listed = keep(self._ctx.buffer(reserve=4 * (tiles + 1)))
-        self._sorter = ChangeSorter(self._ctx, self._programs, self._spreader, self._held, self._importance)
+        self._sorter = ChangeSorter(self._ctx, self._programs, made, self._held, self._importance)
 
-    def _spread_afresh(self, pulse: Pulse, changed: int) -> None:
+    def _compared(self, field: Field, *, is_ordered: bool) -> int | None:
+        """Take a field, and find what has changed in it: how many pixels; None where it is to be spread afresh."""
+        program = self._programs.compute("linear_take.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {}))
+        self._is_ordered = is_ordered
+        if is_ordered:
+            self._sorter.bind(program)
+        fits, changed = self._spreader.run_take(
+            program, field, self._side, self._buffers, light_last=self._light, state_last=self._state
+        )
+        if is_ordered and fits and changed:
+            self._sorter.sort()
+        return changed if fits else None
+
+    def _spread_afresh(self, field: Field, pulse: Pulse, changed: int) -> None:
         made = self._spreader
         self._is_whole = False
+        made.take(field, self._side)
         made.spread_all(self._sums, pulse)
         made.light, self._light = self._light, made.light
         made.state, self._state = self._state, made.state
@@ -201,81 +211,94 @@ class ImportanceField:
                 return
             first = end
 
-    def _spread_pixels(self, first: int, end: int) -> None:
-        """Take the old effects of some pixels of the order from the sums, and add their new ones."""
+    def _spread_changes(self, first: int, end: int) -> None:
+        """Take the old effects of some pixels of the order from the sums, and add their new ones; of all without an order."""
         made = self._spreader
-        self._pick(first, end)
+        if self._is_ordered:
+            self._pick(first, end)
         states = {
             "light_now": made.light,
             "state_now": made.state,
             "light_last": self._light,
             "state_last": self._state,
         }
-        reach = self._program("reach")
-        made.bound(reach, **states, table_reaches=made.made_tables.reaches)
-        made.bind_tiles(reach, self._picked, self._reaches)
+        mark = self._variant("importance_mark.comp")
+        made.bound(mark, **states)
+        set_uniforms(mark, has_cutoff=made.has_cutoff)
         for unit, marks in ((3, self._reached), (4, self._judged)):
             marks.clear()
             marks.bind_to_storage_buffer(unit)
-        made.run(reach, made.tiles)
+        for unit, buffer in ((1, self._changes), (2, self._reaches), (5, self._picked)):
+            buffer.bind_to_storage_buffer(unit)
+        made.run_half_tiles(mark)
         listed = self._list(self._reached)
-        spread = self._programs.compute(
-            "linear_spread.comp", {"ROWS": made.rows, "KEEP": 1, "LISTED": 1, "DIFFERENCE": 1}
-        )
-        made.bound(spread, **states, weights=made.made_tables.weights)
-        made.bind_tiles(spread, self._picked, self._reaches)
+        spread = made.spreading(KEEP=1, LISTED=1, DIFFERENCE=1, **self._picking)
+        made.bound(spread, **states, weights=made.tables.weights)
+        made.bind_spread(spread, self._buffers)
+        self._picked.bind_to_storage_buffer(5)
         self._run_listed(spread, listed)
         self._settle()
-        if made.cutoff_px < NO_CUTOFF:
+        if made.has_cutoff:
             self._rejudge()
 
+    @property
+    def _picking(self) -> dict[str, int]:
+        return {"PICKED": 1} if self._is_ordered else {}
+
+    def _variant(self, name: str) -> moderngl.ComputeShader:
+        return self._programs.compute(name, self._picking)
+
     def _pick(self, first: int, end: int) -> None:
-        program = self._program("pick")
+        program = self._programs.compute("importance_pick.comp")
         self._picked.clear()
-        self._picked.bind_to_storage_buffer(1)
-        self._sorter.order.bind_to_storage_buffer(5)
-        set_uniforms(program, first=first, end=end, width=self._spreader.size[0], tiles_across=self._spreader.tiles[0])
-        groups = -(-(end - first) // 64)
+        self._picked.bind_to_storage_buffer(5)
+        self._sorter.order.bind_to_storage_buffer(6)
+        set_uniforms(program, first=first, end=end)
+        groups = -(-(end - first) // LANES)
         program.run(min(groups, 1024), -(-groups // 1024))
         self._ctx.memory_barrier()
 
     def _settle(self) -> None:
         """Take note that the picked pixels are spread as they are now."""
-        made, program = self._spreader, self._program("settle")
-        made.bound(program, light_now=made.light, state_now=made.state, table_reaches=made.made_tables.reaches)
+        made, program = self._spreader, self._variant("importance_settle.comp")
+        made.bound(program, light_now=made.light, state_now=made.state)
+        set_uniforms(program, beyond_px=made.tables.beyond_px)
         for unit, image in enumerate((self._light, self._state, self._before, self._sorter.waiting)):
             image.bind_to_image(unit, read=unit < 2, write=True)
-        set_uniforms(program, tiles=made.tiles)
-        for unit, buffer in enumerate((self._picked, made.masks, made.reaches), start=1):
+        for unit, buffer in (
+            (1, self._changes),
+            (2, made.shedding),
+            (3, made.reaches),
+            (4, made.filled),
+            (5, self._picked),
+        ):
             buffer.bind_to_storage_buffer(unit)
-        made.run(program, made.tiles)
+        made.run_half_tiles(program)
 
     def _rejudge(self) -> None:
         """Judge anew what is hidden by pixels whose own state has changed."""
         made = self._spreader
         listed = self._list(self._judged)
-        program = self._programs.compute(
-            "linear_spread.comp", {"ROWS": made.rows, "KEEP": 1, "LISTED": 1, "REJUDGE": 1}
-        )
+        program = made.spreading(KEEP=1, LISTED=1, REJUDGE=1)
         made.bound(
             program,
             light_now=self._light,
             state_now=self._state,
             state_before=self._before,
-            weights=made.made_tables.weights,
+            weights=made.tables.weights,
         )
-        made.bind_tiles(program, made.masks, made.reaches)
+        made.bind_spread(program, (made.shedding, made.reaches, made.filled))
         self._run_listed(program, listed)
 
     def _list(self, marks: moderngl.Buffer) -> int:
         """List the tiles that are marked; how many there are."""
-        program = self._program("list")
-        self._listed.write(b"\0\0\0\0")
+        program = self._programs.compute("importance_list.comp")
+        self._listed.write(bytes(4))
         self._listed.bind_to_storage_buffer(3)
         marks.bind_to_storage_buffer(4)
-        count = self._spreader.tiles[0] * self._spreader.tiles[1]
+        count = self._spreader.half_tiles // 2
         set_uniforms(program, count=count)
-        program.run(-(-count // 64))
+        program.run(-(-count // LANES))
         self._ctx.memory_barrier()
         return int(np.frombuffer(self._listed.read(4), np.uint32)[0])
 
@@ -284,9 +307,5 @@ class ImportanceField:
             return
         self._listed.bind_to_storage_buffer(3)
         self._sums.bind_to_storage_buffer(0)
-        self._spreader.bind_tables(program)
         program.run(min(count, 1024), -(-count // 1024))
         self._ctx.memory_barrier()
-
-    def _program(self, name: str) -> moderngl.ComputeShader:
-        return self._programs.compute(f"importance_{name}.comp")

@@ -6,15 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import moderngl
-import numpy as np
 
 from render.errors import SettingsError
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.postblur.linear import FieldSpreader
+from render.postblur.linear import LANES, FieldSpreader
 
 BUCKETS = 64
-_CHUNK = 1024  # pixels that a group sorts
 
 
 @dataclass(frozen=True)
@@ -41,24 +39,21 @@ class Importance:
 
 
 class ChangeSorter:
-    """Finds what has changed in a field, and sorts it. Of the size that its spreader has.
+    """Puts what has changed in a field in order. Of the size that its spreader has.
 
     Attributes:
         waiting: of each pixel its bucket, 0 for no change, and how long it has waited.
-        order: numbers of the pixels that have changed, the most important first.
+        order: the pixels that have changed, the most important first.
     """
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, spreader: FieldSpreader, held: Held, importance: Importance
     ) -> None:
-        self._programs, self._spreader, self._importance = programs, spreader, importance
-        width, height = spreader.size
-        self._chunks = -(-width * height // _CHUNK)
-        self.waiting = held.keep(ctx.texture((width, height), 1, dtype="u4"))
-        self.order = held.keep(ctx.buffer(reserve=4 * _CHUNK * self._chunks))
+        self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
+        self._chunks = -(-spreader.half_tiles // LANES)
+        self.waiting = held.keep(ctx.texture(spreader.size, 1, dtype="u4"))
+        self.order = held.keep(ctx.buffer(reserve=4 * 32 * LANES * self._chunks))
         self._counts = held.keep(ctx.buffer(reserve=4 * BUCKETS * self._chunks))
-        self._firsts = held.keep(ctx.buffer(reserve=4 * BUCKETS))
-        self._ctx = ctx
         self.forget()
 
     def forget(self) -> None:
@@ -66,26 +61,23 @@ class ChangeSorter:
         width, height = self._spreader.size
         self.waiting.write(bytes(4 * width * height))
 
-    def sort(self, light_last: moderngl.Texture, state_last: moderngl.Texture) -> list[int]:
-        """Sort what differs from what the sums were made of.
-
-        Returns:
-            Where the buckets begin in `order`, from the most important to the least, and how many pixels there are in all.
-        """
-        made = self._spreader
-        compare, scan, sort = (
-            self._programs.compute(f"importance_{name}.comp") for name in ("compare", "scan", "sort")
-        )
-        made.bound(compare, light_now=made.light, state_now=made.state, light_last=light_last, state_last=state_last)
+    def bind(self, program: moderngl.ComputeShader) -> None:
+        """Let a variant of linear_take.comp count what goes into each bucket."""
         weights = self._importance
-        set_uniforms(compare, coc_weight=weights.coc_weight, rgb_weight=weights.rgb_weight)
-        set_uniforms(compare, is_perceptual=weights.is_perceptual)
-        self.waiting.bind_to_image(0, read=True, write=True)
-        self.order.bind_to_storage_buffer(5)
+        set_uniforms(program, coc_weight=weights.coc_weight, rgb_weight=weights.rgb_weight, chunks=self._chunks)
+        set_uniforms(program, is_perceptual=weights.is_perceptual)
+        self.waiting.bind_to_image(2, read=True, write=True)
         self._counts.bind_to_storage_buffer(6)
-        self._firsts.bind_to_storage_buffer(7)
-        for program, groups in ((compare, self._chunks), (scan, 1), (sort, self._chunks)):
-            set_uniforms(program, chunks=self._chunks)
-            program.run(groups)
-            self._ctx.memory_barrier()
-        return [int(first) for first in np.frombuffer(self._firsts.read(), np.uint32)]
+
+    def sort(self) -> None:
+        """Put in order what was counted."""
+        scan, sort = (self._programs.compute(f"importance_{name}.comp") for name in ("scan", "sort"))
+        self._counts.bind_to_storage_buffer(6)
+        set_uniforms(scan, chunks=self._chunks)
+        scan.run(1)
+        self._ctx.memory_barrier()
+        self.waiting.bind_to_image(2, read=True, write=False)
+        self.order.bind_to_storage_buffer(5)
+        set_uniforms(sort, chunks=self._chunks, tiles=self._spreader.tiles)
+        sort.run(self._chunks)
+        self._ctx.memory_barrier()

@@ -21,18 +21,21 @@ import numpy as np
 from render.gl.held import Held
 from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.postblur.joined import Blurred, Joiner
 from render.postblur.shed import Field
 from render.postblur.sides import Sides
-from render.postblur.spread_tables import EVEN_STEPS, STEP_PX, IrisImage, Spread, SpreadTables
+from render.postblur.spread_tables import STEP_PX, IrisImage, Spread, SpreadTables
 
 CUTOFF_PX = 1.5
 """How much more than a pixel something farther must be blurred for that to hide it: Fearing's 3 pixels of diameter."""
 NO_CUTOFF = 1e9
 """Nothing is hidden: the method as Potmesil & Chakravarty have it."""
 LIGHT_BITS = 29
-TILE = 8
-HEADROOM = 2
-"""Powers of 2 between the brightest light and the scale that sums are made in, so that a brighter one can join."""
+TILE, LANES = 8, 64
+Buffers = tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]
+"""What sheds light: half tiles, how far, and which tiles."""
+_HEADROOM = 2  # powers of 2 above the brightest light, so that a brighter one can join
+_LESS_LIGHT = 4  # by how many it must fall for a finer scale
 _SPARE_STEPS = 8  # tables beyond those that a picture needs
 
 
@@ -44,30 +47,58 @@ class FieldSpreader:
         programs: of it.
         step_px: of the radius; what it changes by less is no change.
         cutoff_px: how much more blurred than a pixel something farther must be for that to hide it; `NO_CUTOFF` for nothing.
+
+    Attributes:
+        light: the field's, as it was taken.
+        state: number of the table of each pixel, and its radius.
+        shedding: what half tiles shed light (`linear_take.comp`).
+        reaches: how far.
+        filled: in which tiles any do.
+        shown: the sum of weighted light, and that of weights.
     """
 
+    light: moderngl.Texture
+    state: moderngl.Texture
+    shedding: moderngl.Buffer
+    reaches: moderngl.Buffer
+    filled: moderngl.Buffer
+    shown: moderngl.Texture
+
     def __init__(
-        self,
-        ctx: moderngl.Context,
-        programs: ProgramCache,
-        *,
-        step_px: float = STEP_PX,
-        cutoff_px: float = CUTOFF_PX,
+        self, ctx: moderngl.Context, programs: ProgramCache, *, step_px: float = STEP_PX, cutoff_px: float = CUTOFF_PX
     ) -> None:
         self._ctx, self._programs = ctx, programs
-        self._step_px, self.cutoff_px = step_px, cutoff_px
+        self._step_px, self._cutoff_px = step_px, cutoff_px
         is_software = "llvmpipe" in ctx.info["GL_RENDERER"] or "softpipe" in ctx.info["GL_RENDERER"]
-        self.rows = 8 if is_software else 2  # of pixels to a lane: few lanes with much to do each, or many
+        self._rows = 8 if is_software else 2  # of pixels to a lane: few lanes with much to do each, or many
         self._piece = PieceSize(8)  # rows of tiles
-        self._brightest = ctx.buffer(reserve=4)
-        self.size = (0, 0)
-        self.tables: SpreadTables | None = None
+        self._told = ctx.buffer(reserve=8)
+        self._scale: int | None = None  # power of 2 that no light is above
+        self._tables: SpreadTables | None = None
         self._held = Held()
+        self.size = (0, 0)
 
     @property
     def tiles(self) -> tuple[int, int]:
         """Columns and rows of tiles."""
         return -(-self.size[0] // TILE), -(-self.size[1] // TILE)
+
+    @property
+    def half_tiles(self) -> int:
+        """Their number, each of four rows of a tile."""
+        return 2 * self.tiles[0] * self.tiles[1]
+
+    @property
+    def has_cutoff(self) -> bool:
+        """Whether what is nearer hides anything."""
+        return self._cutoff_px < NO_CUTOFF
+
+    @property
+    def tables(self) -> SpreadTables:
+        """Those that were made last."""
+        if self._tables is None:
+            raise ValueError("no tables were made")
+        return self._tables
 
     def fit(self, size: tuple[int, int]) -> bool:
         """Make room for fields of a size; whether it was not there yet."""
@@ -75,54 +106,87 @@ class FieldSpreader:
             return False
         self._held.close()
         self.size = (0, 0)
-        texture, keep = self._ctx.texture, self._held.keep
+        texture, buffer, keep = self._ctx.texture, self._ctx.buffer, self._held.keep
         self.light, self.shown = (keep(texture(size, 4, dtype="f4")) for _ in range(2))
         self.state = keep(texture(size, 2, dtype="f4"))
         self.size = size
-        count = self.tiles[0] * self.tiles[1]
-        self.masks, self.reaches = keep(self._ctx.buffer(reserve=8 * count)), keep(self._ctx.buffer(reserve=4 * count))
+        self.shedding, self.reaches = (keep(buffer(reserve=size_ * self.half_tiles)) for size_ in (16, 4))
+        self.filled = keep(self.bits_of_tiles())
         return True
+
+    def bits_of_tiles(self) -> moderngl.Buffer:
+        """Room for a bit for each tile, in rows."""
+        return self._ctx.buffer(reserve=4 * self._filled_words * self.tiles[1])
+
+    @property
+    def _filled_words(self) -> int:
+        return self.tiles[0] // 32 + 2  # one more than is needed, for what is read across
 
     def tabled(self, spread: Spread, most_px: float) -> bool:
         """Make tables for radii up to one; whether there were none that are like these."""
-        old = self.tables
+        old = self._tables
         if old is not None and old.serves(spread, most_px):
             return False
         alike = old is not None and old.spread == spread
-        self.tables = SpreadTables(self._ctx, spread, most_px + _SPARE_STEPS * self._step_px, self._step_px)
+        self._tables = SpreadTables(
+            self._ctx,
+            spread,
+            most_px + _SPARE_STEPS * self._step_px,
+            self._step_px,
+            with_differences=not self.has_cutoff,
+        )
         if old is not None:
             old.release()
         return not alike
 
-    def scale(self, field: Field) -> int:
-        """A power of 2 that no light of a field is above, with room for some that is brighter."""
-        self._brightest.write(b"\0\0\0\0")
-        program = self._programs.compute("linear_brightest.comp")
-        self._brightest.bind_to_storage_buffer(0)
-        self.bound(program, light=field.light)
-        self.run(program, field.light.size)
-        (most,) = np.frombuffer(self._brightest.read(), np.float32)
-        return max(-60, math.frexp(float(most))[1]) + HEADROOM
-
-    def take(self, field: Field, side: float, scale: int) -> None:
-        """Take a field into `light` and `state`.
+    def take(self, field: Field, side: float) -> None:
+        """Take a field into `light` and `state`, and find what sheds.
 
         Args:
             field: of the size that was fitted.
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
-            scale: as `scale` finds it.
         """
         program = self._programs.compute("linear_take.comp")
-        self.bound(program, light=field.light, radii=field.radii)
-        set_uniforms(program, channel=field.channel, side=side, step_px=self._step_px, even_steps=float(EVEN_STEPS))
-        set_uniforms(program, quantum=2.0 ** (scale - LIGHT_BITS), quantum_alpha=2.0**-LIGHT_BITS)
-        set_uniforms(program, most_step=float(self.made_tables.count - 1))
+        buffers = self.shedding, self.reaches, self.filled
+        if not self.run_take(program, field, side, buffers)[0]:
+            self.run_take(program, field, side, buffers)  # at a scale that is its own
+
+    def run_take(
+        self,
+        program: moderngl.ComputeShader,
+        field: Field,
+        side: float,
+        buffers: Buffers,
+        **last: moderngl.Texture,
+    ) -> tuple[bool, int]:
+        """Run a variant of linear_take.comp.
+
+        Returns:
+            Whether the field is of the scale that it was taken at, and how many of its pixels have changed. If it is not, the
+            next one is taken at this one's.
+        """
+        tables = self.tables
+        self._told.write(bytes(8))
+        self.bound(program, light=field.light, radii=field.radii, steps=tables.steps, **last)
+        set_uniforms(program, channel=field.channel, side=side, step_px=self._step_px, has_cutoff=self.has_cutoff)
+        set_uniforms(program, quantum=2.0 ** ((self._scale or 0) - LIGHT_BITS), quantum_alpha=2.0**-LIGHT_BITS)
+        set_uniforms(program, most_even=float(tables.steps.width - 1), beyond_px=tables.beyond_px)
         self.light.bind_to_image(0, read=False, write=True)
         self.state.bind_to_image(1, read=False, write=True)
-        self.run(program, self.size)
+        shedding, reaches, filled = buffers
+        filled.clear()
+        for unit, buffer in enumerate((shedding, reaches, self._told, filled), start=1):
+            buffer.bind_to_storage_buffer(unit)
+        self.run_half_tiles(program)
+        told = self._told.read()
+        needed = max(-60, math.frexp(float(np.frombuffer(told, np.float32, 1)[0]))[1])
+        fits = self._scale is not None and needed <= self._scale <= needed + _HEADROOM + _LESS_LIGHT
+        if not fits:
+            self._scale = needed + _HEADROOM
+        return fits, int(np.frombuffer(told, np.uint32)[1])
 
     def spread_all(self, sums: moderngl.Buffer | None = None, pulse: Pulse = UNWATCHED) -> None:
-        """Spread all that was taken, into `shown`: light and weights.
+        """Spread all that was taken, into `shown`.
 
         Args:
             sums: four doubles for each pixel, to keep them in with all their bits.
@@ -131,42 +195,33 @@ class FieldSpreader:
         Raises:
             Interrupted: the work is stale.
         """
-        reach = self._programs.compute("linear_reach.comp")
-        self.bound(reach, light_now=self.light, state_now=self.state, table_reaches=self.made_tables.reaches)
-        self.bind_tiles(reach, self.masks, self.reaches)
-        self.run(reach, self.tiles)
-        program = self._programs.compute(
-            "linear_spread.comp", {"ROWS": self.rows} | ({"KEEP": 1} if sums is not None else {})
-        )
+        program = self.spreading(**({"KEEP": 1} if sums is not None else {}))
         first, (across, down) = 0, self.tiles
         while first < down:
             rows = min(self._piece.units if pulse.is_watched else down, down - first)
-            self.bind_spread(program, sums)
+            self.bound(program, weights=self.tables.weights, light_now=self.light, state_now=self.state)
+            self.bind_spread(program, (self.shedding, self.reaches, self.filled))
+            if sums is not None:
+                sums.bind_to_storage_buffer(0)
             set_uniforms(program, first_tile=first)
             program.run(across, rows)
             self._ctx.memory_barrier()
             self._piece.learn(rows, pulse.beat())
             first += rows
 
-    def bind_spread(self, program: moderngl.ComputeShader, sums: moderngl.Buffer | None) -> None:
-        """Bind all that spreading all of it takes."""
-        self.bound(program, weights=self.made_tables.weights, light_now=self.light, state_now=self.state)
-        self.bind_tiles(program, self.masks, self.reaches)
-        self.bind_tables(program)
-        if sums is not None:
-            sums.bind_to_storage_buffer(0)
+    def spreading(self, **defines: int) -> moderngl.ComputeShader:
+        """A variant of linear_spread.comp."""
+        return self._programs.compute("linear_spread.comp", {"ROWS": self._rows, **defines})
 
-    def bind_tables(self, program: moderngl.ComputeShader) -> None:
-        """Tell a program of the tables, and what it draws on."""
-        half = self.made_tables.half
-        set_uniforms(program, half_px=half, cutoff_px=self.cutoff_px, tiles_around=-(-half // TILE))
+    def bind_spread(self, program: moderngl.ComputeShader, buffers: Buffers) -> None:
+        """Tell a variant of linear_spread.comp of tiles and tables, and what it draws on."""
+        half = self.tables.half
+        set_uniforms(program, half_px=half, cutoff_px=self._cutoff_px, has_cutoff=self.has_cutoff, tiles=self.tiles)
+        set_uniforms(program, tiles_around=-(-half // TILE), first_difference=self.tables.count)
+        set_uniforms(program, filled_words=self._filled_words)
         self.shown.bind_to_image(0, read=False, write=True)
-
-    def bind_tiles(self, program: moderngl.ComputeShader, masks: moderngl.Buffer, reaches: moderngl.Buffer) -> None:
-        """Bind what is known of tiles: which of their pixels shed light, and how far."""
-        set_uniforms(program, tiles=self.tiles)
-        masks.bind_to_storage_buffer(1)
-        reaches.bind_to_storage_buffer(2)
+        for unit, buffer in zip((1, 2, 4), buffers, strict=True):
+            buffer.bind_to_storage_buffer(unit)
 
     @staticmethod
     def bound(program: moderngl.ComputeShader, **textures: moderngl.Texture | moderngl.TextureArray) -> None:
@@ -175,25 +230,19 @@ class FieldSpreader:
             texture.use(unit)
             set_uniforms(program, **{name: unit})
 
-    def run(self, program: moderngl.ComputeShader, size: tuple[int, int]) -> None:
-        """Run a program of 8 by 8 lanes over a size, and wait until others can see what it wrote."""
-        program.run(-(-size[0] // 8), -(-size[1] // 8))
+    def run_half_tiles(self, program: moderngl.ComputeShader) -> None:
+        """Run a program with a lane for each half tile, and wait until others can see what it wrote."""
+        set_uniforms(program, tiles=self.tiles, filled_words=self._filled_words)
+        program.run(-(-self.half_tiles // LANES))
         self._ctx.memory_barrier()
-
-    @property
-    def made_tables(self) -> SpreadTables:
-        """The tables that were made."""
-        if self.tables is None:
-            raise ValueError("no tables were made")
-        return self.tables
 
     def release(self) -> None:
         """Give the memory back; it is made anew when it is needed."""
         self._held.close()
         self.size = (0, 0)
-        if self.tables is not None:
-            self.tables.release()
-            self.tables = None
+        if self._tables is not None:
+            self._tables.release()
+            self._tables = None
 
 
 class LinearField:
@@ -223,7 +272,7 @@ class LinearField:
         made = self._spreader
         made.fit(field.light.size)
         made.tabled(spread, most_px)
-        made.take(field, side, made.scale(field))
+        made.take(field, side)
         made.spread_all(pulse=pulse)
         return made.shown
 
@@ -236,7 +285,7 @@ class LinearBlur:
     """The engine ``linear``: both sides of the focus spread over the iris's image, and joined."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+        self._pulse, self._joiner = pulse, Joiner(ctx, programs)
         self._fields = tuple(LinearField(FieldSpreader(ctx, programs)) for _ in range(2))
 
     def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
@@ -245,7 +294,7 @@ class LinearBlur:
             made.spread(field, side, spread, sides.most_px, self._pulse)
             for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
         )
-        return joined(self._ctx, self._programs, sides, near, far, held)
+        return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)
 
     def release(self) -> None:
         """Give the memory back."""
@@ -257,24 +306,3 @@ def fields_of(sides: Sides) -> tuple[tuple[Field, float, Spread], tuple[Field, f
     """What is in front of the focus and what is behind it, as fields, their side, and how they are spread."""
     near, far = (IrisImage(sides.iris, is_behind=behind, squeeze=sides.squeeze) for behind in (False, True))
     return (Field(sides.near, sides.radii, 0), 1.0, near), (Field(sides.far, sides.radii, 1), -1.0, far)
-
-
-def joined(
-    ctx: moderngl.Context,
-    programs: ProgramCache,
-    sides: Sides,
-    near: moderngl.Texture,
-    far: moderngl.Texture,
-    held: Held,
-) -> moderngl.Texture:
-    """The picture of both sides spread."""
-    program = programs.compute("postblur_join.comp")
-    FieldSpreader.bound(
-        program, near=near, far=far, near_wide=near, far_wide=far, far_sharp=sides.far, radii=sides.radii
-    )
-    set_uniforms(program, is_split=False)
-    picture = held.keep(ctx.texture(sides.size, 4, dtype="f4"))
-    picture.bind_to_image(0, read=False, write=True)
-    program.run(-(-picture.width // 8), -(-picture.height // 8))
-    ctx.memory_barrier()
-    return picture

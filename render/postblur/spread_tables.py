@@ -85,8 +85,8 @@ def _between(values: DoubleArray, rows: DoubleArray) -> DoubleArray:
 
 def steps_to(radius_px: float, step_px: float = STEP_PX) -> int:
     """The number of the table that a radius is spread by: 0 for a point."""
-    x = min(radius_px, MAX_RADIUS_PX) / step_px
-    return int((x if x <= EVEN_STEPS else EVEN_STEPS * (1 + np.log(x / EVEN_STEPS))) + 0.5)
+    even = int(min(radius_px, MAX_RADIUS_PX) / step_px + 0.5)
+    return even if even <= EVEN_STEPS else int(EVEN_STEPS * (1 + np.log(even / EVEN_STEPS)) + 0.5)
 
 
 def radius_of(step: int, step_px: float = STEP_PX) -> float:
@@ -114,32 +114,54 @@ def table_of(spread: Spread, radius_px: float, half: int) -> DoubleArray:
 class SpreadTables:
     """The tables of a spread on a device, as far as they are needed.
 
+    Args:
+        ctx: the context.
+        spread: whose tables.
+        most_px: radius that is needed.
+        step_px: the radius's step.
+        with_differences: also those between one table and the next.
+
     Attributes:
         half: pixels from the middle of a table to its edge, where there is no weight.
         count: of tables.
-        step_px: the radius's step.
-        weights: RGBA32F array, one slice for each step: each texel holds the weights of four rows, from its own on; above the
-            table are three rows more.
-        reaches: R32F, one texel for each step: distance to the farthest pixel that has any weight.
+        weights: RGBA32F array, a slice for each step, and after them one for each difference. Each texel holds the weights of
+            four rows, from its own on; above a table are three rows more.
+        beyond_px: how much farther than its radius a table has any weight, at most.
+        steps: RG32F, one texel for each multiple of the first step: the table's number, and the radius that it is made for.
     """
 
-    def __init__(self, ctx: moderngl.Context, spread: Spread, most_px: float, step_px: float = STEP_PX) -> None:
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        spread: Spread,
+        most_px: float,
+        step_px: float = STEP_PX,
+        *,
+        with_differences: bool = False,
+    ) -> None:
         self.spread, self.step_px = spread, step_px
         self.count = steps_to(most_px, step_px) + 1
         radii = [radius_of(step, step_px) for step in range(self.count)]
         self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim without weight, for all that is out of reach
         side = 2 * self.half + 1
-        packed = np.empty((self.count, side + _ROWS - 1, side, _ROWS), np.float32)
-        reaches = np.zeros((self.count, 1), np.float32)
+        slices = 2 * self.count - 1 if with_differences else self.count
+        packed = np.empty((slices, side + _ROWS - 1, side, _ROWS), np.float32)
+        self.beyond_px = 0.0
         offsets = np.arange(-self.half, self.half + 1.0)
         distances = np.hypot(offsets[:, None], offsets)
         for step, radius in enumerate(radii):
             table = self._padded(table_of(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
-            reaches[step] = distances[table > 0].max()
+            self.beyond_px = max(self.beyond_px, float(distances[table > 0].max() - radius))
             rows = np.pad(table, ((_ROWS - 1, _ROWS - 1), (0, 0)))
             packed[step] = np.stack([rows[i : i + side + _ROWS - 1] for i in range(_ROWS)], axis=-1)
-        self.weights = ctx.texture_array((side, side + _ROWS - 1, self.count), 4, packed.tobytes(), dtype="f4")
-        self.reaches = ctx.texture((self.count, 1), 1, reaches.tobytes(), dtype="f4")
+        if with_differences:
+            np.subtract(packed[1 : self.count], packed[: self.count - 1], out=packed[self.count :])
+        self.weights = ctx.texture_array((side, side + _ROWS - 1, slices), 4, packed.tobytes(), dtype="f4")
+        even = [
+            min(steps_to(number * step_px, step_px), self.count - 1) for number in range(int(radii[-1] / step_px) + 2)
+        ]
+        steps = np.array([(step, radii[step]) for step in even], np.float32)
+        self.steps = ctx.texture((len(steps), 1), 2, steps.tobytes(), dtype="f4")
 
     def _padded(self, table: DoubleArray) -> DoubleArray:
         return np.pad(table, self.half - len(table) // 2)
@@ -150,5 +172,5 @@ class SpreadTables:
 
     def release(self) -> None:
         """Give the memory back."""
-        self.weights.release()
-        self.reaches.release()
+        for texture in (self.weights, self.steps):
+            texture.release()

@@ -1,11 +1,10 @@
 #version 450 core
 // Where the pixels of each bucket and chunk begin in their order: the scan of a counting sort. One group.
-// in:  `counts` of each bucket in each chunk (importance_compare.comp)
-// out: `counts`: where they begin; `firsts`: where each bucket begins, from the most important on, and last how many there are
+// in:  `counts` of each bucket in each chunk (importance_bucket.glsl)
+// out: `counts`: where they begin, the most important first
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 6) buffer Counts { uint counts[]; };
-layout(std430, binding = 7) writeonly buffer Firsts { uint firsts[]; };
 
 uniform uint chunks;
 
@@ -21,7 +20,6 @@ void main()
     barrier();
     uint at = 0u;
     for (uint before = 0u; before < turn; ++before) at += totals[before];
-    firsts[turn] = at;
     if (bucket > 0u)
         for (uint chunk = 0u; chunk < chunks; ++chunk) {
             uint count = counts[bucket * chunks + chunk];

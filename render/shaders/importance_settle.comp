@@ -1,38 +1,48 @@
 #version 450 core
-// Takes note that the picked pixels are spread as they are.
-// in:  `picked`; light and state as they are
-// out: `light_last`, `state_last`: those of the sums; `state_before`: what `state_last` was, in tiles of which any is picked; `waiting`:
-//      0 for the picked; `lit`, `reaches`: as linear_reach.comp has them, of the same tiles
+// Takes note that pixels are spread as they are now.
+// in:  `shedding`: which have changed (linear_take.comp); PICKED: which of them are spread; light and state as they are
+// out: `light_last`, `state_last`: those of the sums; `state_before`: what `state_last` was, in tiles of which any is spread;
+//      `waiting`: 0 for what is; `lit`, `lit_reaches`, `filled`: what linear_take.comp says of all pixels, of the same tiles
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 layout(rgba32f, binding = 0) uniform image2D light_last;
 layout(rg32f, binding = 1) uniform image2D state_last;
 layout(rg32f, binding = 2) uniform writeonly image2D state_before;
 layout(r32ui, binding = 3) uniform writeonly uimage2D waiting;
-layout(std430, binding = 1) readonly buffer Picked { uvec2 picked[]; };
-layout(std430, binding = 2) writeonly buffer Lit { uvec2 lit[]; };
-layout(std430, binding = 3) writeonly buffer Reaches { float reaches[]; };
+layout(std430, binding = 1) readonly buffer Shedding { uvec4 shedding[]; };
+layout(std430, binding = 2) writeonly buffer Lit { uvec4 lit[]; };
+layout(std430, binding = 3) writeonly buffer LitReaches { float lit_reaches[]; };
+layout(std430, binding = 4) buffer Filled { uint filled[]; };
+#ifdef PICKED
+layout(std430, binding = 5) readonly buffer Picked { uint picked[]; };
+#endif
 
 uniform sampler2D light_now;
 uniform sampler2D state_now;
-uniform sampler2D table_reaches;
 uniform ivec2 tiles;
+uniform int filled_words;
+
+#include "linear_reach.glsl"
 
 void main()
 {
-    ivec2 tile = ivec2(gl_GlobalInvocationID.xy), size = imageSize(light_last);
-    if (any(greaterThanEqual(tile, tiles))) return;
-    int number = tile.y * tiles.x + tile.x;
-    uvec2 bits = picked[number], shedding = uvec2(0u);
+    int lane = int(gl_GlobalInvocationID.x);
+    ivec2 tile = ivec2((lane >> 1) % tiles.x, (lane >> 1) / tiles.x), size = imageSize(light_last);
+    if (tile.y >= tiles.y) return;
+    uint bits = shedding[lane].x, beside = shedding[lane ^ 1].x;
+#ifdef PICKED
+    bits &= picked[lane];
+    beside &= picked[lane ^ 1];
+#endif
+    uvec2 sheds = uvec2(0u);
     float reach = -1.0;
-    int count = bits == uvec2(0u) ? 0 : 64;
+    int count = (bits | beside) == 0u ? 0 : 32;
     for (int i = 0; i < count; ++i) {
-        ivec2 at = tile * 8 + ivec2(i & 7, i >> 3);
+        ivec2 at = tile * 8 + ivec2(i & 7, (lane & 1) * 4 + (i >> 3));
         if (any(greaterThanEqual(at, size))) continue;
-        bool is_picked = (((i < 32 ? bits.x : bits.y) >> (i & 31)) & 1u) != 0u;
         vec4 state = imageLoad(state_last, at), light = imageLoad(light_last, at);
         imageStore(state_before, at, state);
-        if (is_picked) {
+        if (((bits >> i) & 1u) != 0u) {
             state = texelFetch(state_now, at, 0);
             light = texelFetch(light_now, at, 0);
             imageStore(light_last, at, light);
@@ -40,12 +50,13 @@ void main()
             imageStore(waiting, at, uvec4(0u));
         }
         if (light != vec4(0.0)) {
-            if (i < 32) shedding.x |= 1u << i; else shedding.y |= 1u << (i - 32);
-            reach = max(reach, texelFetch(table_reaches, ivec2(int(state.x), 0), 0).r);
+            sheds |= uvec2(1u << i, state.x > 0.0 ? 1u << i : 0u);
+            reach = max(reach, reach_of(light, state.xy));
         }
     }
     if (count > 0) {
-        lit[number] = shedding;
-        reaches[number] = reach;
+        lit[lane] = uvec4(sheds.x, 0u, sheds.y, 0u);
+        lit_reaches[lane] = reach;
+        if (sheds.x != 0u) atomicOr(filled[tile.y * filled_words + (tile.x >> 5)], 1u << (tile.x & 31));
     }
 }

@@ -1,7 +1,7 @@
 // Sheds light on a column of ROWS pixels, exactly: weights are multiples of 2^-20 and light of 2^-29 of the picture's scale, so that
 // every sum of their products is a whole number of 2^-49 that 53 bits hold, whatever the order it is made in (linear.py).
 
-uniform sampler2DArray weights;     // spread_tables.py: slices are steps of the radius, texels hold the weights of four rows
+uniform sampler2DArray weights;     // spread_tables.py: slices are tables, texels hold the weights of four rows
 uniform int half_px;                // from the middle of a table to its edge, where there is no weight: what is out of reach is clamped to it
 uniform float cutoff_px;            // what is blurred more than this, and farther, is hidden by what is nearer
 
@@ -21,14 +21,13 @@ float counted(float from_px, int row)
     return counts;
 }
 
-// from: light, premultiplied; state: number of its table, its radius; offset: of the column's first pixel from where it comes from
-void shed(vec4 from, vec2 state, ivec2 offset)
+// light: premultiplied; table: its number; from_px: its radius; offset: of the column's first pixel from where it comes from
+void shed(dvec4 light, int table, float from_px, ivec2 offset)
 {
-    dvec4 light = dvec4(from);
     int column = clamp(offset.x, -half_px, half_px) + half_px;
     for (int first = 0; first < ROWS; first += 4) {
         int row = clamp(offset.y + first, -half_px - 3, half_px) + half_px + 3;
-        vec4 here = texelFetch(weights, ivec3(column, row, int(state.x)), 0);
-        for (int i = 0; i < min(4, ROWS); ++i) total[first + i] += double(here[i] * counted(state.y, first + i)) * light;
+        vec4 here = texelFetch(weights, ivec3(column, row, table), 0);
+        for (int i = 0; i < min(4, ROWS); ++i) total[first + i] += double(here[i] * counted(from_px, first + i)) * light;
     }
 }

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lens import IrisShape
-from render.postblur.flag import Field
 from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField
+from render.postblur.shed import Field
 from render.postblur.spread_tables import (
     MAX_RADIUS_PX,
     WEIGHT_BITS,

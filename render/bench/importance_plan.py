@@ -1,0 +1,71 @@
+"""What the importance bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+
+from render.errors import SettingsError
+
+MOST_LINEAR_PX = 100 * 512 * 512
+"""Pixels of an experiment's frames that the linear method is measured on, about: more frames are scaled from some of them."""
+LEAST_SIZE, MOST_SIZE, MOST_FRAMES = 32, 2048, 10_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is measured.
+
+    Attributes:
+        sizes: of the pictures, pixels along each side; the cutoff is measured at the first.
+        frames: of each experiment.
+        shares: of the changes that are made, Fearing's M.
+    """
+
+    sizes: tuple[int, ...] = (256, 1024)
+    frames: int = 100
+    shares: tuple[float, ...] = (0.05, 0.1, 0.15, 0.25, 0.5, 0.75, 1.0)
+
+    def linear_frames(self, size: int) -> int:
+        """How many frames of an experiment the linear method is measured on, at least two of more."""
+        return min(self.frames, max(MOST_LINEAR_PX // size**2 * 2 // 5, 2))
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the bench's arguments."""
+    parser.add_argument(
+        "--json", metavar="FILE|-", help="write what was found for programs too; - in place of the table"
+    )
+    parser.add_argument("--plot", metavar="FILE.png", help="draw quality and time against the share of changes made")
+    parser.add_argument("--quick", action="store_true", help="small pictures and few of them: does it all work")
+    parser.add_argument("--frames", metavar="N", type=int, help=f"of each experiment; without it {Plan().frames}")
+    parser.add_argument("--sizes", metavar="N,N", help="pixels along each side of the pictures; without it 256,1024")
+
+
+def asked_plan(arguments: argparse.Namespace) -> Plan:
+    """What the arguments ask for.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: one is out of range.
+    """
+    plan = Plan((64,), 5, (0.25, 1.0)) if arguments.quick else Plan()
+    frames = plan.frames if arguments.frames is None else arguments.frames
+    if not 2 <= frames <= MOST_FRAMES:
+        raise SettingsError(f"--frames must be from 2 to {MOST_FRAMES}, got {frames}")
+    sizes = plan.sizes if arguments.sizes is None else _sizes(arguments.sizes)
+    return Plan(sizes, frames, plan.shares)
+
+
+def _sizes(typed: str) -> tuple[int, ...]:
+    try:
+        sizes = tuple(int(size) for size in typed.split(","))
+    except ValueError:
+        sizes = ()
+    if not sizes or not all(LEAST_SIZE <= size <= MOST_SIZE for size in sizes):
+        raise SettingsError(
+            f"--sizes must be whole numbers from {LEAST_SIZE} to {MOST_SIZE}, as 256,1024; got {typed!r}"
+        )
+    return sizes

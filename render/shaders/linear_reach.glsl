@@ -1,0 +1,8 @@
+// How far a pixel sheds light, in pixels; below 0 where it has none.
+
+uniform float beyond_px;            // what the tables reach over the radii that they are made for, at most
+
+float reach_of(vec4 light, vec2 state)
+{
+    return light == vec4(0.0) ? -1.0 : state.x > 0.0 ? abs(state.y) + beyond_px : 0.0;
+}

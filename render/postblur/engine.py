@@ -33,6 +33,8 @@ MAX_MARGIN = 0.125
 """Of the picture's longer side, what is peeled around it at most for what it sheds into it."""
 _DRAWS_ERRORS = ("scatter",)
 """Engines that draw the lens's errors on its axis."""
+_KEPT_STEP = 16
+"""Pixels by which that grows where pictures are kept from frame to frame, which are of one size."""
 _ALIKE = 100
 """Rays of a lens whose sampling of surfaces this is like."""
 
@@ -87,7 +89,8 @@ class PostBlurEngine:
         nearest_w = peeler.nearest_w(scaled)
         w_f, pupil = picture_focus(camera, scaled).over_picture()
         most_px = float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
-        margin = fine * int(np.ceil(min(most_px / fine, MAX_MARGIN * max(view.width, view.height))))
+        step = fine * (_KEPT_STEP if engine == "importance" else 1)
+        margin = step * int(np.ceil(min(most_px, fine * MAX_MARGIN * max(view.width, view.height)) / step))
         wide = scaled.widened(margin)
         reach = pupil_px * float(pupil.max())
         if peeler.is_opaque:

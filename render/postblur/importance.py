@@ -7,7 +7,7 @@ import moderngl
 from render.gl.held import Held
 from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import ProgramCache
-from render.postblur.importance_field import ALL, Extent, ImportanceField
+from render.postblur.importance_field import ALL, Done, Extent, ImportanceField
 from render.postblur.importance_order import Importance
 from render.postblur.joined import Blurred, Joiner
 from render.postblur.linear import FieldSpreader, fields_of
@@ -37,6 +37,11 @@ class ImportanceBlur:
         self._pulse, self._joiner = pulse, Joiner(ctx, programs)
         self.extent: Extent = ALL
         self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
+
+    @property
+    def done(self) -> tuple[Done, ...]:
+        """What the last picture took, in front of the focus and behind it."""
+        return tuple(field.done for field in self._fields)
 
     def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""

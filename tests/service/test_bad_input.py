@@ -186,7 +186,6 @@ def test_transforms_that_are_no_numbers(client, prim):
         {"time": "inf"},
         {"time": "noon"},
         {"engine": "magic"},
-        {"engine": "scatter"},
         {"rays": 0},
         {"rays": 10**9},
         {"layers": 0},

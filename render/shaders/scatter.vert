@@ -21,8 +21,8 @@ flat out float next;            // share of that
 void main()
 {
     uint spot = spots[first + gl_InstanceID];
-    ivec2 at = ivec2(spot & 0x3fffu, spot >> 14 & 0x3fffu);
-    int log_side = int(spot >> 28), side = 1 << log_side;
+    ivec2 at = ivec2(spot & 0x7fffu, spot >> 15 & 0x7fffu);
+    int log_side = int(spot >> 30), side = 1 << log_side;
     float c = 0.0;
     shed = vec4(0.0);
     for (int i = 0; i < side * side; ++i) {

@@ -1,7 +1,7 @@
 #version 450 core
 // Lists what `scatter_plan.comp` has planned, class by class and in the order of the picture, so that sums are the same each time.
 // in:  the plan; `offsets` of the first spot of each class and square of 8 pixels in the list
-// out: `spots`: 14 bits each of column and row, and log2 of the side
+// out: `spots`: 15 bits each of column and row, and log2 of the side
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) readonly buffer Offsets { uint offsets[]; };
@@ -27,5 +27,5 @@ void main()
     int group = int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
     int before = bitCount(drawn[2 * kind + word] & (bit - 1u));
     if (word == 1) before += bitCount(drawn[2 * kind]);
-    spots[offsets[kind * groups + group] + uint(before)] = uint(at.x) | uint(at.y) << 14 | uint(planned / CLASSES) << 28;
+    spots[offsets[kind * groups + group] + uint(before)] = uint(at.x) | uint(at.y) << 15 | uint(planned / CLASSES) << 30;
 }

@@ -61,6 +61,7 @@ def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 "frame.exr",
                 "quick.png",
                 "flag.png",
+                "spots.png",
                 "gather.png",
                 "better.png",
                 "planar.png",

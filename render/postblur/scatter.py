@@ -47,7 +47,9 @@ class ScatterBlur:
             far_sum = self._sum(far, sides.most_px, passing)
             program = self._programs.compute("scatter_finish.comp")
             near.bind(program)
-            for unit, (name, texture) in enumerate((("near_sum", near_sum), ("far_sum", far_sum)), start=2):
+            for unit, (name, texture) in enumerate(
+                (("far", sides.far), ("near_sum", near_sum), ("far_sum", far_sum)), start=2
+            ):
                 texture.use(unit)
                 set_uniforms(program, **{name: unit})
             self._run(program, picture, read=False)

@@ -1,6 +1,6 @@
 #version 450 core
 // The picture: what is in front of the focus, over what is in it or behind.
-// in:  sums of what is spread before and behind the focus; what of the near field needs no spot
+// in:  sums of what is spread before and behind the focus; both fields sharp
 // out: `picture`: radiance premultiplied by coverage, coverage
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -8,6 +8,7 @@ layout(rgba32f, binding = 0) uniform writeonly image2D picture;
 
 #include "scatter.glsl"
 
+uniform sampler2D far;
 uniform sampler2D near_sum;
 uniform sampler2D far_sum;
 
@@ -23,6 +24,11 @@ void main()
     // what is hidden and would be seen around an edge is unknown: the light is that of what is known, before it if need be
     vec3 seen = behind.a > 0.0 ? behind.rgb / behind.a : vec3(0.0);
     if (behind.a <= 0.0) filled = 1.0;
+    // a lens so bad that no light lands here at all
+    if (behind.a <= 0.0 && front.a <= 0.0) {
+        vec4 own = texelFetch(light, at, 0);
+        front = vec4(own.rgb + (1.0 - own.a) * texelFetch(far, at, 0).rgb, 1.0);
+    }
     if (front.a > 0.0) front.rgb *= filled / front.a;
     imageStore(picture, at, vec4(front.rgb + (1.0 - filled) * seen, 1.0));
 }

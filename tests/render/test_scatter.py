@@ -262,3 +262,13 @@ def test_a_spot_without_errors_is_a_point_in_focus() -> None:
     assert isinstance(spot, Spot)
     assert not spot.has_errors
     np.testing.assert_allclose(spot.moments, (1, 0, 0), atol=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 7), (41, 17)])
+def test_small_pictures_and_enormous_radii(blur: ScatterBlur, shape: tuple[int, int]) -> None:
+    """White stays white, however far out of focus."""
+    for radius in (0.0, 4.0, 900.0):
+        radii = np.full(shape, radius, np.float32)
+        np.testing.assert_allclose(picture(blur, radii, far=1.0), 1.0, rtol=1e-5)
+    awful = picture(blur, np.full(shape, 4, np.float32), far=1.0, errors=soft_lens(1e5))
+    np.testing.assert_allclose(awful, 1.0, rtol=1e-5)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from render.errors import SettingsError
 
-MOST_LINEAR_PX = 100 * 512 * 512
-"""Pixels of an experiment's frames that the linear method is measured on, about: more frames are scaled from some of them."""
+MOST_LINEAR_PX = 7 * 1024 * 1024
+"""Pixels of an experiment's frames that the linear method is measured on at most: of larger ones some frames stand for all."""
 LEAST_SIZE, MOST_SIZE, MOST_FRAMES = 32, 2048, 10_000
 
 
@@ -28,7 +28,7 @@ class Plan:
 
     def linear_frames(self, size: int) -> int:
         """How many frames of an experiment the linear method is measured on, at least two of more."""
-        return min(self.frames, max(MOST_LINEAR_PX // size**2 * 2 // 5, 2))
+        return min(self.frames, max(MOST_LINEAR_PX // size**2, 2))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

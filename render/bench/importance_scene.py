@@ -2,8 +2,8 @@
 6.1).
 
 He traced his background offline, and put a star among it frame by frame. Here both are made: a knot in front, a computer and a
-cabinet behind it, a floor and a wall; seen through a lens of his 8 mm, on a film of 8 mm, which he does not tell. Its F/1000, the
-finest blur that he would have seen, is then a pixel of 1024 in diameter.
+cabinet behind it, a floor and a wall; seen through a lens of his 8 mm, on a film of 7 mm, which he does not tell. Its F/1000, the
+finest blur that he would have seen, is then about a pixel of 1024 in diameter.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from render.scene import DoubleArray, FloatArray
 _Bools = NDArray[np.bool_]
 _Numbers = DoubleArray | list[float]
 
-FOCAL_MM, FILM_MM = 8.0, 8.0
+FOCAL_MM, FILM_MM = 8.0, 7.0
 KNOT_MM, STAR_MM, COMPUTER_MM, CABINET_MM, WALL_MM = 24.0, 40.0, 60.0, 90.0, 140.0
-_STAR_RADIUS_MM = 4.0
+_STAR_RADIUS_MM = 3.5
 _STAR_INNER = 0.382  # of its radius: corners between its points
 
 

@@ -7,6 +7,8 @@ have changed. Here no record is needed but one: the sums are at all times those 
 last spread, of both who sheds and who is shed on. When a pixel's own state changes, what it hides is judged anew for all around
 it. So what is taken away is what was added, whatever the order, without a bound of the distance; and the sums of all changes made
 are to the bit those of the linear method, which with bitmaps they are not where something sharp has moved over what stands still.
+
+Kept for each pixel are 112 bytes: twice its light and three times its state, its sums and what they show, its place in the order.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ the sums of their products doubles lose nothing while weights add up to less tha
 do.
 
 Beyond the paper: fields in front of and behind the focus are spread apart and joined, as in every engine here; and what is
-blurred more than a pixel, and lies farther, does not shed on it (Fearing 1995, section 5), so that what is sharp stays so.
+blurred much more than a pixel, and lies farther, does not shed on it (Fearing 1995, section 5), so that what is sharp stays so.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from render.postblur.shed import Field
 from render.postblur.sides import Sides
 from render.postblur.spread_tables import STEP_PX, IrisImage, Spread, SpreadTables
 
-CUTOFF_PX = 1.5
-"""How much more than a pixel something farther must be blurred for that to hide it: Fearing's 3 pixels of diameter."""
+CUTOFF_PX, CUTOFF_SHARE = 1.5, 2.0
+"""What lies farther than a pixel is hidden by it if it is blurred by more than this and so many times the pixel's own radius: for
+what is sharp, Fearing's 3 pixels of diameter; what is blurred itself hides only part of what is around it."""
 NO_CUTOFF = 1e9
 """Nothing is hidden: the method as Potmesil & Chakravarty have it."""
 LIGHT_BITS = 29
@@ -46,7 +47,7 @@ class FieldSpreader:
         ctx: the context.
         programs: of it.
         step_px: of the radius; what it changes by less is no change.
-        cutoff_px: how much more blurred than a pixel something farther must be for that to hide it; `NO_CUTOFF` for nothing.
+        cutoff_px: how much something farther must be blurred for a sharp pixel to hide it; `NO_CUTOFF` for nothing.
 
     Attributes:
         light: the field's, as it was taken.
@@ -218,7 +219,7 @@ class FieldSpreader:
         half = self.tables.half
         set_uniforms(program, half_px=half, cutoff_px=self._cutoff_px, has_cutoff=self.has_cutoff, tiles=self.tiles)
         set_uniforms(program, tiles_around=-(-half // TILE), first_difference=self.tables.count)
-        set_uniforms(program, filled_words=self._filled_words)
+        set_uniforms(program, filled_words=self._filled_words, own_share=CUTOFF_SHARE)
         self.shown.bind_to_image(0, read=False, write=True)
         for unit, buffer in zip((1, 2, 4), buffers, strict=True):
             buffer.bind_to_storage_buffer(unit)

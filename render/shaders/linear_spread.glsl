@@ -3,7 +3,8 @@
 
 uniform sampler2DArray weights;     // spread_tables.py: slices are tables, texels hold the weights of four rows
 uniform int half_px;                // from the middle of a table to its edge, where there is no weight: what is out of reach is clamped to it
-uniform float cutoff_px;            // what is blurred more than this, and farther, is hidden by what is nearer
+uniform float own_share;            // and by more than so many times the radius of what is not
+uniform float cutoff_px;            // what is farther, and blurred by more than this, is hidden by what is sharp
 
 dvec4 total[ROWS];                  // what the pixels of this column have got
 float own_px[ROWS];                 // their radii: in front of the focus above 0, behind it below
@@ -11,12 +12,18 @@ float own_px[ROWS];                 // their radii: in front of the focus above 
 float before_px[ROWS];              // those by which they were judged
 #endif
 
+// Whether light of a radius is hidden by what lies where it falls. What is blurred itself hides only part of what is around it.
+bool is_hidden(float from_px, float here_px)
+{
+    return from_px < own_share * min(here_px, 0.0) - cutoff_px;
+}
+
 // How often light of a radius counts on a pixel of this column.
 float counted(float from_px, int row)
 {
-    float counts = from_px < own_px[row] - cutoff_px ? 0.0 : 1.0;
+    float counts = is_hidden(from_px, own_px[row]) ? 0.0 : 1.0;
 #ifdef REJUDGE
-    counts -= from_px < before_px[row] - cutoff_px ? 0.0 : 1.0;
+    counts -= is_hidden(from_px, before_px[row]) ? 0.0 : 1.0;
 #endif
     return counts;
 }

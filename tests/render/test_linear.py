@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lens import IrisShape
-from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField
+from render.postblur.linear import CUTOFF_PX, CUTOFF_SHARE, NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.shed import Field
 from render.postblur.spread_tables import (
     MAX_RADIUS_PX,
@@ -79,7 +79,9 @@ def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float)
         top, left = max(y - half, 0), max(x - half, 0)
         seen = rounded[top : y + half + 1, left : x + half + 1]
         rows, columns = seen.shape
-        here = table[top - y + half :, left - x + half :][:rows, :columns] * (rounded[y, x] >= seen - cutoff_px)
+        here = table[top - y + half :, left - x + half :][:rows, :columns] * (
+            rounded[y, x] >= CUTOFF_SHARE * np.minimum(seen, 0) - cutoff_px
+        )
         total[top : y + half + 1, left : x + half + 1] += here[..., None] * light[y, x]
     return total
 

@@ -16,6 +16,8 @@ STEPS = 20
 """Pictures of a drag, before the hand rests."""
 FIRST_MS = {"focus": 120.0, "aperture": 120.0, "time": 400.0}
 """After which the first picture of each drag is to be there, by its median."""
+LOOK_MS = 30.0
+"""After which work should have looked whether it is still wanted."""
 DRAGS = ("focus", "aperture", "time", "camera", "grade")
 
 

@@ -24,10 +24,10 @@ from render.bench.results import Goal
 from render.bench.said import check_file, goal_lines, say
 from render.bench.soak_plan import SoakPlan, asked_plan
 from render.bench.soak_shot import BALLS, CAMERA, FRAMES, write_soak_shot
-from render.errors import PullfocusError
+from render.errors import PullfocusError, SettingsError
 from render.film import GradeChoice
 from render.frame import FrameRenderer
-from render.frame_settings import FrameSettings
+from render.frame_settings import ENGINES, FrameSettings
 from render.progressive import Asked
 from render.progressive.driver import Progressive
 from render.shot import Shot, make_picture
@@ -117,17 +117,21 @@ class _Soak:
             return asks > patience
 
         is_final = False
-        for shown in self._driver.pictures(asked, is_stale=is_stale):
-            self.pictures += 1
-            is_final = shown.is_final
+        with suppress(SettingsError):  # the accumulation buffer knows planes of focus alone
+            for shown in self._driver.pictures(asked, is_stale=is_stale):
+                self.pictures += 1
+                is_final = shown.is_final
         self.finals += is_final
         self.left += not is_final and patience > 0
         self.gl_errors += self._renderer.graphics.ctx.error != "GL_NO_ERROR"
 
     def drift_levels(self) -> float:
-        """How far the picture at rest is from that of a new renderer."""
-        *_, shown = self._driver.pictures(self.asked)
+        """How far the picture at rest is from that of a new renderer; 0 where neither can be made."""
         asked = self.asked
+        try:
+            *_, shown = self._driver.pictures(asked)
+        except SettingsError:
+            return 0.0
         with FrameRenderer() as other:
             plain = make_picture(
                 other, self._shot, asked.camera, asked.time, asked.settings, stock=asked.stock, choice=asked.choice
@@ -180,7 +184,7 @@ class _Soak:
         self.asked = replace(self.asked, settings=replace(self.asked.settings, width=width, height=width * 9 // 16))
 
     def _other_engine(self) -> None:
-        engine = self._random.choice(("lens", "lens", "flag", "importance", "scatter", "pinhole"))
+        engine = self._random.choice(("lens", *ENGINES, "importance"))
         self.asked = replace(self.asked, settings=replace(self.asked.settings, engine=engine))
 
     def _undo(self) -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from render.commands.camera_options import Viewed
 from render.commands.report import FrameProgress, camel_case_keys, say
-from render.errors import SettingsError
+from render.errors import OutputError, SettingsError
 from render.files import write_atomic
 from render.film import GradeChoice
 from render.frame_settings import FrameSettings
@@ -78,17 +79,33 @@ def record_progressively(
         for time, file in plan:
             progress.begin(file.name)
             pictures = []
-            for shown in driver.pictures(Asked(camera, time, settings, stock=stock, choice=grade)):
-                _write(file, shown, settings, viewed)
-                pictures.append(_record(shown))
-                if not shown.is_final:
-                    progress.within(shown.share)
-                    height, width, _ = shown.graded.shape
-                    say(f"{file}: {shown.stage} of {width} x {height} after {shown.timing.total_ms / 1000:.2f} s")
+            with _kept_unless_final(file):
+                for shown in driver.pictures(Asked(camera, time, settings, stock=stock, choice=grade)):
+                    _write(file, shown, settings, viewed)
+                    pictures.append(_record(shown))
+                    if not shown.is_final:
+                        progress.within(shown.share)
+                        height, width, _ = shown.graded.shape
+                        say(f"{file}: {shown.stage} of {width} x {height} after {shown.timing.total_ms / 1000:.2f} s")
             seconds = pictures[-1]["totalMs"] / 1000
             progress.finish(str(file), seconds)
             written.append({"time": time, "file": str(file), "seconds": round(seconds, 3), "pictures": pictures})
     return written
+
+
+@contextmanager
+def _kept_unless_final(file: Path) -> Iterator[None]:
+    """Put back what was in the file, or nothing, where no final picture comes: a preview is not what was asked for."""
+    before = file.read_bytes() if file.is_file() else None
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError, OutputError):
+            if before is None:
+                file.unlink(missing_ok=True)
+            else:
+                write_atomic(file, before)
+        raise
 
 
 def _write(file: Path, shown: Shown, settings: FrameSettings, viewed: Viewed) -> None:

@@ -19,18 +19,13 @@ class Interrupted(Exception):  # noqa: N818 - it is no error
 
 
 class Pulse:
-    """Of one device.
-
-    Attributes:
-        longest_ms: the longest piece of the work that was watched last.
-    """
+    """Of one device."""
 
     def __init__(self, finish: Callable[[], None]) -> None:
         """``finish`` returns when the device has done all that it was asked."""
         self._finish = finish
         self._is_stale: Callable[[], bool] | None = None
         self._began = 0.0
-        self.longest_ms = 0.0
 
     @property
     def is_watched(self) -> bool:
@@ -44,7 +39,7 @@ class Pulse:
         Args:
             is_stale: whether it is wanted no more.
         """
-        self._is_stale, self._began, self.longest_ms = is_stale, perf_counter(), 0.0
+        self._is_stale, self._began = is_stale, perf_counter()
         try:
             yield
         finally:
@@ -63,7 +58,6 @@ class Pulse:
             return 0.0
         self._finish()
         took = 1000 * (perf_counter() - self._began)
-        self.longest_ms = max(self.longest_ms, took)
         is_stale = self._is_stale()
         self._began = perf_counter()
         if is_stale:

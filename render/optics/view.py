@@ -82,6 +82,11 @@ class PinholeView:
             camera_from_world=np.asarray(np.linalg.inv(camera.world_from_camera), np.float64),
         )
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.width, self.height
+
     def resized(self, width: int, height: int) -> PinholeView:
         """The same picture in other pixels."""
         x, y = width / self.width, height / self.height

@@ -1,10 +1,12 @@
 """Small pictures for who waits for them: from layers that are peeled once for a view, whatever the focus and the stop become.
 
 The quickest true picture that there is comes from the lens tracer with few rays: layers and N-buffers are there already, so that
-a change of focus or stop costs its rays alone. An engine that blurs one picture previews itself.
+a change of focus or stop costs its rays alone. Engines that blur one picture are previewed by the quickest of them, FLAG.
 """
 
 from __future__ import annotations
+
+from typing import Literal
 
 import numpy as np
 
@@ -26,6 +28,7 @@ WIDE_OPEN = 1.4
 """The f-number for which they are peeled: with a smaller one, a little of what is hidden is taken for what hides it."""
 SKETCH_SHARE = 2 / 3
 """Of the largest preview, along a side: what is peeled of a view that was not there before, and may change at once again."""
+Sketch = Literal["never", "new", "always"]
 _MARGIN = 1 / 16  # of the longer side
 
 
@@ -37,7 +40,7 @@ class PreviewEngine:
         self._post_blur = post_blur
 
     def peeled(
-        self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, may_be_sketched: bool
+        self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, sketch: Sketch
     ) -> tuple[Layers, PinholeView]:
         """The layers of the loaded scene; nothing is drawn where they are there.
 
@@ -46,8 +49,8 @@ class PreviewEngine:
             camera: whose focus and stop do not matter.
             view: the largest preview.
             unlit: take base colour for radiance.
-            may_be_sketched: whether smaller layers will do. They are made of what is new; what is asked for again, and has
-                other changes than those that need new layers, is worth the whole size.
+            sketch: whether smaller layers will do: of what is ``new``; what is asked for again, and has other changes than
+                those that need new layers, is worth the whole size.
 
         Returns:
             The layers, and what they are of: the view, or the same in fewer pixels.
@@ -57,7 +60,7 @@ class PreviewEngine:
         is_new = not peeler.keeps(wide, unlit=unlit, place=PREVIEW) and not peeler.keeps(
             small, unlit=unlit, place=SKETCH
         )
-        if may_be_sketched and is_new:
+        if sketch == "always" or (sketch == "new" and is_new):
             return self._peeled(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
         return self._peeled(peeler, camera, wide, unlit, PREVIEW), view
 
@@ -86,15 +89,14 @@ class PreviewEngine:
             peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=peeler.nearest_w(peeled.view)
         )
 
-    def blurred(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, engine: str) -> FloatArray:
-        """The picture by an engine that blurs one.
+    def blurred(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView) -> FloatArray:
+        """The picture by FLAG.
 
         Args:
             peeler: that peeled.
             peeled: of this view.
             camera: its focus and stop count.
             view: the picture.
-            engine: one of `PostBlurEngine.engines`.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
@@ -105,7 +107,7 @@ class PreviewEngine:
         w_f, pupil = focus.over_picture()
         nearest_w = peeler.nearest_w(wide)
         most_px = float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
-        picture = self._post_blur.of_layers(peeled, camera, focus, pupil_px, most_px, engine)
+        picture = self._post_blur.of_layers(peeled, camera, focus, pupil_px, most_px, "flag")
         left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
         return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
 

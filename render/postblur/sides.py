@@ -79,7 +79,7 @@ class Collector:
 
         Args:
             peeled: its layers.
-            focus: where each of their pixels is focused; its view is theirs, or one of as much that has fewer pixels.
+            focus: where each of their pixels is focused; its view is theirs.
             pupil_px: the pupil's radius times the focal length, px·m of the focus's view.
             most_px: larger radii are taken for as large.
             iris: of the lens.

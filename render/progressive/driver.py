@@ -4,7 +4,9 @@
 
 Work that nobody waits for any more is left between two of its pieces. What did not change is not computed again: the scene and
 still shadows (`render.layers.shadow_maps`), layers and N-buffers (`Peeler.peel`, `NBufferBuilder.build`), the light on the film
-where only its development or grade changed, and the developed film where only the grade did.
+where only its development or grade changed, and the developed film where only the grade did. In a scene so large that a distant
+light's shadows are resolved around the focus alone, a picture at rest draws these anew where the focus has gone far, and with
+them the layers.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from render.frame import Frame, FrameRenderer
 from render.frame_settings import FrameSettings
 from render.gl.pulse import Interrupted
 from render.output import FrameMetadata
+from render.progressive.aside import aside
 from render.progressive.asked import Asked, Shown, Stage
 from render.progressive.clock import Clock
 from render.progressive.frames import LiveFrames
@@ -139,7 +142,8 @@ class Progressive:
             yield Shown("preview", graded, self._metadata(lens, finish, asked), clock.timing(), settings.rays, 1.0)
             if asked.is_moving:
                 return
-        graded = finish.graded(self._on_film(frame, lens, finish, asked))
+        developed = self._on_film(frame, lens, finish, asked)
+        graded = aside(lambda: finish.graded(developed), self._renderer.graphics.pulse)
         picture = picture_of(self._shot, frame, lens, asked.time, settings, finish, graded=graded)
         clock.note("finish")
         yield Shown("final", picture.graded, picture.metadata, clock.timing(), settings.rays, 1.0, picture)
@@ -212,6 +216,9 @@ class Progressive:
         said = (lens.exposure_scale, frame_number(asked.time), gate_mm(lens), asked.settings.seed)
         kept = self._developed
         if kept is None or kept.frame is not frame or kept.said != said or not alike(kept.film, finish.film):
-            picture = finish.developed(frame.color, lens, time=asked.time, seed=asked.settings.seed)
+            picture = aside(
+                lambda: finish.developed(frame.color, lens, time=asked.time, seed=asked.settings.seed),
+                self._renderer.graphics.pulse,
+            )
             kept = self._developed = _Developed(frame, finish.film, said, picture)
         return kept.picture

@@ -10,6 +10,7 @@ import numpy as np
 from render.frame import Frame, FrameRenderer
 from render.frame_settings import FrameSettings
 from render.optics.view import PinholeView
+from render.postblur.preview import Sketch
 from render.progressive.clock import Clock
 from render.progressive.pace import Pace, Plan
 from render.scene import Camera, FloatArray, Scene
@@ -58,13 +59,17 @@ class LiveFrames:
         largest = view.resized(*self.pace.largest(view.width, view.height))
         with renderer.on_device():
             looks = renderer.loaded(scene, camera, settings, is_preview=True)
-            unlit, first = settings.shading == "unlit", rays is None
-            peeled, largest = engines.preview.peeled(engines.peeler, looks, largest, unlit=unlit, may_be_sketched=first)
+            is_blurred = settings.engine in engines.post_blur.engines and looks.f_stop > 0
+            sketch: Sketch = "never" if rays is not None else "new"
+            if is_blurred and not self.pace.can_blur(*largest.size, budget_ms):
+                sketch = "always"
+            unlit = settings.shading == "unlit"
+            peeled, largest = engines.preview.peeled(engines.peeler, looks, largest, unlit=unlit, sketch=sketch)
             renderer.graphics.ctx.finish()
             clock.note("peel")
-            if settings.engine in engines.post_blur.engines and looks.f_stop > 0:
-                picture = engines.preview.blurred(engines.peeler, peeled, looks, largest, settings.engine)
-                clock.note("blur")
+            if is_blurred:
+                picture = engines.preview.blurred(engines.peeler, peeled, looks, largest)
+                self.pace.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
             left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
             plan = self.pace.plan(largest.width, largest.height, left_ms)
@@ -118,8 +123,8 @@ class LiveFrames:
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
-        self._renderer.graphics.make_current()
-        picture, shares = self._renderer.engines.lens.so_far()
+        with self._renderer.on_device():
+            picture, shares = self._renderer.engines.lens.so_far()
         return np.where(shares > 0, picture, enlarged(under, picture.shape[1], picture.shape[0]))
 
 

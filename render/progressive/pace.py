@@ -42,6 +42,7 @@ class Pace:
     def __init__(self, *, is_software: bool) -> None:
         self._side_px = SOFTWARE_SIDE_PX if is_software else DEVICE_SIDE_PX
         self._ms = 3e-5 if is_software else 1e-6  # of a unit of work
+        self._blur_ms = 5e-4 if is_software else 1e-5  # of a pixel
 
     def largest(self, width: int, height: int) -> tuple[int, int]:
         """The width and height of what is peeled for previews of a picture, pixels."""
@@ -65,6 +66,20 @@ class Pace:
     def learn(self, plan: Plan, took_ms: float) -> None:
         """Take note of what a preview's rays took."""
         self._ms += 0.3 * (took_ms / plan.work - self._ms)
+
+    def can_blur(self, width: int, height: int, left_ms: float) -> bool:
+        """Whether a picture can be blurred in its time.
+
+        Args:
+            width: of the picture in pixels.
+            height: likewise.
+            left_ms: for its blur.
+        """
+        return self._blur_ms * width * height <= left_ms
+
+    def learn_blur(self, width: int, height: int, took_ms: float) -> None:
+        """Take note of what it took to blur a picture."""
+        self._blur_ms += 0.3 * (took_ms / (width * height) - self._blur_ms)
 
     def _scaled(self, width: int, height: int, share: float) -> tuple[int, int]:
         scale = share * min(1.0, self._side_px / max(width, height))

@@ -85,14 +85,7 @@ class LensEngine:
             bound_by_rays=bound_by_rays,
             on_stage=on_stage,
         )
-        while True:
-            try:
-                share = next(work)
-            except StopIteration as end:
-                traced: TracedPicture = end.value
-                return traced
-            if on_progress is not None:
-                on_progress(share)
+        return _ended(work, on_progress)
 
     def tracing(
         self,
@@ -178,9 +171,8 @@ class LensEngine:
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
         bundle = shared_rays(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        for _ in self._through(peeled, bundle, focus, view):
-            pass
-        return self._tracer.picture()
+        work = self._through(peeled, bundle, focus, view)
+        return _ended(work).color
 
     def _through(
         self,
@@ -213,3 +205,17 @@ class LensEngine:
         """Give the memory back."""
         self._nbuffers.release()
         self._tracer.release()
+
+
+def _ended(
+    work: Generator[float, None, TracedPicture], on_progress: Callable[[float], None] | None = None
+) -> TracedPicture:
+    """What work gives in the end."""
+    while True:
+        try:
+            share = next(work)
+        except StopIteration as end:
+            traced: TracedPicture = end.value
+            return traced
+        if on_progress is not None:
+            on_progress(share)

@@ -65,3 +65,22 @@ def test_what_does_not_go_together_is_told(
     assert ended.status == 2
     assert told in ended.err
     assert not (tmp_path / out).exists()
+
+
+@pytest.mark.parametrize("was_there", [True, False])
+def test_a_preview_is_not_left_in_place_of_the_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, was_there: bool
+) -> None:
+    """Stopped half way, the file is what it was."""
+    stage, file = write_shot(tmp_path / "a.usda", SQUARE, CAMERA), tmp_path / "a.png"
+    if was_there:
+        assert Command(capsys)("record", stage, file, *SMALL).status == 0
+    before = file.read_bytes() if was_there else None
+
+    def stop(_: str) -> None:
+        assert file.read_bytes() != before, "a preview is there"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("render.commands.progressive_options.say", stop)
+    assert Command(capsys)("record", stage, file, *SMALL, "--engine", "flag", "--progressive").status != 0
+    assert (file.read_bytes() if file.exists() else None) == before

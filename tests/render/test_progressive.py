@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter, sleep
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from test_motion_velocities import add_card, keyed, write_scene
 from render.alike import alike
 from render.film import GradeChoice
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.pulse import Interrupted, Pulse
 from render.layers.renderer import LayerRenderer
 from render.progressive import Asked, Shown
+from render.progressive.aside import aside
 from render.progressive.driver import Progressive
 from render.progressive.frames import enlarged
 from render.progressive.pace import ENOUGH_RAYS, GOOD_RAYS, Pace, Plan
@@ -268,3 +271,26 @@ def test_alike_says_what_equality_cannot() -> None:
     assert not alike({"a": 1}, {"a": 2})
     assert alike(np.array([np.nan]), np.array([np.nan]))
     assert not alike(1, 1.0)
+
+
+def test_work_aside_is_left_when_nobody_waits() -> None:
+    began, stale = perf_counter(), False
+    pulse = Pulse(lambda: None)
+    assert aside(lambda: 7, pulse) == 7
+    with pytest.raises(ZeroDivisionError), pulse.watched(lambda: stale):
+        aside(lambda: 1 // 0, pulse)
+    with pytest.raises(Interrupted), pulse.watched(lambda: perf_counter() > began + 0.05):
+        aside(lambda: sleep(3), pulse)
+    assert perf_counter() - began < 2
+
+
+@pytest.mark.parametrize("engine", ["flag", "importance", "gather"])
+def test_engines_that_blur_one_picture_are_previewed_in_their_time(
+    driver: Progressive, monkeypatch: pytest.MonkeyPatch, engine: str
+) -> None:
+    settings = replace(SETTINGS, engine=engine)
+    asked = Asked("/cam", 2.0, settings, is_moving=True)
+    sizes = [last(driver.pictures(asked)).graded.shape[1] for _ in range(2)]
+    assert sizes == [107, 160], "sketched, and then whole"
+    slow = Asked("/cam", 2.0, settings, is_moving=True, budget_ms=1e-3)
+    assert last(driver.pictures(slow)).graded.shape[1] == 107, "where there is no time, it stays a sketch"

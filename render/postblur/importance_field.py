@@ -104,6 +104,7 @@ class ImportanceField:
         self._is_whole = False  # whether the sums are those of what was taken last
         self._side = 0.0
         self._is_ordered = False
+        self._may_wait = False  # whether any change waits
         self._piece = PieceSize(_FEW)
         self.done = Done(0, 0, False)
 
@@ -146,6 +147,7 @@ class ImportanceField:
         for first, end in self._pieces(changed, extent, pulse):
             self._spread_changes(first, end)
             done = end
+        self._may_wait = self._may_wait and done < changed
         self.done = Done(changed, done, False)
         return made.shown
 
@@ -175,6 +177,7 @@ class ImportanceField:
         """Take a field, and find what has changed in it: how many pixels; None where it is to be spread afresh."""
         program = self._programs.compute("linear_take.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {}))
         self._is_ordered = is_ordered
+        self._may_wait = self._may_wait or is_ordered
         if is_ordered:
             self._sorter.bind(program)
         fits, changed = self._spreader.run_take(
@@ -192,7 +195,7 @@ class ImportanceField:
         made.light, self._light = self._light, made.light
         made.state, self._state = self._state, made.state
         self._sorter.forget()
-        self._is_whole = True
+        self._is_whole, self._may_wait = True, False
         self.done = Done(changed, changed, True)
 
     def _pieces(self, changed: int, extent: Extent, pulse: Pulse) -> Iterator[tuple[int, int]]:
@@ -224,7 +227,7 @@ class ImportanceField:
             "light_last": self._light,
             "state_last": self._state,
         }
-        mark = self._variant("importance_mark.comp")
+        mark = self._programs.compute("importance_mark.comp", self._picking)
         made.bound(mark, **states)
         set_uniforms(mark, has_cutoff=made.has_cutoff)
         for unit, marks in ((3, self._reached), (4, self._judged)):
@@ -247,9 +250,6 @@ class ImportanceField:
     def _picking(self) -> dict[str, int]:
         return {"PICKED": 1} if self._is_ordered else {}
 
-    def _variant(self, name: str) -> moderngl.ComputeShader:
-        return self._programs.compute(name, self._picking)
-
     def _pick(self, first: int, end: int) -> None:
         program = self._programs.compute("importance_pick.comp")
         self._picked.clear()
@@ -262,7 +262,11 @@ class ImportanceField:
 
     def _settle(self) -> None:
         """Take note that the picked pixels are spread as they are now."""
-        made, program = self._spreader, self._variant("importance_settle.comp")
+        made = self._spreader
+        defines = (
+            self._picking | ({"CUTOFF": 1} if made.has_cutoff else {}) | ({"WAITING": 1} if self._may_wait else {})
+        )
+        program = self._programs.compute("importance_settle.comp", defines)
         made.bound(program, light_now=made.light, state_now=made.state)
         set_uniforms(program, beyond_px=made.tables.beyond_px)
         for unit, image in enumerate((self._light, self._state, self._before, self._sorter.waiting)):

@@ -9,6 +9,7 @@ another site opens: browsers let it read what comes, and say in ``Origin`` whose
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from fastapi import HTTPException
@@ -73,11 +74,7 @@ class GuardMiddleware:
         headers = Headers(scope=scope)
         refusal = self._foreign_host(headers)
         origin = headers.get("origin")
-        if (
-            refusal is None
-            and origin is not None
-            and urlsplit(origin).netloc.lower() != headers.get("host", "").lower()
-        ):
+        if refusal is None and origin is not None and _host_of(origin) != headers.get("host", "").lower():
             refusal = problem(403, "cross_site", "A page of another site may not watch here.", path="origin")
         if refusal is not None:
             await WebSocket(scope, receive, send).send_denial_response(refusal)
@@ -85,7 +82,7 @@ class GuardMiddleware:
 
         async def receive_bounded() -> Message:
             message = await receive()
-            if len(message.get("text") or message.get("bytes") or "") <= MAX_JSON_BYTES:
+            if _bytes_of(message) <= MAX_JSON_BYTES:
                 return message
             await send({"type": "websocket.close", "code": TOO_LARGE_CODE, "reason": _too_large(MAX_JSON_BYTES)})
             return {"type": "websocket.disconnect", "code": TOO_LARGE_CODE}
@@ -115,6 +112,19 @@ class GuardMiddleware:
             return None
         detail = f"The service does not answer to the name {host[:80]!r}."
         return problem(421, "unknown_host", detail, path="host")
+
+
+def _host_of(origin: str) -> str | None:
+    """Of whose page it is; None where the header names nobody, as from a page without an origin or a broken client."""
+    with suppress(ValueError):
+        return urlsplit(origin).netloc.lower() or None
+    return None
+
+
+def _bytes_of(message: Message) -> int:
+    """How long a WebSocket's message is as it travels."""
+    text = message.get("text")
+    return len(message.get("bytes") or b"") if text is None else len(text.encode())
 
 
 def _too_large(limit: int) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, TypeVar
 
-from fastapi import Depends
+from fastapi import Depends, WebSocket
 from starlette.requests import HTTPConnection
 
 from service.errors import ServiceError
@@ -40,6 +40,7 @@ class Hub:
         pictures: the lane to the process that owns GL.
         frames: encoded pictures, by their entity tag.
         metrics: counters.
+        watching: the live connections that are open.
         run_id: another one each time a service starts: the same inputs may give other pixels after an update.
     """
 
@@ -49,6 +50,7 @@ class Hub:
     pictures: Lane[Darkroom]
     frames: FrameCache
     metrics: Metrics
+    watching: set[WebSocket] = field(default_factory=set)
     run_id: str = field(default_factory=lambda: secrets.token_hex(8))
 
     @classmethod

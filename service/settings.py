@@ -32,6 +32,7 @@ class Settings:
         max_picture_px: pixels (width · height) of one picture.
         max_curve_frames: frames of one focus curve.
         max_waiting: requests that may wait for each worker process; one more is answered 503.
+        max_viewers: live connections at a time; one more is answered 503.
         frame_timeout_s: time for one picture or pick, waiting not counted.
         stage_timeout_s: time for one look into a stage, waiting not counted.
         frame_cache_mb: encoded pictures kept, in MiB.
@@ -48,6 +49,7 @@ class Settings:
     max_picture_px: int = 4096 * 2304
     max_curve_frames: int = 20_000
     max_waiting: int = 32
+    max_viewers: int = 32
     frame_timeout_s: float = 300.0
     stage_timeout_s: float = 120.0
     frame_cache_mb: int = 256

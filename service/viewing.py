@@ -21,13 +21,15 @@ from service.lane import Stream
 from service.live_work import ShowLive, ShownPicture
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveTiming, UnsavedEdit
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming, UnsavedEdit
 from service.picture_work import Darkroom
 from service.routes.frames import FINISH, FrameQuery, PictureQuery, check_size, settings_of, tag_of_frame
 from service.store import ShotRecord
 
 MOST_IN_FLIGHT = 2
 """Pictures that were sent and not acknowledged."""
+MOST_PROBLEMS = 32
+"""Problems that wait to be sent: a viewer that does not read of them is not heard any further."""
 
 Heard = TypeVar("Heard")
 
@@ -62,10 +64,17 @@ class Viewer:
         self._shot = shot
         self._loop = asyncio.get_running_loop()
         self._stream: Stream[Darkroom] | None = None
-        self._words: deque[str] = deque()
-        self._picture: tuple[_Asked, ShownPicture] | None = None  # the newest that was not sent
+        self._problems: deque[str] = deque()
+        self._readout: str | None = None  # the newest that was not sent
+        self._picture: tuple[_Asked, ShownPicture] | None = None  # likewise
         self._sent = self._arrived = 0
+        self._asked = 0  # requests so far
+        self._since = (
+            0  # number of the oldest of them that is still good: those before it have a newer picture, or were stopped
+        )
         self._something = asyncio.Event()
+        self._has_room = asyncio.Event()
+        self._has_room.set()
 
     async def serve(self) -> None:
         """Hear what the viewer asks for, and answer, until it goes away."""
@@ -82,6 +91,7 @@ class Viewer:
 
     async def _hear(self) -> None:
         while True:
+            await self._has_room.wait()
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
@@ -91,8 +101,12 @@ class Viewer:
                 if "ack" in said:
                     self._arrived = max(self._arrived, min(LiveAck.model_validate(said).ack, self._sent))
                     self._something.set()
+                elif "stop" in said:
+                    LiveStop.model_validate(said)
+                    self._stop()
                 else:
-                    await self._begin(_Asked(LiveRequest.model_validate(said)))
+                    self._asked += 1
+                    await self._begin(_Asked(LiveRequest.model_validate(said), self._asked))
             except Exception as error:
                 self._complain(said.get("id") if isinstance(said, dict) else None, error)
 
@@ -129,6 +143,12 @@ class Viewer:
             group=self,
         )
 
+    def _stop(self) -> None:
+        """Let go of all that was asked for: none of it is sent any more."""
+        self._drop()
+        self._since = self._asked + 1
+        self._picture = self._readout = None
+
     def _tag(self, record: ShotRecord, edits: str, request: LiveRequest) -> str:
         """By which the final picture lies in the cache of frames, with those that were asked for over HTTP."""
         same = {name: getattr(request, name) for name in PictureQuery.model_fields}
@@ -142,9 +162,16 @@ class Viewer:
         return call
 
     def _take(self, asked: _Asked, item: ShownPicture | Readout) -> None:
-        """Have something sent, as soon as there is room. What was not sent is not worth sending when there is a newer one."""
+        """Have something sent, as soon as there is room. What was not sent is not worth sending when there is a newer one.
+
+        What was superseded shows one picture nevertheless (else a hand that moves would never see anything), and may do so
+        after something newer did: that comes too late.
+        """
+        if asked.number < self._since:
+            return
         if isinstance(item, Readout):
-            self._say(LiveReadout(id=asked.request.id, readout=item))
+            self._readout = _text_of(LiveReadout(id=asked.request.id, readout=item))
+            self._something.set()
             return
         if not asked.is_better(item):  # made again, since the work was put off
             return
@@ -155,31 +182,35 @@ class Viewer:
         asked.best, asked.answered_ms = item, asked.age_ms()
         if item.is_final and asked.tag is not None:
             self._hub.frames.put(asked.tag, item.data)
+        self._since = asked.number
         self._picture = asked, item
         self._something.set()
 
     def _end(self, asked: _Asked, error: Exception | None) -> None:
-        if error is not None and not (isinstance(error, ServiceError) and error.code == "superseded"):
+        is_late = asked.number < self._since
+        if error is not None and not is_late and not (isinstance(error, ServiceError) and error.code == "superseded"):
             self._complain(asked.request.id, error)
 
     def _complain(self, request_id: Any, error: Exception) -> None:
         """Say what is wrong. Raises what is a fault of the program."""
         answer = answer_to(error)
         told = Problem.model_validate_json(bytes(answer.body))
-        self._say(
-            LiveProblem(id=request_id if isinstance(request_id, int) else None, status=answer.status_code, problem=told)
-        )
-
-    def _say(self, words: Model) -> None:
-        self._words.append(words.model_dump_json(by_alias=True))
+        named = request_id if isinstance(request_id, int) else None
+        self._problems.append(_text_of(LiveProblem(id=named, status=answer.status_code, problem=told)))
+        if len(self._problems) >= MOST_PROBLEMS:
+            self._has_room.clear()
         self._something.set()
 
     async def _send(self) -> None:
         while True:
             await self._something.wait()
             self._something.clear()
-            while self._words:
-                await self._socket.send_text(self._words.popleft())
+            while self._problems:
+                await self._socket.send_text(self._problems.popleft())
+            self._has_room.set()
+            if self._readout is not None:
+                readout, self._readout = self._readout, None
+                await self._socket.send_text(readout)
             if self._picture is not None and self._sent - self._arrived < MOST_IN_FLIGHT:
                 (asked, shown), self._picture = self._picture, None
                 self._sent += 1
@@ -193,10 +224,11 @@ class Viewer:
 
 
 class _Asked:
-    """A request, and what came of it so far."""
+    """A request, and what came of it so far. Requests of a connection are numbered: their ids are for the viewer alone."""
 
-    def __init__(self, request: LiveRequest) -> None:
+    def __init__(self, request: LiveRequest, number: int) -> None:
         self.request = request
+        self.number = number
         self.tag: str | None = None
         self.best: ShownPicture | None = None
         self.answered_ms = 0.0
@@ -215,9 +247,13 @@ def _rank(shown: ShownPicture) -> tuple[bool, bool, float]:
     return shown.is_final, shown.stage != "preview", shown.share
 
 
+def _text_of(words: Model) -> str:
+    return words.model_dump_json(by_alias=True)
+
+
 def _json_of(text: object) -> dict[str, Any]:
     """A message as what it says. Raises `ServiceError` 422 where it says nothing."""
-    with suppress(ValueError, TypeError):
+    with suppress(ValueError, TypeError, RecursionError):  # the last for brackets in brackets, thousands deep
         said = json.loads(text)  # type: ignore[arg-type]  # binary messages have no text
         if isinstance(said, dict):
             return said

@@ -74,6 +74,14 @@ class LiveAck(Model):
     ack: Annotated[int, Field(ge=0)] = Field(description="The `picture` of its head.")
 
 
+class LiveStop(Model):
+    """Says that nothing of what was asked for is wanted any more."""
+
+    model_config = shown_as({"stop": True})
+
+    stop: Literal[True]
+
+
 class LiveTiming(Model):
     """What a picture took, in milliseconds, and what went into it."""
 

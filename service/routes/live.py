@@ -8,9 +8,9 @@ from fastapi import APIRouter, FastAPI, WebSocket
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.errors import ServiceError
+from service.errors import RETRY_AFTER, ServiceError, problem
 from service.hub import HubDep
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop
 from service.routes.parameters import ShotId, problems
 from service.viewing import LiveRequest, Viewer
 
@@ -22,7 +22,9 @@ PROTOCOL = """A WebSocket at this address streams pictures that get better and b
 made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly; without,
 further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. An `edit` is tried in
 these pictures and not kept: while a slider is dragged send the value along, and edit once it is let go. A `LiveAck` says that
-a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept.
+a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept. A `LiveStop`
+says that nothing of what was asked for is wanted any more, say since a picture from before is shown again; a picture that is on
+its way then still comes.
 
 **You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
 JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in the pictures of
@@ -31,7 +33,7 @@ an edit, and `LiveProblem`, why there is no picture.
 Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`."""
 
 
-_SENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck)
+_SENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
 _HEARD: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem)
 
 
@@ -56,11 +58,17 @@ def describe_messages(app: FastAPI) -> None:
 @router.websocket("/shots/{shot}/live")
 async def watch(socket: WebSocket, hub: HubDep, shot: ShotId) -> None:
     """Pictures as they are wanted; see `PROTOCOL`."""
-    await socket.accept()
+    if len(hub.watching) >= hub.settings.max_viewers:
+        detail = f"{len(hub.watching)} live connections are open already; try again later."
+        await socket.send_denial_response(problem(503, "busy", detail, headers=RETRY_AFTER))
+        return
+    hub.watching.add(socket)
     hub.metrics.live_viewers.inc()
     try:
+        await socket.accept()
         await Viewer(hub, socket, shot).serve()
     finally:
+        hub.watching.discard(socket)
         hub.metrics.live_viewers.dec()
 
 
@@ -70,7 +78,7 @@ async def watch(socket: WebSocket, hub: HubDep, shot: ShotId) -> None:
     status_code=101,
     response_model=None,
     description=PROTOCOL,
-    responses=problems(426) | {101: {"description": "From here on it is a WebSocket."}},
+    responses=problems(426, 503) | {101: {"description": "From here on it is a WebSocket."}},
 )
 async def watch_upgraded(shot: ShotId) -> None:
     """Says to whoever comes without a WebSocket that this is one."""

@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import until
+from conftest import running, until
 from PIL import Image
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
+
+from service.settings import Settings
 
 WAIT_S = 60
 SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
@@ -281,6 +283,7 @@ def test_whoever_goes_away_leaves_no_work_behind(service, client, room):
     [
         ({"Origin": "https://evil.example"}, 403),
         ({"Origin": "null"}, 403),
+        ({"Origin": "http://[no address"}, 403),
     ],
 )
 def test_a_page_of_another_site_may_not_watch(client, room, headers, status):
@@ -304,11 +307,38 @@ def test_our_own_page_may(client, room):
         assert live.hear().head["id"] == 1
 
 
-def test_more_than_is_taken_ends_the_connection(live):
-    live.socket.send(json.dumps({"id": 1, "time": 1, "look": "x" * 2**20}))
+@pytest.mark.parametrize("look", ["x" * 2**20, "é" * 2**19])
+def test_more_bytes_than_are_taken_end_the_connection(live, look):
+    live.socket.send(json.dumps({"id": 1, "time": 1, "look": look}, ensure_ascii=False))
     with pytest.raises(ConnectionClosed) as closed:
         live.hear()
     assert closed.value.rcvd.code == 1009
+
+
+def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
+    with running(Settings(data=tmp_path, demo=False, max_viewers=1)) as service:
+        with opened(service.client, "none") as first:
+            with pytest.raises(InvalidStatus) as refused, opened(service.client, "none"):
+                pass
+            answer = refused.value.response
+            assert (answer.status_code, json.loads(answer.body)["code"]) == (503, "busy")
+            assert "Retry-After" in answer.headers
+            first.ask(id=1)
+            assert first.problem()["problem"]["code"] == "shot_not_found"
+        until(lambda: not service.hub.watching)
+        with opened(service.client, "none") as next_one:
+            next_one.ask(id=1)
+            assert next_one.problem()["id"] == 1
+
+
+def test_whoever_stops_leaves_no_work_behind(service, live):
+    live.ask(id=1, **(SLOW | {"rays": 4000}))
+    live.hear()
+    assert service.hub.pictures.busy
+    live.socket.send('{"stop": true}')
+    began_s = time.monotonic()
+    until(lambda: not service.hub.pictures.busy)
+    assert time.monotonic() - began_s < 15
 
 
 def test_who_comes_without_a_websocket_is_told(client, room):

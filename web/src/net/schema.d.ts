@@ -759,7 +759,9 @@ export interface paths {
          *     made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly; without,
          *     further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. An `edit` is tried in
          *     these pictures and not kept: while a slider is dragged send the value along, and edit once it is let go. A `LiveAck` says that
-         *     a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept.
+         *     a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept. A `LiveStop`
+         *     says that nothing of what was asked for is wanted any more, say since a picture from before is shown again; a picture that is on
+         *     its way then still comes.
          *
          *     **You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
          *     JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in the pictures of
@@ -4719,6 +4721,20 @@ export interface components {
              * @example 960
              */
             readonly width?: number;
+        };
+        /**
+         * LiveStop
+         * @description Says that nothing of what was asked for is wanted any more.
+         * @example {
+         *       "stop": true
+         *     }
+         */
+        readonly LiveStop: {
+            /**
+             * Stop
+             * @constant
+             */
+            readonly stop: true;
         };
         /**
          * LiveTiming
@@ -9172,6 +9188,15 @@ export interface operations {
             };
             /** @description Ask for it over a WebSocket. */
             readonly 426: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -18,8 +18,8 @@ import numpy as np
 
 from render.lens import IrisShape
 from render.optics.iris import fill_iris
+from render.postblur.scatter_axis import AxisSpot
 from render.scene import DoubleArray, FloatArray, IntArray
-from render.trace.axis_rays import LensErrors, axis_rays
 
 SIDES = (1, 2, 4, 8)
 """Of squares of alike pixels that are drawn as one."""
@@ -80,24 +80,24 @@ class Spot:
         return np.asarray(c_px * self.pupil[:count] + self.error_px[:count])
 
 
-def spot_of(iris: IrisShape, squeeze: float, errors: LensErrors | None = None) -> Spot:
+def spot_of(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Spot:
     """The spot of a camera.
 
     Args:
         iris: with its blades, mask and weights.
         squeeze: of an anamorphic lens, whose spots are narrower by it.
-        errors: of the lens, None for one without.
+        lens: where its rays land, None for one without errors.
     """
     index = np.arange(_RAYS)[:, None]
     stops = fill_iris(np.mod(0.5 + index * _TURNS, 1.0), iris) * [1.0, -1.0]
     narrowed = np.array([1 / squeeze, 1.0])
     ideal = Spot(stops * narrowed, np.zeros_like(stops))
-    if errors is None:
+    if lens is None:
         return ideal
-    rays = axis_rays(errors.table, stops)
-    if len(rays.slope) == 0:
+    pupil, error_px = lens.rays(stops)
+    if len(pupil) == 0:
         return ideal  # a lens that lets nothing through shows nothing to be blurred
-    real = Spot(rays.pupil_m / errors.pupil_m * narrowed, -errors.focal_px * rays.slope * narrowed)
+    real = Spot(pupil * narrowed, error_px * narrowed)
     return real if np.abs(real.error_px).max() > _LEAST_ERROR_PX else Spot(real.pupil, np.zeros_like(real.pupil))
 
 

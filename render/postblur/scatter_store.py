@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import moderngl
 
 from render.lens import IrisShape
+from render.postblur.scatter_axis import axis_spot
 from render.postblur.scatter_spot import Spot, SpotTables, spot_of, spot_tables
 from render.postblur.sides import Sides
 
 SPLIT_PX = 24.0
 """Circles of confusion from this radius on are drawn at half the resolution, from twice of it on at a quarter, and so on."""
-_KEPT = 8
+_KEPT = 4
+"""Spots, each with all of its tables: two for each target's resolution, of 4 MB, and some times that where errors reach far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,47 +49,55 @@ class TableTextures:
         self.reach.release()
 
 
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """A spot, and its tables by what they are reduced by and whether they are behind the focus."""
+
+    spot: Spot
+    tables: dict[tuple[int, bool], TableTextures] = field(default_factory=dict)
+
+    def release(self) -> None:
+        while self.tables:
+            self.tables.popitem()[1].release()
+
+
 class SpotStore:
-    """The last few spots and tables of one context."""
+    """The spots of one context that were asked for last, with their tables."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._spots: dict[tuple[object, ...], Spot] = {}
-        self._tables: dict[tuple[object, ...], TableTextures] = {}
+        self._kept: dict[tuple[object, ...], _Kept] = {}
 
     def spot(self, sides: Sides) -> Spot:
         """Of a picture's camera."""
-        errors = sides.errors
-        lens = () if errors is None else (errors.table, errors.pupil_m, errors.focal_px)
-        key = (*_content(sides.iris), sides.squeeze, *lens)
-        if key not in self._spots:
-            while len(self._spots) >= _KEPT:
-                del self._spots[next(iter(self._spots))]
-            self._spots[key] = spot_of(sides.iris, sides.squeeze, errors)
-        return self._spots[key]
+        lens = None if sides.errors is None else axis_spot(sides.errors)
+        key = (*_content(sides.iris), sides.squeeze, None if lens is None else lens.key)
+        kept = self._kept.pop(key, None)
+        if kept is None:
+            while len(self._kept) >= _KEPT:
+                self._kept.pop(next(iter(self._kept))).release()
+            kept = _Kept(spot_of(sides.iris, sides.squeeze, lens))
+        self._kept[key] = kept  # the one asked for last
+        return kept.spot
 
     def tables(self, spot: Spot, shrink: int, *, behind: bool) -> TableTextures:
-        """Of a spot of `spot`, in pixels of a picture ``shrink`` times smaller.
+        """Of a spot that `spot` told, in pixels of a picture ``shrink`` times smaller.
 
         Args:
-            spot: in pixels of the whole picture.
+            spot: in pixels of the whole picture; among the last few that were asked for.
             shrink: likewise.
             behind: for what is behind the focus.
         """
-        key = spot, shrink if spot.has_errors else 1, behind
-        if key not in self._tables:
-            while len(self._tables) >= _KEPT:
-                self._tables.pop(next(iter(self._tables))).release()
-            made = spot_tables(spot.reduced(shrink), SPLIT_PX, behind=behind)
-            self._tables[key] = TableTextures.of(self._ctx, made)
-        return self._tables[key]
+        tables = next(kept.tables for kept in self._kept.values() if kept.spot is spot)
+        key = shrink if spot.has_errors else 1, behind
+        if key not in tables:
+            tables[key] = TableTextures.of(self._ctx, spot_tables(spot.reduced(shrink), SPLIT_PX, behind=behind))
+        return tables[key]
 
     def release(self) -> None:
         """Give the memory back."""
-        for tables in self._tables.values():
-            tables.release()
-        self._tables.clear()
-        self._spots.clear()
+        while self._kept:
+            self._kept.popitem()[1].release()
 
 
 def _content(iris: IrisShape) -> tuple[object, ...]:

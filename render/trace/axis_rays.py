@@ -64,10 +64,29 @@ def axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> AxisRay
     return AxisRays(slope, both(PUPIL_T, PUPIL_S, PUPIL_S + 9, _PUPIL_DEGREE))
 
 
+def open_axes(table: PolynomialTable) -> tuple[float, float]:
+    """Half axes of what of the iris is open on the axis, across and down, where its radius is 1."""
+    row = table.rows[len(table.rows) // 2, 0]
+    return float(row[REGION + 1]), float(row[REGION + 2])
+
+
+def axis_content(table: PolynomialTable | GridTable) -> bytes:
+    """All that `axis_rays` reads of a table: where it is the same, the rays are."""
+    if isinstance(table, PolynomialTable):
+        return bytes(table.rows[len(table.rows) // 2, 0].tobytes())
+    field = _middle_field(table)
+    read = table.rays[len(table.rays) // 2, field], table.light[len(table.light) // 2, field]
+    return b"".join(values.tobytes() for values in read)
+
+
+def _middle_field(table: GridTable) -> int:
+    columns, rows = table.fields
+    return (rows // 2) * columns + columns // 2
+
+
 def _of_grid(table: GridTable, stops: DoubleArray) -> AxisRays:
     """Joined linearly between the grid's points, in the field that is nearest the axis."""
-    columns, rows = table.fields
-    field = (rows // 2) * columns + columns // 2
+    field = _middle_field(table)
     rays = table.rays[len(table.rays) // 2, field].astype(np.float64)
     passes = table.light[len(table.light) // 2, field, ..., 1] <= 0
     side = len(rays)

@@ -77,7 +77,7 @@ class BundleMaker:
             lens.expressive_blend,
             camera.focal_length_mm,
             camera.f_stop,
-            camera.focus_distance_m,
+            camera.focus_distance_m if has_surfaces(camera) else None,  # errors that are told apart from it stay
             camera.horizontal_aperture_mm,
             camera.vertical_aperture_mm,
             last_slope,

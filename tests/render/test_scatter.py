@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 import pytest
@@ -12,9 +14,10 @@ from render.gl.pulse import Interrupted, Pulse
 from render.gl.shaders import ProgramCache
 from render.lens import AberrationScales, IrisShape, SeidelErrors
 from render.optics.iris import transmission
-from render.postblur import scatter_splats
+from render.postblur import scatter_splats, scatter_store
 from render.postblur.scatter import ScatterBlur
-from render.postblur.scatter_spot import SIDES, STEPS, Spot, spot_of, spot_tables
+from render.postblur.scatter_axis import axis_spot
+from render.postblur.scatter_spot import SIDES, STEPS, Spot, SpotTables, spot_of, spot_tables
 from render.postblur.sides import Sides
 from render.reference.metrics import psnr_db
 from render.scene import DoubleArray, FloatArray
@@ -82,14 +85,14 @@ def soft_lens(edge_px: float) -> LensErrors:
     focal_px, pupil_m = 1000.0, 0.01
     scale = {"focal_length_mm": 50.0, "pupil_radius_m": pupil_m, "last_slope": 0.4, "wavelengths_nm": (510.0,)}
     unit = seidel_table(SeidelErrors(w040=1.0), AberrationScales(), **scale)
-    slope = -float(spot_of(IRISES["round"], 1.0, LensErrors(unit, pupil_m, 1e9)).error_px[:, 0].max()) / 1e9
+    slope = -float(spot_of(IRISES["round"], 1.0, axis_spot(LensErrors(unit, pupil_m, 1e9))).error_px[:, 0].max()) / 1e9
     table = seidel_table(SeidelErrors(w040=-edge_px / focal_px / slope), AberrationScales(), **scale)
     return LensErrors(table, pupil_m, focal_px)
 
 
 def test_tables_keep_all_the_light() -> None:
     for iris in (IRISES["three blades"], IRISES["ring"]):
-        tables = spot_tables(spot_of(iris, 1.0, soft_lens(4.0)), 12, behind=False)
+        tables = spot_tables(spot_of(iris, 1.0, axis_spot(soft_lens(4.0))), 12, behind=False)
         np.testing.assert_allclose(tables.weights.sum(axis=(1, 2), dtype=np.float64), 1.0, atol=1e-6)
         assert len(tables.weights) == len(SIDES) * tables.steps
 
@@ -138,7 +141,7 @@ def test_a_disc_is_as_wide_as_its_circle_of_confusion(blur: ScatterBlur, radius:
 def test_spherical_aberration_moves_light_as_its_rays_do(edge_px: float, behind: bool) -> None:
     """Within the ring where rays of a zone land is what passes inside the zone: ``t = c·ρ + e·ρ³`` holds ρ² of the light."""
     coc = 20.0 if behind else -20.0
-    tables = spot_tables(spot_of(IRISES["round"], 1.0, soft_lens(edge_px)), 20, behind=behind)
+    tables = spot_tables(spot_of(IRISES["round"], 1.0, axis_spot(soft_lens(edge_px))), 20, behind=behind)
     light = tables.weights[20 * STEPS]
     off = np.hypot(*np.mgrid[-tables.middle : tables.middle + 1, -tables.middle : tables.middle + 1])
     for zone in (0.4, 0.6, 0.8):
@@ -248,9 +251,24 @@ def test_what_nobody_waits_for_is_left(renderer: FrameRenderer) -> None:
         np.testing.assert_array_equal(picture(blur, radii, far=light), whole)
 
 
+def test_a_picture_finds_all_its_tables_again(blur: ScatterBlur, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However many targets it has."""
+    made = []
+
+    def counted(*arguments: Any, **named: Any) -> SpotTables:
+        made.append(arguments)
+        return spot_tables(*arguments, **named)
+
+    monkeypatch.setattr(scatter_store, "spot_tables", counted)
+    errors = soft_lens(3.0)
+    for _ in range(2):
+        picture(blur, np.full((40, 40), 500, np.float32), far=point(40), errors=errors)
+        assert len(made) == 12, "of six targets, for both sides"
+
+
 def test_memory_is_given_back(blur: ScatterBlur) -> None:
     picture(blur, np.full((20, 20), 3, np.float32), far=point(20))
-    kept = list(blur._spots._tables.values())
+    kept = [tables for kept in blur._spots._kept.values() for tables in kept.tables.values()]
     assert kept
     blur.release()
     assert all(not isinstance(tables.weights.mglo, moderngl.Texture) for tables in kept)

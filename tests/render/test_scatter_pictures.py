@@ -13,11 +13,19 @@ from test_data_sheet_pictures import camera_of as sheet_camera
 from test_lens_pictures import WHITE, camera_of, glowing_point, spread
 
 from render.frame import FrameRenderer, FrameSettings
+from render.gl.shaders import ProgramCache
 from render.lens import DataSheet, IrisShape, Lens, SeidelErrors
+from render.optics.thin_lens import pupil_radius_m
+from render.optics.view import PinholeView
+from render.postblur import scatter_store
+from render.postblur.scatter_axis import ROUNDED_PUPIL, ROUNDED_PX, ExactSpot, SymmetricSpot, axis_spot
 from render.reference.metrics import psnr_db
 from render.reference.scenes import posts_before_wall, spheres_over_checkerboard
 from render.scene import Camera, FloatArray, Scene
 from render.shot.image_space import ImageSpace
+from render.trace.axis_rays import LensErrors
+from render.trace.bundles import BundleMaker
+from render.trace.rays import ray_pattern
 
 SMALL = FrameSettings(160, 120, rays=512, supersample=2, tiled=False)
 
@@ -123,3 +131,52 @@ def test_generated_scenes_look_alike(renderer: FrameRenderer, made: Callable[[],
     )
     assert psnr_db(lens, scattered) > 32
     assert psnr_db(lens, scattered) > psnr_db(lens, sharp) + 6
+
+
+class Made:
+    """How often the store makes something."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+        self.count = 0
+        plain = getattr(scatter_store, name)
+
+        def counted(*arguments: object, **named: object) -> object:
+            self.count += 1
+            return plain(*arguments, **named)
+
+        monkeypatch.setattr(scatter_store, name, counted)
+
+
+SEIDEL = Lens("seidel", seidel=SeidelErrors(w040=40.0, reference_f_stop=1.0))
+
+
+@pytest.mark.parametrize(("glass", "most"), [(False, 1), (True, 3)])
+def test_a_pull_of_the_focus_keeps_its_spots(
+    renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch, glass: bool, most: int
+) -> None:
+    """A sheet of errors says nothing of the distance; glass changes a little with it."""
+    scene, _ = posts_before_wall()
+    camera = camera_of(PLANAR) if glass else Camera(np.eye(4), 50.0, 16.0, 12.0, f_stop=1.0, near_m=0.1, lens=SEIDEL)
+    settings = FrameSettings(240, 180, shading="unlit", engine="scatter", layers=2, supersample=1)
+    spots, tables = Made(monkeypatch, "spot_of"), Made(monkeypatch, "spot_tables")
+    for distance_m in np.geomspace(2.0, 5.0, 6):
+        renderer.render(scene, replace(camera, focus_distance_m=float(distance_m)), settings)
+    assert 0 < spots.count <= most
+    assert tables.count <= 8 * most
+
+
+@pytest.mark.parametrize("known", [DOUBLE_GAUSS, PLANAR, TELEPHOTO], ids=lambda known: known.prescription.name)
+def test_rounding_moves_rays_by_no_more_than_it_says(renderer: FrameRenderer, known: object) -> None:
+    camera = replace(camera_of(known), focus_distance_m=3.3)  # type: ignore[arg-type]
+    focal_px = 960 * camera.focal_length_mm / 36
+    view = PinholeView(960, 540, focal_px, focal_px, 480, 270, 0.1, 1000, np.eye(4))
+    ctx = renderer.graphics.ctx
+    table = BundleMaker(ctx, ProgramCache(ctx)).bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+    assert table is not None
+    errors = LensErrors(table, pupil_radius_m(camera), focal_px)
+    rounded, exact = axis_spot(errors), ExactSpot(errors)
+    assert isinstance(rounded, SymmetricSpot)
+    stops = np.stack(np.meshgrid(*[np.linspace(-1, 1, 41)] * 2), axis=-1).reshape(-1, 2)
+    stops = stops[np.hypot(*stops.T) < 0.98 * min(rounded.opened) / 256]
+    for one, other, most in zip(rounded.rays(stops), exact.rays(stops), (ROUNDED_PUPIL, ROUNDED_PX), strict=True):
+        assert np.hypot(*(one - other).T).max() < most

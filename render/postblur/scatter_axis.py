@@ -1,0 +1,133 @@
+"""What of a lens's errors makes its spot on the axis, in numbers so few and so round that a pull of the focus keeps the spot.
+
+A symmetric lens has a profile there: over the radius of the pupil, how far off light lands, and where it passes the pupil.
+Both are odd polynomials, told by their values at a few radii. These are rounded, and the spot is made from them alone, so that
+a picture does not depend on what was drawn before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from render.scene import DoubleArray
+from render.trace.axis_rays import LensErrors, axis_content, axis_rays, open_axes
+from render.trace.lens_table import GridTable
+
+LANDING_PX, PUPIL = 1 / 8, 1 / 256
+"""Steps of where light lands, in pixels, and of where it passes the pupil, over its radius."""
+ROUNDED_PX, ROUNDED_PUPIL = 0.15, 0.005
+"""By which a ray lands elsewhere in focus, or passes the pupil elsewhere, at most: pixels, and of its radius."""
+
+
+class AxisSpot(Protocol):
+    """Where the rays of a point on the axis pass and land."""
+
+    @property
+    def key(self) -> Hashable:
+        """What is alike makes the same spot."""
+        ...
+
+    def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """``(n, 2)`` where they pass, over the pupil's radius, and land, in pixels; those that are blocked are left out.
+
+        Args:
+            stops: ``(m, 2)`` points of the iris, of unit radius, x right and y down.
+        """
+        ...
+
+
+def _odd_nodes(count: int) -> DoubleArray:
+    """Chebyshev's radii, from the edge inward: values that err there err nowhere by more than 1.9 times as much."""
+    nodes = np.cos((2 * np.arange(count) + 1) * np.pi / (4 * count))
+    return np.asarray(nodes / nodes[0])
+
+
+def _odd_powers(radii: DoubleArray, count: int) -> DoubleArray:
+    return np.asarray(radii[:, None] ** (2 * np.arange(count) + 1))
+
+
+_LANDING_NODES, _PUPIL_NODES = _odd_nodes(4), _odd_nodes(3)  # as many as tables of polynomials have odd powers
+_AROUND = np.linspace(0.0, 2 * np.pi, 12, endpoint=False) + 0.1
+_SAMPLE = np.concatenate([r * np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=1) for r in (0.25, 0.5, 0.75, 0.95)])
+
+
+@dataclass(frozen=True)
+class SymmetricSpot:
+    """Of a profile.
+
+    Attributes:
+        landing: at the nodes, how far off light lands in focus, in steps.
+        pupil: at theirs, where it passes, likewise.
+        opened: half axes of what of the iris is open, in steps of the pupil.
+    """
+
+    landing: tuple[int, ...]
+    pupil: tuple[int, ...]
+    opened: tuple[int, int]
+
+    @classmethod
+    def of(cls, errors: LensErrors, axes: DoubleArray) -> SymmetricSpot:
+        """Of a table of polynomials, with the half axes of what it has open."""
+        across, down = (int(value) for value in np.maximum(np.round(axes / PUPIL), 1))
+
+        def profile(nodes: DoubleArray, which: int, step: float) -> tuple[int, ...]:
+            along = np.stack([nodes, 0 * nodes], axis=1) * axes
+            return tuple(int(value) for value in np.round(_in_pixels(errors, along)[which][:, 0] / step))
+
+        landing, pupil = profile(_LANDING_NODES, 1, LANDING_PX), profile(_PUPIL_NODES, 0, PUPIL)
+        return cls(landing, pupil, (across, down))
+
+    @property
+    def key(self) -> Hashable:
+        """As `AxisSpot` has it."""
+        return self
+
+    def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """As `AxisSpot` has it."""
+        inner = stops / (np.array(self.opened) * PUPIL)
+        radii = np.hypot(*inner.T)
+        inner, radii = inner[radii <= 1 + 1e-6], radii[radii <= 1 + 1e-6]
+        outward = inner / np.maximum(radii, 1e-12)[:, None]
+
+        def on(nodes: DoubleArray, steps: tuple[int, ...], step: float) -> DoubleArray:
+            powers = np.linalg.solve(_odd_powers(nodes, len(nodes)), np.array(steps, np.float64) * step)
+            return np.asarray(outward * (_odd_powers(radii, len(nodes)) @ powers)[:, None])
+
+        return on(_PUPIL_NODES, self.pupil, PUPIL), on(_LANDING_NODES, self.landing, LANDING_PX)
+
+
+@dataclass(frozen=True, eq=False)
+class ExactSpot:
+    """Of any lens, as its table has it."""
+
+    errors: LensErrors
+
+    @property
+    def key(self) -> Hashable:
+        """As `AxisSpot` has it: what of the table the axis has; the rest may differ."""
+        return axis_content(self.errors.table), self.errors.pupil_m, self.errors.focal_px
+
+    def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+        """As `AxisSpot` has it."""
+        return _in_pixels(self.errors, stops)
+
+
+def axis_spot(errors: LensErrors) -> AxisSpot:
+    """Of a lens: rounded where that moves no ray by more than `ROUNDED_PX` and `ROUNDED_PUPIL`."""
+    if isinstance(errors.table, GridTable):
+        return ExactSpot(errors)
+    axes = np.array(open_axes(errors.table), np.float64)
+    rounded = SymmetricSpot.of(errors, axes)
+    stops = _SAMPLE * np.minimum(axes, np.array(rounded.opened) * PUPIL)
+    pairs = zip(rounded.rays(stops), _in_pixels(errors, stops), (ROUNDED_PUPIL, ROUNDED_PX), strict=True)
+    is_near = all(np.hypot(*(one - other).T).max() <= most for one, other, most in pairs)
+    return rounded if is_near else ExactSpot(errors)
+
+
+def _in_pixels(errors: LensErrors, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+    rays = axis_rays(errors.table, stops)
+    return rays.pupil_m / errors.pupil_m, -errors.focal_px * rays.slope

@@ -50,6 +50,8 @@ export class FakeService implements Partial<Service> {
   /** What live pictures were wanted, and who waits for them. */
   readonly wishes: Wish[] = [];
   ear: LiveEar | null = null;
+  /** How often live pictures were given up. */
+  forgotten = 0;
   /** Commands of this kind fail. */
   failing: Command["do"] | null = null;
   /** Called for each command, before it is done; a test may hold it up. */
@@ -123,7 +125,12 @@ export class FakeService implements Partial<Service> {
 
   live(_: View, ear: LiveEar): LiveLink {
     this.ear = ear;
-    return { free: true, want: (wish) => void this.wishes.push(wish), close: () => (this.ear = null) };
+    return {
+      free: true,
+      want: (wish) => void this.wishes.push(wish),
+      forget: () => (this.forgotten += 1),
+      close: () => (this.ear = null),
+    };
   }
 
   /** A picture for the newest wish comes, or for the one at an index. */

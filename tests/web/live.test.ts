@@ -169,7 +169,49 @@ describe("a live picture", () => {
   });
 });
 
+describe("what is given up", () => {
+  it("is stopped at the service, and what still comes of it is acknowledged and not heard", async () => {
+    const { live, socket, pictures, said } = connected();
+    socket.open();
+    live.want(wish(1));
+    live.want(wish(2));
+    live.forget();
+    expect(socket.sent.at(-1)).toEqual({ stop: true });
+    expect(live.free).toBe(true);
+    socket.picture(2, 1);
+    socket.say(JSON.stringify({ id: 2, status: 504, problem: { code: "timeout", detail: "Late.", path: null } }));
+    await vi.advanceTimersByTimeAsync(0);
+    expect([pictures, said]).toEqual([[], []]);
+    expect(socket.sent.at(-1)).toEqual({ ack: 1 });
+    live.want(wish(3));
+    socket.picture(3, 2);
+    expect(pictures.map(({ time }) => time)).toEqual([3]);
+  });
+
+  it("is stopped once, and never asked for where there was no connection yet", () => {
+    const { live, socket } = connected();
+    live.want(wish(1));
+    live.forget();
+    socket.open();
+    expect(socket.sent).toEqual([]);
+    live.forget();
+    expect(socket.sent).toEqual([]);
+  });
+});
+
 describe("a live connection that fails", () => {
+  it("says nothing of what the service refuses before the newest", () => {
+    const { live, socket, said } = connected();
+    socket.open();
+    live.want(wish(1));
+    live.want(wish(2));
+    const problem = { code: "bad", detail: "No such camera.", path: "/cam" };
+    socket.say(JSON.stringify({ id: 1, status: 422, problem }));
+    expect(said).toEqual([]);
+    socket.say(JSON.stringify({ id: 2, status: 422, problem }));
+    expect(said).toHaveLength(1);
+  });
+
   it("tells what the service refuses", () => {
     const { live, socket, said } = connected();
     socket.open();

@@ -107,6 +107,28 @@ describe("pictures that were shown once", () => {
   });
 });
 
+describe("pictures that are kept", () => {
+  it("stay on screen, whatever still comes of what was wanted before", async () => {
+    const { fake, pictures, want } = opened();
+    want(11, false);
+    await fake.show("final");
+    want(10, false);
+    await fake.show("preview");
+    want(11, false);
+    expect(fake.forgotten).toBe(1);
+    expect(pictures.busy.value).toBe(false);
+    await vi.advanceTimersByTimeAsync(0);
+    for (const stage of ["refining", "final"] as const) {
+      await fake.show(stage, 1);
+      expect(pictures.displayed.value).toMatchObject({ time: 11, stage: "final" });
+    }
+    want(10, false); // which came too late to be shown, and is there now
+    await vi.advanceTimersByTimeAsync(0);
+    expect(pictures.displayed.value).toMatchObject({ time: 10, stage: "final" });
+    expect(fake.wishes).toHaveLength(2);
+  });
+});
+
 describe("where pictures do not come live", () => {
   it("a draft is asked for, and the whole one when all has been still", async () => {
     const { fake, pictures, want } = opened();
@@ -117,6 +139,18 @@ describe("where pictures do not come live", () => {
     await vi.advanceTimersByTimeAsync(2000);
     expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "final", quality: REST });
     expect(fake.frames.map(({ quality }) => quality.width < REST.width)).toEqual([true, false]);
+  });
+
+  it("the whole one of what is not wanted any more is not asked for", async () => {
+    const { fake, pictures, want } = opened();
+    want(11, false);
+    await fake.show("final");
+    fake.ear?.onOpen(false);
+    want(10, false);
+    want(11, false);
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(pictures.displayed.value).toMatchObject({ time: 11, stage: "final" });
+    expect(fake.frames.filter(({ quality }) => quality.width === REST.width && quality.rays === REST.rays)).toEqual([]);
   });
 
   it("while things move the whole one is never asked for, and what is only tried not at all", async () => {

@@ -36,6 +36,11 @@ export interface WantedPicture extends Wish {
   readonly revision: number;
 }
 
+/** As it was asked for: the later one is the greater. */
+interface Asked extends WantedPicture {
+  readonly number: number;
+}
+
 interface Kept {
   readonly picture: LivePicture;
   readonly quality: Quality;
@@ -50,13 +55,16 @@ export class Pictures {
 
   readonly #document: ShotDocument;
   readonly #link: LiveLink;
-  readonly #fetcher: NewestWins<WantedPicture, LivePicture>;
+  readonly #fetcher: NewestWins<Asked, LivePicture>;
   readonly #hearReadout: (readout: Readout, tried: readonly Trial[]) => void;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
   #isLive = true;
   #keptRevision = -1;
-  #wanted: WantedPicture | null = null;
+  #wanted: Asked | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
+  #asked = 0;
+  /** Of the newest that anything has come of. */
+  #answered = 0;
   #serial = 0;
   #shownSerial = 0;
 
@@ -66,7 +74,7 @@ export class Pictures {
       document.hearReadout(readout, tried);
     };
     this.#link = service.live(document.view, {
-      onPicture: (picture, wish) => this.#take(picture, wish as WantedPicture),
+      onPicture: (picture, wish) => this.#take(picture, wish as Asked),
       onReadout: (readout, wish) => {
         this.#hearReadout(readout, wish.tried);
       },
@@ -104,14 +112,17 @@ export class Pictures {
   }
 
   /** Asks for a picture, in place of what was wanted before. */
-  want(wanted: WantedPicture): void {
-    if (this.#wanted && isSame(this.#wanted, wanted) && (wanted.moving || !this.#wanted.moving)) return;
+  want(picture: WantedPicture): void {
+    if (this.#wanted && isSame(this.#wanted, picture) && (picture.moving || !this.#wanted.moving)) return;
+    const wanted = { ...picture, number: (this.#asked += 1) };
     this.#wanted = wanted;
     const kept = this.#keptFor(wanted);
     if (kept) void this.#take(kept.picture, { ...wanted, quality: kept.quality });
     if (kept && (wanted.moving || kept.picture.stage === "final")) {
       // What is under way would only bring back what was wanted before.
       this.busy.value = false;
+      clearTimeout(this.#timer);
+      this.#link.forget();
       this.#fetcher.clear();
       return;
     }
@@ -127,7 +138,7 @@ export class Pictures {
     this.displayed.value = null;
   }
 
-  #ask(wanted: WantedPicture): void {
+  #ask(wanted: Asked): void {
     clearTimeout(this.#timer);
     this.busy.value = !wanted.moving;
     if (this.#isLive) {
@@ -143,10 +154,12 @@ export class Pictures {
     }, SETTLE_MS);
   }
 
-  /** Shows a picture, unless a newer one was shown meanwhile. Resolves when it is on screen. */
-  async #take(picture: LivePicture, wanted: WantedPicture): Promise<void> {
-    const serial = (this.#serial += 1);
+  /** Shows a picture, unless there is one that was asked for later, or a better one. Resolves when it is on screen. */
+  async #take(picture: LivePicture, wanted: Asked): Promise<void> {
     this.#keep(picture, wanted);
+    if (wanted.number < this.#answered) return;
+    this.#answered = wanted.number;
+    const serial = (this.#serial += 1);
     const { blob, ...said } = picture;
     const { time, revision, quality, tried } = wanted;
     const [bitmap, points] = await Promise.all([createImageBitmap(blob), this.#document.pointsAt(time)]);

@@ -49,6 +49,8 @@ export interface LiveLink {
   readonly free: boolean;
   /** Asks for a picture, in place of what was wanted before. Where there is no connection it is forgotten. */
   want(wish: Wish): void;
+  /** Gives up what was wanted, here and at the service: nothing is heard of it any more. */
+  forget(): void;
   close(): void;
 }
 
@@ -93,6 +95,13 @@ export class LiveSocket implements LiveLink {
     this.#asked += 1;
     this.#wishes.set(this.#asked, wish);
     if (this.#isOpen) this.#send(this.#asked, wish);
+  }
+
+  forget(): void {
+    if (this.#wishes.size === 0) return;
+    this.#wishes.clear();
+    this.#answered = this.#asked;
+    if (this.#isOpen) this.#socket?.send(JSON.stringify({ stop: true } satisfies Json["LiveStop"]));
   }
 
   close(): void {
@@ -157,8 +166,10 @@ export class LiveSocket implements LiveLink {
     }
     const said = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"];
     const wish = this.#answer(said.id);
-    if ("problem" in said) this.#ear.onError(errorOf(said.status, said.problem));
-    else if (wish) this.#ear.onReadout(toReadout(said.readout), wish);
+    if ("problem" in said) {
+      // What becomes of those before the newest is nobody's business any more.
+      if (said.id === null || (wish && said.id === this.#asked)) this.#ear.onError(errorOf(said.status, said.problem));
+    } else if (wish) this.#ear.onReadout(toReadout(said.readout), wish);
   }
 
   /** The wish that something is an answer to; those before it are given up. */

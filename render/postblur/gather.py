@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 
 from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.pulse import UNWATCHED, PieceSize, Pulse
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
 from render.postblur.joined import Blurred, Joiner, Part, parts_of
@@ -15,8 +17,9 @@ from render.postblur.sides import Sides
 
 LOOKS_AT_ONCE = 1 << 30
 """Pixels that are looked at by one command to the device, about; a desktop takes one that runs for seconds for a fault."""
-WATCHED_LOOKS = 1 << 20
-"""While somebody may call the work off."""
+FIRST_LOOKS = 1 << 20
+"""By the first one, while somebody may call the work off; how many later ones have is learnt."""
+_GROUP = 8  # pixels along each side that are worked on together
 
 
 class Gather:
@@ -25,6 +28,7 @@ class Gather:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._ctx, self._programs, self._pulse = ctx, programs, pulse
         self._shedder = Shedder(ctx, programs)
+        self._looks = PieceSize(FIRST_LOOKS)
 
     def blur(
         self, field: Field, shape: BlurShape, most_px: float, target: moderngl.Texture, window: Window = EVERYTHING
@@ -38,10 +42,7 @@ class Gather:
             target: RGBA32F as large as the field: its light, and how much there is of it.
             window: the light that is meant.
         """
-        width, height = field.light.size
         most = max(1, int(np.ceil(most_px)))
-        looks = WATCHED_LOOKS if self._pulse.is_watched else LOOKS_AT_ONCE
-        rows = max(8, looks // (width * (2 * most + 1) ** 2) // 8 * 8)
         program = self._programs.compute("gather.comp", OUTLINE_DEFINES)
         with Held() as held:
             shed = self._shedder.shed(field, shape, most, window, held)
@@ -49,11 +50,32 @@ class Gather:
                 texture.use(unit)
             set_uniforms(program, shed=0, reach=1, outline=2, most=most)
             target.bind_to_image(0, read=False, write=True)
-            for first in range(0, height, rows):
-                set_uniforms(program, first_row=first, rows=rows)
-                program.run(-(-width // 8), -(-min(rows, height - first) // 8))
+            for left, top, columns, rows in self._pieces(target.width, target.height, (2 * most + 1) ** 2):
+                set_uniforms(program, first=(left, top), piece_px=(columns, rows))
+                program.run(-(-columns // _GROUP), -(-rows // _GROUP))
                 self._ctx.finish()
-                self._pulse.beat()
+                took_ms, looks = self._pulse.beat(), columns * rows * (2 * most + 1) ** 2
+                if 2 * looks >= self._looks.units:  # what is left at an edge says nothing of whole pieces
+                    self._looks.learn(looks, took_ms)
+
+    def _pieces(self, width: int, height: int, looks: int) -> Iterator[tuple[int, int, int, int]]:
+        """Left, top, width and height of what is done by one command: whole rows of groups, or some groups of one row.
+
+        Args:
+            width: of the picture in pixels.
+            height: likewise.
+            looks: of each pixel.
+        """
+        top = 0
+        while top < height:
+            most = min(self._looks.units, LOOKS_AT_ONCE) if self._pulse.is_watched else LOOKS_AT_ONCE
+            groups = max(1, most // (_GROUP * _GROUP * looks))
+            across = -(-width // _GROUP)
+            rows = min(max(1, groups // across) * _GROUP, height - top)
+            columns = min(groups, across) * _GROUP
+            for left in range(0, width, columns):
+                yield left, top, min(columns, width - left), rows
+            top += rows
 
 
 class GatherBlur:

@@ -24,7 +24,7 @@ SHIFT = 0.05
 MOST_SHIFT_PX = 0.25
 """And by no more, so that a highlight stays in its place."""
 _SIDE = 8  # of the squares that a work group has
-_FIRST_PIECE = 4096
+_FIRST_PIECE, _LEAST_PIECE = 1 << 17, 1 << 12  # pixels that spots cover
 _COUNTS, _OFFSETS, _SPOTS = 0, 0, 1  # as the shaders bind them
 
 
@@ -60,6 +60,7 @@ class Splats:
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
         self._ctx, self._programs, self._pulse = ctx, programs, pulse
+        self._piece = PieceSize(_FIRST_PIECE, least=_LEAST_PIECE)
         self._program: moderngl.Program | None = None
 
     def drawn(
@@ -72,7 +73,6 @@ class Splats:
             tables: their spots.
             edges: radii at which classes begin, and the last one ends: pixels, ascending.
             held: keeps what is made.
-
             backward: whether the widest come first.
 
         Yields:
@@ -92,7 +92,8 @@ class Splats:
         buffer = held.keep(self._ctx.framebuffer(color_attachments=[target]))
         for kind in reversed(range(classes)) if backward else range(classes):
             if totals[kind]:
-                self._draw(points, tables, spots, int(firsts[kind]), int(totals[kind]), buffer)
+                most_px = (2 * min(edges[kind + 1] + points.spot.error_reach_px, tables.middle) + 1) ** 2
+                self._draw(points, tables, spots, int(firsts[kind]), int(totals[kind]), buffer, most_px)
                 yield target
 
     def _planned(
@@ -141,7 +142,9 @@ class Splats:
         first: int,
         count: int,
         target: moderngl.Framebuffer,
+        most_px: float,
     ) -> None:
+        """Draw some of the spots, none of which covers more than so many pixels."""
         program = self._quads()
         points.bind(program)
         tables.weights.use(2)
@@ -158,16 +161,22 @@ class Splats:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
             with Held() as held:
                 quad = held.keep(self._ctx.vertex_array(program, []))
-                piece, last = PieceSize(_FIRST_PIECE), first + count
+                last = first + count
                 while first < last:
-                    some = min(piece.units, last - first) if self._pulse.is_watched else last - first
+                    left = last - first
+                    some = min(max(1, int(self._piece.units / most_px)), left) if self._pulse.is_watched else left
                     set_uniforms(program, first=first)
                     quad.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=some)
-                    piece.learn(some, self._pulse.beat())
+                    self._learn(some * most_px, self._pulse.beat())
                     first += some
         finally:
             self._ctx.enable_only(moderngl.NOTHING)
             before.use()
+
+    def _learn(self, pixels: float, took_ms: float) -> None:
+        """Take note of a piece; those much smaller than they might be say nothing of large ones."""
+        if 2 * pixels >= self._piece.units:
+            self._piece.learn(int(pixels), took_ms)
 
     def _quads(self) -> moderngl.Program:
         if self._program is None:

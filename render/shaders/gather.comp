@@ -2,7 +2,7 @@
 // The naive gather: each pixel looks through the whole square of pixels within the largest radius, and takes of each whose circle of
 // confusion reaches it what that sheds.
 // in:  what each pixel sheds and how far (flag_shed.comp)
-// out: `blurred`: the field's light, and how much of it there is, in some rows
+// out: `blurred`: the field's light, and how much of it there is, in a rectangle
 // Moersch & Hamilton 2014, section 3.1, with no spacing. Quadratic in the radius.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -12,8 +12,8 @@ layout(rgba32f, binding = 0) uniform writeonly image2D blurred;
 
 uniform sampler2D shed;
 uniform sampler2D reach;
-uniform int first_row;
-uniform int rows;
+uniform ivec2 first;        // pixel of the rectangle
+uniform ivec2 piece_px;     // its size
 uniform int most;           // pixels that any circle reaches
 
 // Share of what a pixel sheds that falls on another, `dx` to the right of it and `dy` below: along a column, the pixel that the
@@ -28,8 +28,8 @@ float share_at(int dx, int dy, float radius)
 
 void main()
 {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row), size = imageSize(blurred);
-    if (int(gl_GlobalInvocationID.y) >= rows || any(greaterThanEqual(at, size))) return;
+    ivec2 within = ivec2(gl_GlobalInvocationID.xy), at = first + within, size = imageSize(blurred);
+    if (any(greaterThanEqual(within, piece_px))) return;
     ivec2 low = max(at - most, ivec2(0)), high = min(at + most, size - 1);
     vec4 total = vec4(0.0);
     for (int y = low.y; y <= high.y; ++y) {

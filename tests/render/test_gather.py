@@ -93,6 +93,30 @@ def test_the_engine_draws_what_flag_does(renderer: FrameRenderer, made: object) 
     np.testing.assert_allclose(flag, gather, atol=2e-4 * float(gather.max()))
 
 
+def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
+    ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the same picture, and each piece looks at no more pixels than it should."""
+    monkeypatch.setattr("render.postblur.gather.FIRST_LOOKS", 1 << 17)
+    light, radii = random_field((60, 300), 15.0)
+    pulse = Pulse(ctx.finish)
+    beats = []
+
+    def is_stale() -> bool:
+        beats.append(1)
+        return False
+
+    gather = Gather(ctx, ProgramCache(ctx), pulse)
+    monkeypatch.setattr(gather._looks, "learn", lambda units, took_ms: None)
+    with Held() as held:
+        stand = Stand(ctx, held, light, radii)
+        whole = stand.blurred(gather, IrisShape())
+        with pulse.watched(is_stale):
+            pieces = stand.blurred(gather, IrisShape())
+    np.testing.assert_array_equal(pieces, whole)
+    assert len(beats) > 60 * 300 * 31**2 / (1 << 17)
+
+
 @pytest.mark.parametrize("engine", [Gather, Flag])
 def test_it_can_be_called_off(ctx: moderngl.Context, engine: type[Gather] | type[Flag]) -> None:
     light, radii = random_field((200, 100), 9.0)

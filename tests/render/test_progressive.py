@@ -79,6 +79,10 @@ def last(pictures: Iterator[Shown]) -> Shown:
     [
         {},
         {"engine": "flag"},
+        {"engine": "scatter"},
+        {"engine": "importance"},
+        {"engine": "linear"},
+        {"engine": "gather", "width": 80, "height": 46},
         {"engine": "pinhole"},
         {"engine": "accumulation", "rays": 8},
         {"rays": 200, "wavelengths": 1},

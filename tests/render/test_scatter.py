@@ -251,6 +251,27 @@ def test_what_nobody_waits_for_is_left(renderer: FrameRenderer) -> None:
         np.testing.assert_array_equal(picture(blur, radii, far=light), whole)
 
 
+def test_how_much_is_drawn_at_once_is_learnt_from_picture_to_picture(renderer: FrameRenderer) -> None:
+    """Not too much at first, and more and more where that takes next to no time."""
+    beats: list[int] = []
+
+    class Quick(Pulse):
+        is_watched = True
+
+        def beat(self) -> float:
+            beats[-1] += 1
+            return 0.1
+
+    ctx = renderer.graphics.ctx
+    blur = ScatterBlur(ctx, ProgramCache(ctx), Quick(ctx.finish))
+    light = np.random.default_rng(1).random((100, 100)).astype(np.float32)
+    for _ in range(3):
+        beats.append(0)
+        picture(blur, np.full((100, 100), 20, np.float32), far=light)
+    assert beats[0] > 3
+    assert beats[2] < beats[1] < beats[0], beats
+
+
 def test_a_picture_finds_all_its_tables_again(blur: ScatterBlur, monkeypatch: pytest.MonkeyPatch) -> None:
     """However many targets it has."""
     made = []

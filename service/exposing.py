@@ -78,10 +78,12 @@ class Exposures:
 
     Args:
         ask: has the picture process do something.
+        max_px: pixels of one picture; more are not rendered.
     """
 
-    def __init__(self, ask: Ask) -> None:
+    def __init__(self, ask: Ask, max_px: int) -> None:
         self._ask = ask
+        self._max_px = max_px
         self._of_shot: dict[str, _Exposure] = {}
         self._dropping: set[asyncio.Task[None]] = set()
 
@@ -96,9 +98,18 @@ class Exposures:
         settings = wish.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"})
         await self._ask(
             BeginExposure(
-                exposure.key, record, exposure.edits, wish.camera, wish.first, wish.height, settings, wish.nd_stops, wish.film
+                exposure.key,
+                record,
+                exposure.edits,
+                wish.camera,
+                wish.first,
+                wish.height,
+                self._max_px,
+                settings,
+                wish.nd_stops,
+                wish.film,
             )
-        )  # fmt: skip
+        )
         self.drop(record.id)
         self._of_shot[record.id] = exposure
         self._open(exposure)

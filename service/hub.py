@@ -77,7 +77,7 @@ class Hub:
     @cached_property
     def exposures(self) -> Exposures:
         """The long exposures that go on."""
-        return Exposures(self.ask_picture)
+        return Exposures(self.ask_picture, self.settings.max_picture_px)
 
     def close(self) -> None:
         """End the workers and let go of the data folder."""

@@ -18,6 +18,7 @@ from service.applying import (
 from service.models.cameras import Readout
 from service.models.focus import FocusPointEdit
 from service.models.live import Stage, UnsavedEdit
+from service.picture_size import height_at
 from service.picture_work import Darkroom, anchor_of
 from service.store import ShotRecord
 from service.streaming import IsStale
@@ -71,6 +72,7 @@ class ShowLive:
         camera: prim path, or None for the default camera.
         time: USD time code.
         height: pixels, or None for the film gate's shape.
+        max_px: pixels of it all; more are not rendered.
         settings: the other fields of `render.frame.FrameSettings`.
         finish: film, display, view and look in place of the shot's; None for those that are the shot's.
         budget_ms: what the first picture may take.
@@ -83,6 +85,7 @@ class ShowLive:
     camera: str | None
     time: float
     height: int | None
+    max_px: int
     settings: dict[str, Any]
     finish: dict[str, str | None]
     budget_ms: float
@@ -121,9 +124,8 @@ class ShowLive:
 
     def _settings(self, shot: Shot) -> FrameSettings:
         from render.frame import FrameSettings
-        from render.shot.size import picture_height
 
-        height = self.height or picture_height(shot, self.camera, self.time, self.settings["width"])
+        height = self.height or height_at(shot, self.camera, self.time, self.settings["width"], self.max_px)
         return FrameSettings(**self.settings, height=height)
 
     def _try(self, room: Darkroom, shot: Shot, edit: UnsavedEdit, settings: FrameSettings) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from render.errors import NotFoundError
+from service.picture_size import height_at
 from service.picture_work import Darkroom
 from service.store import ShotRecord
 
@@ -38,6 +39,7 @@ class BeginExposure:
         camera: prim path, or None for the default camera.
         begin: USD time code.
         height: pixels, or None for the film gate's shape.
+        max_px: pixels of it all; more are not rendered.
         settings: the other fields of `render.frame.FrameSettings`.
         nd_stops: of a filter; None keeps the exposure.
         film: a stock of the library, or None.
@@ -49,6 +51,7 @@ class BeginExposure:
     camera: str | None
     begin: float
     height: int | None
+    max_px: int
     settings: dict[str, Any]
     nd_stops: float | None
     film: str | None
@@ -57,10 +60,10 @@ class BeginExposure:
         """Raises what `LongExposure` raises."""
         from render.frame import FrameSettings
         from render.shot.long_exposure import LongExposure
-        from render.shot.size import picture_height
 
         with room.opened.use(self.record, self.edits) as shot:
-            height = self.height or picture_height(shot, self.camera, self.begin, self.settings["width"])
+            width = self.settings["width"]
+            height = self.height or height_at(shot, self.camera, self.begin, width, self.max_px, "body.width")
             settings = FrameSettings(**self.settings, height=height)
             exposure = LongExposure(
                 room.renderer, shot, self.camera, self.begin, settings, nd_stops=self.nd_stops, stock=self.film

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from service.models.focus import Anchor, Pick
 from service.models.shots import PickRequest
 from service.opened import OpenedShots
+from service.picture_size import height_at
 from service.store import ShotRecord
 
 if TYPE_CHECKING:
@@ -110,6 +111,7 @@ class RenderPicture:
         camera: prim path, or None for the default camera.
         time: USD time code.
         height: pixels, or None for the film gate's shape.
+        max_px: pixels of it all; more are not rendered.
         settings: the other fields of `render.frame.FrameSettings`.
         format: png, jpeg or exr.
         finish: film, display, view and look in place of the shot's; None for those that are the shot's.
@@ -121,6 +123,7 @@ class RenderPicture:
     camera: str | None
     time: float
     height: int | None
+    max_px: int
     settings: dict[str, Any]
     format: str
     finish: dict[str, str | None]
@@ -132,10 +135,9 @@ class RenderPicture:
         from render.frame import FrameSettings
         from render.output import encode
         from render.shot import make_picture
-        from render.shot.size import picture_height
 
         with room.opened.use(self.record, self.edits) as shot:
-            height = self.height or picture_height(shot, self.camera, self.time, self.settings["width"])
+            height = self.height or height_at(shot, self.camera, self.time, self.settings["width"], self.max_px)
             settings = FrameSettings(**self.settings, height=height)
             said = self.finish
             choice = GradeChoice(display=said["display"], view=said["view"], look=said["look"])

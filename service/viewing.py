@@ -22,8 +22,9 @@ from service.live_work import ShowLive, ShownPicture
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming, UnsavedEdit
+from service.picture_size import check_pixels
 from service.picture_work import Darkroom
-from service.routes.frames import FINISH, FrameQuery, PictureQuery, check_size, settings_of, tag_of_frame
+from service.routes.frames import FINISH, FrameQuery, PictureQuery, settings_of, tag_of_frame
 from service.store import ShotRecord
 
 MOST_IN_FLIGHT = 2
@@ -113,7 +114,8 @@ class Viewer:
     async def _begin(self, asked: _Asked) -> None:
         """Have pictures made, in place of those that were asked for before."""
         request = asked.request
-        check_size(request, self._hub.settings.max_picture_px)
+        max_px = self._hub.settings.max_picture_px
+        check_pixels(request.width, request.height, max_px)
         record = self._hub.store.get(self._shot)
         edits = await run_in_threadpool(record.edit_text)
         if not request.moving and request.edit is None:
@@ -131,6 +133,7 @@ class Viewer:
             request.camera,
             request.time,
             request.height,
+            max_px,
             settings_of(request),
             request.model_dump(include=FINISH),
             request.budget_ms,

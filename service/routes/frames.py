@@ -9,12 +9,12 @@ from pydantic import Field
 
 from render.edit_history import revision_of
 from render.frame_settings import MAX_MOTION
-from service.errors import ServiceError
 from service.frame_cache import frame_tag, matches
 from service.hub import Hub, HubDep
 from service.models.base import Model, PrimPath, TimeCode
 from service.models.focus import Pick
 from service.models.shots import PickRequest
+from service.picture_size import check_pixels
 from service.picture_work import PickSurface, RenderPicture
 from service.routes.parameters import ShotId, problems
 from service.store import ShotRecord
@@ -134,7 +134,7 @@ async def get_frame(
     if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
 ) -> Response:
     """One frame. Its `ETag` is made of everything that it depends on: same tag, same pixels."""
-    check_size(query, hub.settings.max_picture_px)
+    check_pixels(query.width, query.height, hub.settings.max_picture_px)
     record = hub.store.get(shot)
     edits = record.edit_text()
     tag = tag_of_frame(hub, record, edits, query)
@@ -153,7 +153,10 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
         return cached
     settings, asked = settings_of(query), query.model_dump(include=FINISH)
     live = query.live and query.format != "exr"  # which holds light that is not finished
-    work = RenderPicture(record, edits, query.camera, query.time, query.height, settings, query.format, asked, live)
+    most_px = hub.settings.max_picture_px
+    work = RenderPicture(
+        record, edits, query.camera, query.time, query.height, most_px, settings, query.format, asked, live
+    )
     group = (query.client, record.id) if query.client else None
     picture = await hub.ask_picture(work, group)
     hub.frames.put(tag, picture)
@@ -174,13 +177,6 @@ def tag_of_frame(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery) ->
 def settings_of(query: PictureQuery) -> dict[str, Any]:
     """The fields of `render.frame.FrameSettings`, but for the height, that a query has."""
     return query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH})
-
-
-def check_size(query: PictureQuery, max_px: int) -> None:
-    """Raises `ServiceError` 422 where more pixels are asked for than are rendered."""
-    if query.width * (query.height or 1) > max_px:
-        detail = f"A picture of {query.width} × {query.height} px was asked for; at most {max_px:,} px are rendered."
-        raise ServiceError(422, "too_many_pixels", detail, path="query.width")
 
 
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))

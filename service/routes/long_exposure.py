@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
 
-from service.errors import ServiceError
 from service.hub import HubDep
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
+from service.picture_size import check_pixels
 from service.routes.frames import BINARY, MEDIA_TYPES
 from service.routes.parameters import ShotId, problems
 
@@ -26,12 +26,7 @@ Format = Annotated[
 async def begin_long_exposure(hub: HubDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
     """Open the shutter, in place of the long exposure that the shot had. It is exposed with the edits as they are now, an
     interval at a time between the pictures that others ask for, and kept for as long as the service runs."""
-    if begin.width * (begin.height or 1) > hub.settings.max_picture_px:
-        detail = (
-            f"A picture of {begin.width} × {begin.height} px was asked for; at most {hub.settings.max_picture_px:,} px "
-            "are rendered."
-        )
-        raise ServiceError(422, "too_many_pixels", detail, path="body.width")
+    check_pixels(begin.width, begin.height, hub.settings.max_picture_px, "body.width")
     return await hub.exposures.begin(hub.store.get(shot), begin)
 
 

@@ -136,3 +136,11 @@ def test_the_query_knows_what_the_renderer_knows():
     assert set(fields["engine"].annotation.__args__) == set(ENGINES)
     assert set(fields["shading"].annotation.__args__) == set(SHADINGS)
     assert issubclass(FrameQuery, base.Model)
+
+
+@pytest.mark.parametrize("height", [{"height": 8192}, {}])
+def test_no_more_pixels_are_rendered_than_may_be_even_where_the_film_gate_says_the_height(client, room, height):
+    answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 8192, "rays": 1} | height)
+    told = answer.json()
+    assert (answer.status_code, told["code"], told["path"]) == (422, "too_many_pixels", "query.width")
+    assert "8192 × " in told["detail"]

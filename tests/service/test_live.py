@@ -243,6 +243,7 @@ def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live)
         (json.dumps({"id": 3, "time": 1, "tiem": 1}), 422, "invalid_request", "tiem"),
         (json.dumps({"id": 3, "time": 1, "edit": {"camera": {"fStop": -1}}}), 422, "invalid_request", "edit.camera.fStop"),
         (json.dumps({"id": 3, "time": 1, "width": 8192, "height": 8192}), 422, "too_many_pixels", "query.width"),
+        (json.dumps({"id": 3, "time": 1, "width": 8192}), 422, "too_many_pixels", "query.width"),
         (json.dumps(SMALL | {"id": 3, "camera": "/no/camera"}), 422, "no_such_camera", "/no/camera"),
         (json.dumps(SMALL | {"id": 3, "edit": {"points": {"nobody": {"weight": 1}}}}), 404, "not_found", "/World/cam"),
     ],

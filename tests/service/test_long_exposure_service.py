@@ -128,6 +128,16 @@ def test_what_cannot_be_exposed_is_refused_at_once(client, room, asked, told):
     assert client.get(address(room)).status_code == 404
 
 
+def test_nor_is_what_has_too_many_pixels_with_the_height_that_the_film_gate_gives_it(client, room):
+    for height in (8192, None):
+        answer = client.post(address(room), json=SMALL | {"width": 8192, "height": height})
+        assert (answer.status_code, answer.json()["code"], answer.json()["path"]) == (
+            422,
+            "too_many_pixels",
+            "body.width",
+        )
+
+
 def test_before_the_first_interval_there_is_no_picture(client, room):
     assert client.get(f"{address(room)}/picture").status_code == 404
     assert client.patch(address(room), json={"shutter": "closed"}).status_code == 404

@@ -196,11 +196,13 @@ class Lane(Generic[State]):
         with self._changed:
             if self._closing:
                 raise _stopping()
+            # First, since what is older of its group goes on where there is no room for this one.
+            ahead = [other for other in self._queue if job.group is None or other.group != job.group]
+            if len(ahead) >= self._max_waiting:
+                detail = f"{len(ahead)} requests wait for the {self.worker.name} worker already; try again soon."
+                raise ServiceError(503, "busy", detail, headers=RETRY_AFTER)
             if job.group is not None:
                 self._supersede(job.group)
-            if len(self._queue) >= self._max_waiting:
-                detail = f"{len(self._queue)} requests wait for the {self.worker.name} worker already; try again soon."
-                raise ServiceError(503, "busy", detail, headers=RETRY_AFTER)
             self._queue.append(job)
             self._tell()
 

@@ -145,6 +145,19 @@ def test_streams_wait_in_the_bounded_queue(lane):
     assert {stream.code() for stream in (*waiting, running)} == {"superseded"}
 
 
+def test_what_is_refused_takes_the_place_of_nothing(lane):
+    running = Watched(lane, Refine("running", shows=2, pieces=40, piece_s=0.02), "viewer")
+    until(lambda: lane.busy)
+    waiting = [Watched(lane, Refine(str(n)), f"viewer {n}") for n in range(3)]
+    with pytest.raises(ServiceError) as refused:
+        Watched(lane, Refine("one too many"), "viewer")
+    assert refused.value.code == "busy"
+    newer = Watched(lane, Refine("newer"), "viewer 0")  # which takes a place that is there already
+    assert [stream.result() for stream in (running, *waiting[1:], newer)] == [None] * 4
+    assert waiting[0].code() == "superseded"
+    assert ("running", 1) in running.items
+
+
 def test_closing_ends_those_that_run_and_those_that_wait():
     lane = Lane(WorkerProcess("closing", Tally), max_waiting=3, timeout_s=WAIT_S)
     running, waiting = begun(lane, Refine(shows=10_000)), Watched(lane, Refine())

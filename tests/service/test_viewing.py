@@ -14,6 +14,7 @@ from service.errors import ServiceError
 from service.frame_cache import FrameCache
 from service.live_work import ShownPicture
 from service.metrics import Metrics
+from service.models.cameras import READOUT_EXAMPLE, Readout
 from service.viewing import MOST_PROBLEMS, Viewer
 
 SPENT = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 1.0)
@@ -23,6 +24,8 @@ BETTER = ShownPicture("refining", "jpeg", 96, 54, SPENT, 12, 1.0, 0.2, b"better"
 FINAL = ShownPicture(
     "final", "png", 96, 54, SPENT, 8, 1.0, 1.0, b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sII", 13, b"IHDR", 96, 54)
 )
+
+READOUT = Readout.model_validate(READOUT_EXAMPLE)
 
 
 class Socket:
@@ -169,6 +172,21 @@ def test_who_never_reads_is_not_heard_for_ever():
         socket.reads.set()
         while len(socket.said) < 10 * MOST_PROBLEMS:
             await asyncio.sleep(0.001)
+
+    watched(play)
+
+
+def test_of_what_the_lens_did_the_newest_alone_is_told():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        socket.reads.clear()
+        for number in range(1, 6):
+            await socket.ask(number, moving=True)
+            pictures.streams[-1].on_item(PREVIEW)
+            pictures.streams[-1].on_item(READOUT)
+            await settled()
+        socket.reads.set()
+        await settled()
+        assert [told["id"] for told in socket.said] == [1, 5]  # the first was on its way
 
     watched(play)
 

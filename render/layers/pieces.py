@@ -1,8 +1,9 @@
-"""A draw in pieces, for work that may be left between them (`render.gl.pulse`): rectangles of the picture."""
+"""A draw in pieces, for work that may be left between them (`render.gl.pulse`): parts of the picture, or of the triangles."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,14 +12,33 @@ from render.gl.pulse import PieceSize, Pulse
 from render.layers.index import Draw
 from render.optics.view import PinholeView
 
-_TRIANGLES = 40_000
-"""That are drawn more than once at most, to have a draw in pieces; and that are drawn between two beats."""
+_TRIANGLES, _LEAST_TRIANGLES, _MOST_TRIANGLES = 40_000, 2_000, 320_000
+"""That are drawn between two beats at first, and more than once at most to have a draw in pieces; at least; at most."""
 Rectangle = tuple[int, int, int, int]
 """Left, top, width and height in pixels."""
 
 
+@dataclass(frozen=True)
+class Share:
+    """Some of a draw: some triangles of one instance, or some instances whole.
+
+    Attributes:
+        first_triangle: of each instance.
+        triangles: how many of them.
+        first_instance: of the draw.
+        instances: likewise.
+    """
+
+    first_triangle: int
+    triangles: int
+    first_instance: int
+    instances: int
+
+
 class Pieces:
     """Draws of one context in pieces, where the pulse is watched; else each draw is one.
+
+    Pieces of large draws are shares of them, in the order of the whole: what is drawn is the same to the bit.
 
     Args:
         pulse: of the context.
@@ -27,35 +47,67 @@ class Pieces:
     def __init__(self, pulse: Pulse) -> None:
         self._pulse = pulse
         self._pixels = PieceSize(16_384, least=4096)
+        self._shaded, self._found = (PieceSize(_TRIANGLES, least=_LEAST_TRIANGLES) for _ in range(2))
         self._triangles = 0
 
-    def of(self, draw: Draw, view: PinholeView) -> Iterator[None]:
-        """Once for each piece, which is to be drawn then: the rest of the picture is cut off.
+    def of(self, draw: Draw, view: PinholeView) -> Iterator[Share]:
+        """Each piece of what is shaded, which is to be drawn then; the rest of the picture may be cut off.
 
         Raises:
             Interrupted: the work is stale.
         """
-        if not self._pulse.is_watched:
-            yield
+        whole = _whole(draw)
+        triangles = max(1, whole.triangles * whole.instances)
+        if not self._pulse.is_watched or triangles > _TRIANGLES:
+            yield from self._shares(whole, self._shaded)
             return
         left, top, width, height = _bounds(draw, view)
-        triangles = max(1, len(draw.batch.geometry.triangles) * len(draw.instances))
         wanted = -(-width * height // self._pixels.units)
         rows = -(-height // max(1, min(wanted, _TRIANGLES // triangles)))
         GL.glEnable(GL.GL_SCISSOR_TEST)
         try:
             for first in range(top, top + height, max(1, rows)):
                 GL.glScissor(left, first, width, min(rows, top + height - first))
-                yield
+                yield whole
                 self._drawn(triangles, width * rows)
         finally:
             GL.glDisable(GL.GL_SCISSOR_TEST)
+
+    def of_depth(self, draw: Draw) -> Iterator[Share]:
+        """Each piece of what only depth is found of, likewise."""
+        yield from self._shares(_whole(draw), self._found)
+
+    def _shares(self, whole: Share, size: PieceSize) -> Iterator[Share]:
+        """Shares of a draw in its order, with a beat after each."""
+        if not self._pulse.is_watched:
+            yield whole
+            return
+        instance = triangle = 0
+        while instance < whole.instances:
+            most = min(size.units, _MOST_TRIANGLES)
+            if triangle == 0 and most >= whole.triangles:
+                some = min(most // max(1, whole.triangles), whole.instances - instance)
+                share = Share(0, whole.triangles, instance, some)
+                instance += some
+            else:
+                share = Share(triangle, min(most, whole.triangles - triangle), instance, 1)
+                triangle += share.triangles
+                if triangle == whole.triangles:
+                    instance, triangle = instance + 1, 0
+            yield share
+            took_ms, drawn = self._pulse.beat(), share.triangles * share.instances
+            if 2 * drawn >= size.units:  # small draws say nothing of large ones
+                size.learn(drawn, took_ms)
 
     def _drawn(self, triangles: int, pixels: int) -> None:
         self._triangles += triangles
         if self._triangles >= _TRIANGLES or pixels >= self._pixels.units // 4:
             self._triangles = 0
             self._pixels.learn(pixels, self._pulse.beat())
+
+
+def _whole(draw: Draw) -> Share:
+    return Share(0, len(draw.batch.geometry.triangles), 0, len(draw.instances))
 
 
 def _bounds(draw: Draw, view: PinholeView) -> Rectangle:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
-from render.layers.pieces import Pieces
+from render.layers.pieces import Pieces, Share
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
@@ -99,7 +100,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def __init__(self, index: SceneIndex, pulse: Pulse = UNWATCHED) -> None:
         super().__init__(1, 1)
-        self._pulse, self._pieces = pulse, Pieces(pulse)
+        self._pieces = Pieces(pulse)
         self._index = index
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
@@ -153,8 +154,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            self._draw(draw, program, view.camera_from_world, clip)
-            self._pulse.beat()
+            for share in self._pieces.of_depth(draw):
+                self._draw(draw, share, program, view.camera_from_world, clip)
         layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
@@ -168,8 +169,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            for _ in self._pieces.of(draw, view):
-                self._draw(draw, program, view.camera_from_world, clip)
+            for share in self._pieces.of(draw, view):
+                self._draw(draw, share, program, view.camera_from_world, clip)
 
     def _set_motion(self, program: SourceProgram, draw: Draw, layer: LayerPass) -> None:
         """Tell a program how its draw moves, and what the layer before has of that."""
@@ -192,8 +193,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
                 program = self._depth_program(draw, 0.5, peel=False)
                 GL.glUseProgram(program._program_id)
                 GL.glUniform1f(program.location("detail"), 1.0)
-                self._draw(draw, program, np.eye(4), clip, cull=False)
-                self._pulse.beat()
+                for share in self._pieces.of_depth(draw):
+                    self._draw(draw, share, program, np.eye(4), clip, cull=False)
         finally:
             self._end()
 
@@ -209,9 +210,16 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         """Nothing: pyrender's own would free names that may be another renderer's by now. `delete` is called by the owner."""
 
     def _draw(
-        self, draw: Draw, program: SourceProgram, camera_from_world: DoubleArray, clip: FloatArray, *, cull: bool = True
+        self,
+        draw: Draw,
+        share: Share,
+        program: SourceProgram,
+        camera_from_world: DoubleArray,
+        clip: FloatArray,
+        *,
+        cull: bool = True,
     ) -> None:
-        """Draw one primitive. The camera matrix meets the node's pose in float64, so that far from the origin nothing shakes."""
+        """Draw some of one primitive. The camera meets the node's pose in float64, so that far from the origin nothing shakes."""
         primitive = draw.node.mesh.primitives[0]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
@@ -221,8 +229,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glFrontFace(GL.GL_CCW if draw.mirrored else GL.GL_CW)
         (GL.glEnable if cull and not draw.double_sided else GL.glDisable)(GL.GL_CULL_FACE)
         primitive._bind()
-        count = 1 if primitive.poses is None else len(primitive.poses)
-        GL.glDrawElementsInstanced(GL.GL_TRIANGLES, primitive.indices.size, GL.GL_UNSIGNED_INT, None, count)
+        # the device counts a share's triangles and instances from 0
+        GL.glUniform1ui(program.location("first_triangle"), share.first_triangle)
+        GL.glUniform1i(program.location("first_instance"), share.first_instance)
+        GL.glDrawElementsInstancedBaseInstance(
+            GL.GL_TRIANGLES,
+            3 * share.triangles,
+            GL.GL_UNSIGNED_INT,
+            ctypes.c_void_p(3 * 4 * share.first_triangle),
+            share.instances,
+            share.first_instance,
+        )
 
     def _bind_material(self, material: PreviewSurface) -> None:
         if material is self._bound_material:

@@ -27,6 +27,7 @@ layout(location = 4) out uvec4 out_motion;
 
 uniform vec3 eye;                // where this view looks from, camera space, m
 uniform uint first_object;       // object number of the batch's first instance
+uniform uint first_triangle;     // of those that are drawn
 
 void main()
 {
@@ -47,5 +48,5 @@ void main()
 #ifdef MOTION
     out_motion = packed_motion(own_first(), own_second(), drifts());
 #endif
-    out_id = uvec2(first_object + frag_instance + 1u, uint(gl_PrimitiveID));
+    out_id = uvec2(first_object + frag_instance + 1u, first_triangle + uint(gl_PrimitiveID));
 }

@@ -25,6 +25,7 @@ out vec3 frag_second;
 
 uniform mat4 camera_from_node;
 uniform mat4 clip_from_camera;
+uniform int first_instance;     // of those that are drawn
 
 out vec3 frag_position;
 out vec3 frag_normal;
@@ -50,9 +51,10 @@ void move(out vec3 first, out vec3 second)
     from = vec3(end_positions[i], end_positions[i + 1], end_positions[i + 2]);
     to = vec3(end_positions[i + 3], end_positions[i + 4], end_positions[i + 5]);
 #endif
-    vec3 middle = (poses[3 * gl_InstanceID + 1] * vec4(position, 1.0)).xyz;
-    first = (middle - (poses[3 * gl_InstanceID] * vec4(from, 1.0)).xyz) * vec3(1.0, -1.0, -1.0);
-    second = ((poses[3 * gl_InstanceID + 2] * vec4(to, 1.0)).xyz - middle) * vec3(1.0, -1.0, -1.0);
+    int instance = first_instance + gl_InstanceID;
+    vec3 middle = (poses[3 * instance + 1] * vec4(position, 1.0)).xyz;
+    first = (middle - (poses[3 * instance] * vec4(from, 1.0)).xyz) * vec3(1.0, -1.0, -1.0);
+    second = ((poses[3 * instance + 2] * vec4(to, 1.0)).xyz - middle) * vec3(1.0, -1.0, -1.0);
 }
 #endif
 
@@ -73,7 +75,7 @@ void main()
 #else
     frag_color = vec4(1.0);
 #endif
-    frag_instance = uint(gl_InstanceID);
+    frag_instance = uint(first_instance + gl_InstanceID);
 #ifdef MOVES
     move(frag_first, frag_second);
 #endif

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,12 @@ from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
+from render.layers.index import Draw
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
+from render.layers.pieces import Share
+from render.layers.renderer import LayerRenderer
 from render.optics.view import PinholeView
-from render.reference.scenes import posts_before_wall, rectangle, sphere, spheres_over_checkerboard
+from render.reference.scenes import checkerboard, posts_before_wall, rectangle, sphere, spheres_over_checkerboard
 from render.scene import Batch, Camera, Dome, Material, Scene
 
 SIZE = (160, 120)
@@ -242,3 +246,39 @@ def test_an_absurd_lens_makes_a_finite_picture(
     assert np.isfinite(frame.color).all()
     assert 0.01 < frame.color[..., :3].mean() < 2
     assert frame.color[..., 3].max() <= 1 + 1e-5
+
+
+def tiles_in_one_plane() -> Batch:
+    """Instances that lie over each other at the very same depth: the one drawn last is seen."""
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, :3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    poses[:, :3, 3] = [[0, -1.5, -9], [0.3, -1.5, -9], [0.9, -1.2, -9]]
+    board = checkerboard(7, 6, 0.6, 0, 0, prim=25)
+    white = Material(uses_display_color=True, base_color=(1, 1, 1))
+    return Batch(board, white, poses, double_sided=True, instance_prim_ids=np.array([1, 2, 3], np.int32))
+
+
+def test_work_that_is_watched_is_drawn_in_pieces_and_to_the_bit_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Depths, colours, ids and shadows of draws that are cut into shares of their triangles and instances."""
+    scene, camera = spheres_over_checkerboard()
+    scene = replace(scene, batches=(*scene.batches, tiles_in_one_plane()))
+    settings = FrameSettings(120, 90, rays=16, layers=4, aovs=("color", "depth", "prim_id", "face_id"))
+    with FrameRenderer() as plain:
+        whole = plain.render(scene, camera, settings)
+    monkeypatch.setattr("render.layers.pieces._TRIANGLES", 150)
+    monkeypatch.setattr("render.layers.pieces._LEAST_TRIANGLES", 100)
+    monkeypatch.setattr("render.layers.pieces._MOST_TRIANGLES", 150)
+    drawn: list[int] = []
+    draw = LayerRenderer._draw
+
+    def counted(self: LayerRenderer, one: Draw, share: Share, *arguments: Any, **named: Any) -> None:
+        drawn.append(share.triangles * share.instances)
+        draw(self, one, share, *arguments, **named)
+
+    monkeypatch.setattr(LayerRenderer, "_draw", counted)
+    with FrameRenderer() as other, other.graphics.pulse.watched(lambda: False):
+        pieces = other.render(scene, camera, settings)
+    assert max(drawn) <= 150, "in depth, in colour and in the shadow maps"
+    np.testing.assert_array_equal(pieces.color, whole.color)
+    for name, values in whole.aovs.items():
+        np.testing.assert_array_equal(pieces.aovs[name], values, err_msg=name)

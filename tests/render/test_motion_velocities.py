@@ -174,7 +174,10 @@ def test_what_bends_and_what_turns_is_carried_by_each_of_its_points(renderer: Fr
     assert psnr(exact, fast) > psnr(exact, still) + 6
 
 
-def test_an_instancer_moves_instance_by_instance(renderer: FrameRenderer, tmp_path: Path) -> None:
+def test_an_instancer_moves_instance_by_instance(
+    renderer: FrameRenderer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where each is drawn by itself."""
     stage = write_scene(tmp_path / "instances.usda")
     instancer = UsdGeom.PointInstancer.Define(stage, "/many")
     card = add_card(stage, "/many/card", size=(0.3, 0.3), depth=0.0, colour=(1, 0.2, 0.8))
@@ -189,6 +192,12 @@ def test_an_instancer_moves_instance_by_instance(renderer: FrameRenderer, tmp_pa
     exact, fast, still = both(renderer, tmp_path / "instances.usda")
     assert psnr(exact, fast) > 35
     assert psnr(exact, fast) > psnr(exact, still) + 6
+    monkeypatch.setattr("render.layers.pieces._TRIANGLES", 2)
+    monkeypatch.setattr("render.layers.pieces._LEAST_TRIANGLES", 2)
+    monkeypatch.setattr("render.layers.pieces._MOST_TRIANGLES", 2)
+    with FrameRenderer() as other, other.graphics.pulse.watched(lambda: False):
+        _, one_by_one, _ = both(other, tmp_path / "instances.usda")
+    np.testing.assert_array_equal(one_by_one, fast)
 
 
 def write_particles(path: Path, ids: dict[float, list[int]], *, told: bool) -> Shot:

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.gl.compat import GL
-from render.gl.pulse import PieceSize, Pulse
+from render.gl.pulse import PIECE_MS, PieceSize, Pulse
 from render.layers.index import Draw
 from render.optics.view import PinholeView
 
 _TRIANGLES, _LEAST_TRIANGLES, _MOST_TRIANGLES = 40_000, 2_000, 320_000
 """That are drawn between two beats at first, and more than once at most to have a draw in pieces; at least; at most."""
+_PIXELS, _LEAST_PIXELS, _FORGETTING = 16_384, 4096, 0.995
+"""That are shaded between two beats at first, and at least; and what is left of what they cost, after each beat."""
 Rectangle = tuple[int, int, int, int]
 """Left, top, width and height in pixels."""
 
@@ -46,9 +48,9 @@ class Pieces:
 
     def __init__(self, pulse: Pulse) -> None:
         self._pulse = pulse
-        self._pixels = PieceSize(16_384, least=4096)
+        self._ms_of_pixel = PIECE_MS / _PIXELS
         self._shaded, self._found = (PieceSize(_TRIANGLES, least=_LEAST_TRIANGLES) for _ in range(2))
-        self._triangles = 0
+        self._triangles = self._pixels = 0
 
     def of(self, draw: Draw, view: PinholeView) -> Iterator[Share]:
         """Each piece of what is shaded, which is to be drawn then; the rest of the picture may be cut off.
@@ -62,7 +64,7 @@ class Pieces:
             yield from self._shares(whole, self._shaded)
             return
         left, top, width, height = _bounds(draw, view)
-        wanted = -(-width * height // self._pixels.units)
+        wanted = int(np.ceil(width * height * self._ms_of_pixel / PIECE_MS))
         rows = -(-height // max(1, min(wanted, _TRIANGLES // triangles)))
         GL.glEnable(GL.GL_SCISSOR_TEST)
         try:
@@ -100,10 +102,12 @@ class Pieces:
                 size.learn(drawn, took_ms)
 
     def _drawn(self, triangles: int, pixels: int) -> None:
-        self._triangles += triangles
-        if self._triangles >= _TRIANGLES or pixels >= self._pixels.units // 4:
-            self._triangles = 0
-            self._pixels.learn(pixels, self._pulse.beat())
+        """Take note of a piece. What the dearest pixels cost is remembered for long: many pieces hardly touch a picture."""
+        self._triangles, self._pixels = self._triangles + triangles, self._pixels + pixels
+        if self._triangles >= _TRIANGLES or self._pixels * self._ms_of_pixel >= PIECE_MS / 2:
+            took_ms = self._pulse.beat()
+            self._ms_of_pixel = max(_FORGETTING * self._ms_of_pixel, took_ms / max(self._pixels, _LEAST_PIXELS))
+            self._triangles = self._pixels = 0
 
 
 def _whole(draw: Draw) -> Share:

@@ -19,21 +19,21 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.engines import Engines
+from render.engines.accumulator import check_thin
+from render.engines.engines import Engines
 from render.errors import GraphicsError, InputError, SettingsError
-from render.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
 from render.gl.pulse import Interrupted
-from render.headlight import Headlight
+from render.layers.headlight import Headlight
 from render.layers.movement import movements
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
-from render.lens import IrisShape
+from render.model.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
+from render.model.lens import IrisShape
+from render.model.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.optics.distortion import seen_at
 from render.optics.view import PinholeView
-from render.reference.accumulation import check_thin
-from render.scene import Camera, FloatArray, Moment, Opening, Scene
 from render.trace.aovs import MEASURED
 from render.trace.rays import RayPattern, ray_pattern
 from render.trace.swept import Look

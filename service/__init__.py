@@ -1,1 +1,1 @@
-"""The service: shots, frames and focus over HTTP. ``service.app.create_app`` makes the application."""
+"""The service: shots, frames and focus over HTTP. ``service.http.app.create_app`` makes the application."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 
-from render.shapes.mesh import Array, Mesh
+from render.demo.shapes.mesh import Array, Mesh
 
 UNITS_PER_METRE = 100.0
 FIRST_FRAME, LAST_FRAME, FRAMES_PER_SECOND = 1, 96, 24

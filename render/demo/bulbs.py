@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.shapes.kit import ball, lathe, smooth_curve, tube
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import ball, lathe, smooth_curve, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 BULB_SPACING_M = 0.30
 KINDS = ("BulbWarm", "BulbAmber", "BulbRose", "BulbTeal")

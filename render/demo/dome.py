@@ -13,9 +13,9 @@ import OpenImageIO
 
 from render.demo.bulbs import strings
 from render.demo.places import LAMP_POSTS, LANTERNS, TRAM_PLACE
+from render.demo.shapes.mesh import Array
+from render.demo.shapes.noise import Plane
 from render.errors import OutputError
-from render.shapes.mesh import Array
-from render.shapes.noise import Plane
 
 VIEWPOINT_M = np.array([0.2, 0.5, -4.5])
 HEIGHT_PX = 256

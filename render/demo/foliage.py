@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.shapes.kit import lathe, rounded_box, smooth_curve, surface, tube
-from render.shapes.mesh import Array, Mesh, merge, rotation, translation, unit
+from render.demo.shapes.kit import lathe, rounded_box, smooth_curve, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge, rotation, translation, unit
 
 
 def leaf(length: float = 0.09, width: float = 0.05, columns: int = 5, rows: int = 7) -> Mesh:

@@ -14,9 +14,9 @@ import numpy as np
 
 from render.demo.looks import AMBER, ROSE, TEAL, TUNGSTEN, Colour
 from render.demo.places import LANTERNS, NEON_PLACE, TRAM_PLACE
+from render.demo.shapes.mesh import Array
+from render.demo.shapes.noise import Plane
 from render.demo.textures import SETTS_TILE_M, setts_height, write_image
-from render.shapes.mesh import Array
-from render.shapes.noise import Plane
 
 EYE_M = np.array([0.0, 1.14, 0.15])
 LEFT_M, RIGHT_M, NEAR_Z_M, FAR_Z_M = -2.7, 2.7, -3.0, -23.0

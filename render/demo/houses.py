@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.shapes.kit import box, plate, rounded_box, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import box, plate, rounded_box, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 SHOP_HEIGHT_M, STOREY_M = 3.0, 2.75
 WINDOW_M = (0.92, 1.5)

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from render.demo.shapes.kit import ball, lathe, ring, smooth_curve, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 from render.demo.shells import Pillow, hand
-from render.shapes.kit import ball, lathe, ring, smooth_curve, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
 
 HEAD = Pillow((0.150, 0.185, 0.155), 2.3)
 CANOPY_RIBS = 8

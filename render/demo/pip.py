@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from render.demo.shapes.kit import ball, hoop, lathe, ring, smooth_curve, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 from render.demo.shells import Pillow, hand
-from render.shapes.kit import ball, hoop, lathe, ring, smooth_curve, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
 
 HEAD = Pillow((0.232, 0.176, 0.200), 2.7)
 EYE_PITCH, EYE_YAW = 0.03, 0.36

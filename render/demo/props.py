@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.shapes.kit import ball, box, disk, hoop, lathe, ring, rounded_box, smooth_curve, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import ball, box, disk, hoop, lathe, ring, rounded_box, smooth_curve, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 STALL_SIZE_M = (2.3, 1.0)
 

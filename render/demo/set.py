@@ -9,10 +9,10 @@ from render.demo import bulbs, foliage, props
 from render.demo.author import instance, stand, units, write_part
 from render.demo.houses import House, house_front, window
 from render.demo.places import LAMP_POSTS, LANTERNS, NEON_PLACE, TRAM_PLACE
+from render.demo.shapes.kit import ball
+from render.demo.shapes.mesh import Array, Mesh, rotation
 from render.demo.street import FAR_Z_M, KERB_M, WALL_M, street
 from render.demo.tram import tram
-from render.shapes.kit import ball
-from render.shapes.mesh import Array, Mesh, rotation
 
 SET, LIBRARY = "/World/Set", "/Props"
 CLOTH = ("AwningRed", "AwningTeal", "Cloth", "Leaf")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.shapes.kit import ball, hoop, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import ball, hoop, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from render.demo.places import RAILS_X_M
-from render.shapes.kit import box, plate, rounded_box, surface
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import box, plate, rounded_box, surface
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 HALF_WIDTH_M = 2.7  # from the middle of the street to a kerb
 WALL_M = 4.1  # from the middle of the street to the house fronts

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 
+from render.demo.shapes.noise import Plane, blurred, fractal_noise, lattice_noise, normal_map
 from render.errors import OutputError
-from render.shapes.noise import Plane, blurred, fractal_noise, lattice_noise, normal_map
 
 SETTS_TILE_M = 2.0
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.shapes.kit import box, lathe, plate, ring, rounded_box, smooth_curve, surface, tube
-from render.shapes.mesh import Array, Mesh, merge
+from render.demo.shapes.kit import box, lathe, plate, ring, rounded_box, smooth_curve, surface, tube
+from render.demo.shapes.mesh import Array, Mesh, merge
 
 WIDTH_M, LENGTH_M = 2.2, 7.5
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from render.drawing.page import DPI, file_of, style
 from render.optics.report.data_sheet import metres
 from render.output.encode import to_8_bit
-from render.shot.contact_sheet import ContactPicture, ContactSheet
+from render.pictures.contact_sheet import ContactPicture, ContactSheet
 
 TABLE, TITLE, DATA, RULE = "#161616", "#e4e4e4", "#9a9a9a", "#3a3a3a"
 """Neutral, and darker than middle grey, so that pictures are judged by themselves."""

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from render.drawing.page import BEAMS, DPI, FAINT, HAIRLINE, TINY, file_of, style
 
 if TYPE_CHECKING:
-    from render.bench.importance import ImportanceBench
+    from render.lab.bench.importance.run import ImportanceBench
 
 _ROOM_DB = 4.0
 

@@ -18,9 +18,9 @@ from matplotlib.patheffects import withStroke
 
 from render.drawing.page import style
 from render.errors import SettingsError
+from render.model.scene import Camera, FloatArray
 from render.near_names import hint
 from render.optics.framing import ASPECTS, Gate, framing_guide, shape
-from render.scene import Camera, FloatArray
 
 SAFE = {"action": 0.93, "title": 0.90}
 MARKS = ("safe", "thirds", "center")

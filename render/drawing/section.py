@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from render.drawing.page import BEAMS, FAINT, INK, SMALL, TINY, file_of, style
-from render.optics.focusing import FocusedLens
+from render.model.scene import Camera
+from render.optics.prescription.focusing import FocusedLens
 from render.optics.report import LensReport
 from render.optics.report.section import LensSection, lens_section
-from render.scene import Camera
 
 _LOW_INDEX, _HIGH_INDEX = 1.45, 1.9
 _ROOM = 0.04  # of the length, on both sides

@@ -14,7 +14,7 @@ from render.drawing.stamps import draw_bokeh, draw_spots, say_no_bokeh
 from render.drawing.tables import draw_blur, draw_character, draw_colour
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.data_sheet import metres
-from render.shot.lens_alone import LensAlone
+from render.shot.lens.lens_alone import LensAlone
 
 _INCHES = (16.0, 11.2)
 _LINE = 0.0143  # of the sheet's height, from one line of text to the next

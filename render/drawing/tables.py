@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, LIGHTS
-from render.lens import DataSheet, DoubleArray
+from render.model.lens import DataSheet, DoubleArray
 from render.optics.data_sheet import at_heights
 from render.optics.report import LensReport
 

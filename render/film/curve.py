@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 Knots = tuple[tuple[float, float], ...]
 """(log10 exposure, density), log exposure increasing."""

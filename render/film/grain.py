@@ -14,7 +14,7 @@ import numpy as np
 
 from render.film.curve import DoubleArray, Knots
 from render.film.noise import normal_noise
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 APERTURE_UM = 48.0
 """Diameter of the aperture through which granularity is stated."""

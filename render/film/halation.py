@@ -15,7 +15,7 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.film.curve import DoubleArray
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 BASE_INDEX = 1.48
 """Refractive index of a film base of cellulose triacetate."""

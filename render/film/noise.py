@@ -1,7 +1,7 @@
 """Random numbers that belong to a place: the same for whoever asks, in whatever order, here and on the device.
 
 Each pixel's numbers are a hash of where it is (PCG in four dimensions: Jarzynski & Olano 2020, "Hash Functions for GPU
-Rendering", JCGT 9:3), made normal by Box & Muller (1958). `render/shaders/noise.glsl` is the same, operation by operation.
+Rendering", JCGT 9:3), made normal by Box & Muller (1958). `render/shaders/film/noise.glsl` is the same, operation by operation.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 CHANNELS = 4
 """Numbers that one pixel has."""

@@ -11,7 +11,7 @@ from render.errors import SettingsError
 from render.film.curve import DoubleArray
 from render.film.noise import normal_noise
 from render.film.stock import MIDDLE_GREY
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 MIN_ISO, MAX_ISO = 0.01, 1e7
 """The slowest plates, and beyond the fastest sensors."""

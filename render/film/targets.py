@@ -7,7 +7,7 @@ import numpy as np
 from render.colour import to_working
 from render.film.curve import DoubleArray
 from render.film.stock import MIDDLE_GREY
-from render.scene import FloatArray
+from render.model.scene import FloatArray
 
 WEDGE_STEPS = 21
 WEDGE_STOPS = 7.0

@@ -12,7 +12,7 @@ from render.focus.solve import (
     solve_distances,
     solve_focus,
 )
-from render.lens_law import LensLaw
+from render.model.lens_law import LensLaw
 
 __all__ = [
     "FocusCurve",

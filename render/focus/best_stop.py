@@ -1,7 +1,8 @@
 """The best stop: the focus and the widest f-number that hold every point within its circle of confusion.
 
 A focus puller's split, between any number of points. Point i may have a circle of c_i, and has ``K(x)·|w_i − x| / N`` for a focus
-at x (`render.lens_law`). So the least f-number belongs to the focus that minimises the largest ``|w_i − x| / c_i``, the middle of
+at x (`render.model.lens_law`). So the least f-number belongs to the focus that minimises the largest ``|w_i − x| / c_i``, the
+middle of
 the extremes where all circles are alike (K does not move it, since it is the same for all). Two points weigh against each other
 there, the split's near and far one. They are found by taking, for a guess of t, those whose ranges ``w ± t·c`` lie farthest apart
 and enlarging t until these touch; t only grows and each pair comes up once, so that ends after few rounds.
@@ -21,7 +22,7 @@ from render.errors import SettingsError
 from render.focus.influence import STATES, Occluded, state_codes, strengths
 from render.focus.points import FocusTargets
 from render.focus.solve import FocusLimit, FocusSolutions, FocusSource, why
-from render.lens_law import LensLaw
+from render.model.lens_law import LensLaw
 
 DoubleArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

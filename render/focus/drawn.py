@@ -1,6 +1,6 @@
 """Focus drawn over the frame: half lenses (split diopters), and curvature of field (Lee, Eisemann & Seidel 2010, section 5.3).
 
-This makes the data of `render.focal_surface`; `render.focus.surface` evaluates it, and the tracer does so for each pixel.
+This makes the data of `render.model.focal_surface`; `render.focus.surface` evaluates it, and the tracer does so for each pixel.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.focal_surface import Controls, DoubleArray, FocalSurface, HalfLens
 from render.focus.surface import focused_at
-from render.scene import Camera
+from render.model.focal_surface import Controls, DoubleArray, FocalSurface, HalfLens
+from render.model.scene import Camera
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What no lens can do: a focal surface through focus points (Lee, Eisemann & Seidel 2010, section 5.2).
 
-This makes the data of `render.focal_surface`; `render.focus.surface` evaluates it, and the tracer does so for each pixel.
+This makes the data of `render.model.focal_surface`; `render.focus.surface` evaluates it, and the tracer does so for each pixel.
 
 A focus point comes and goes by its *fade*, from 1 (there) to 0 (not there): as it is switched, hidden, or leaves the picture.
 The surface changes continuously with it, everywhere at once, and for a fade of 0 it is the surface without the point. A smaller
@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import SettingsError
-from render.focal_surface import MAX_CONTROLS, Controls, DoubleArray, FocalPlane
 from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
 from render.focus.surface import NEAREST_SLOPE, on_plane
+from render.model.focal_surface import MAX_CONTROLS, Controls, DoubleArray, FocalPlane
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]

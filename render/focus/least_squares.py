@@ -4,7 +4,8 @@ Sought is the focus x, in inverse depth, that has least
 
     E(x) = Σ a_i · (s(x)·|w_i − x| − c_i)²            Σ a_i = 1
 
-with s the growth of the circle of confusion, which may depend on the focus (`render.lens_law`), and c_i the circle that point i
+with s the growth of the circle of confusion, which may depend on the focus (`render.model.lens_law`), and c_i the circle that
+point i
 shall have. With ``1/s(x) = α + β·x`` and x between two neighbouring points that want a circle, where every ``|w_i − x|`` has a
 fixed sign and ``Σ a c |w − x| = σ·x + τ``, the derivative of E has one zero (μ the mean of w, V its variance, κ = σα − βτ):
 
@@ -21,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.lens_law import LensLaw
+from render.model.lens_law import LensLaw
 
 DoubleArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

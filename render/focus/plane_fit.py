@@ -2,7 +2,7 @@
 
 Fits are weighted least squares in inverse depth w, in which every plane of the world is affine in the slopes s = (X/z, Y/z): the
 circle of confusion of a point is proportional to its w less the plane's. Over many frames planes are arrays ``(n, 3)`` of w0,
-slope_x and slope_y, as in `render.focal_surface.FocalPlane`; `render.focus.tilt` turns them into tilt and swing.
+slope_x and slope_y, as in `render.model.focal_surface.FocalPlane`; `render.focus.tilt` turns them into tilt and swing.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-from render.focal_surface import FocalPlane
 from render.focus.points import FocusTargets
+from render.model.focal_surface import FocalPlane
 
 DoubleArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

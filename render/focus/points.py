@@ -254,7 +254,7 @@ class FocusTargets:
 
         Args:
             tilts: ``(n, 2)`` how the plane's w changes with the slope to the right and up, as in
-                `render.focal_surface.FocalPlane`; or 0.
+                `render.model.focal_surface.FocalPlane`; or 0.
         """
         rise = np.broadcast_to(np.asarray(tilts, np.float64), (self.frames, 2))
         if not rise.any():

@@ -27,7 +27,7 @@ from render.errors import SettingsError
 from render.focus.influence import STATES, Occluded, PointState, counts, state_codes
 from render.focus.least_squares import BestFocus, best_focus
 from render.focus.points import FocusTarget, FocusTargets
-from render.lens_law import LensLaw
+from render.model.lens_law import LensLaw
 
 __all__ = [
     "STATES",

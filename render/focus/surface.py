@@ -1,6 +1,7 @@
 """The one focal surface: where a place of the picture is focused, and how large the pupil is there.
 
-`render/shaders/focal_surface.glsl` says the same for the tracer; a test holds the two together. The interpolation is Shepard's
+`render/shaders/trace/focal_surface.comp` says the same for the tracer; a test holds the two together. The interpolation is
+Shepard's
 (1968), which is moving least squares with constants (Lancaster & Salkauskas 1981): it never leaves the range of its values, so
 that no focus is asked for that nobody asked for, as a fit of higher order would between and beyond the places.
 """
@@ -9,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.focal_surface import Controls, DoubleArray, FocalPlane, FocalSurface, HalfLens
+from render.model.focal_surface import Controls, DoubleArray, FocalPlane, FocalSurface, HalfLens
 
 NEAREST_SLOPE = 1e-7
 """Distances are no smaller than this, far below any pixel: a place's own weight stays finite, and its value all but alone."""

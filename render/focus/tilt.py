@@ -11,7 +11,7 @@ Merklinger's hinge rule ("Focusing the View Camera", 1996, ch. 4 and 5): the pla
 parallel to the film, z = 0, at a distance of ``1/|g| = f / sin(angle)``.
 
 The lens is swung about the camera's +Y axis (positive looks to the left), then tilted about the camera's +X axis (positive looks
-up). Over many frames planes are arrays ``(n, 3)`` of w0, slope_x and slope_y, as in `render.focal_surface.FocalPlane`.
+up). Over many frames planes are arrays ``(n, 3)`` of w0, slope_x and slope_y, as in `render.model.focal_surface.FocalPlane`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-from render.focal_surface import FocalPlane
 from render.focus.plane_fit import (
     PlaneFit,
     PlaneFits,
@@ -35,6 +34,7 @@ from render.focus.plane_fit import (
     limited,
     plane_through,
 )
+from render.model.focal_surface import FocalPlane
 
 __all__ = [
     "PlaneFit",

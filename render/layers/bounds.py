@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.scene import Batch, DoubleArray, FloatArray, Geometry
+from render.model.scene import Batch, DoubleArray, FloatArray, Geometry
 
 CLUSTER_TRIANGLES = 64
 """Triangles in a cluster, in the order of the geometry, where neighbours mostly follow each other."""

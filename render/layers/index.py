@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from render.gl.compat import GL, pyrender
 from render.layers.bounds import BoxCache
 from render.layers.materials import HalfTexture, PreviewSurface
-from render.scene import Batch, DoubleArray, FloatArray, Geometry, Image, IntArray, Material, Scene, Wrap
+from render.model.scene import Batch, DoubleArray, FloatArray, Geometry, Image, IntArray, Material, Scene, Wrap
 
 IndexArray = NDArray[np.intp]
 DrawKey = tuple[int, int, int, bool]

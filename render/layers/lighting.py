@@ -15,8 +15,8 @@ from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
 from render.layers.shadow_maps import ShadowMaps
 from render.layers.shadows import ShadowPlan, Sphere, plan_shadows
 from render.layers.targets import LayerTargets
+from render.model.scene import Dome, Image, Light, Scene
 from render.optics.view import PinholeView
-from render.scene import Dome, Image, Light, Scene
 
 
 class Lighting:
@@ -67,7 +67,7 @@ class Lighting:
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
         """Draw what is seen past all surfaces: the dome, or nothing."""
         dome = self._dome
-        program = self._programs.compute("background.comp")
+        program = self._programs.compute("layers/background.comp")
         rotation = np.eye(4)
         if dome is not None:
             rotation[:3, :3] = np.linalg.inv(unit_axes(dome.pose)) @ np.linalg.inv(view.camera_from_world)[:3, :3]

@@ -1,4 +1,4 @@
-"""UsdLux lights and the dome as the uniform blocks that ``lighting.glsl`` reads.
+"""UsdLux lights and the dome as the uniform blocks that ``layers/lighting.glsl`` reads.
 
 pyrender binds at most four lights of a kind, one uniform call for each number and primitive; one block for the whole
 frame has room for all that a shot uses and costs nothing per primitive.
@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from render.scene import Dome, DoubleArray, FloatArray, Light
+from render.model.scene import Dome, DoubleArray, FloatArray, Light
 
 MAX_LIGHTS = 96
 _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}

@@ -6,7 +6,7 @@ import numpy as np
 
 from render.gl.compat import GL, half_float_image, pyrender
 from render.gl.held import Making
-from render.scene import FloatArray, Image, Material, TextureLookup, Wrap
+from render.model.scene import FloatArray, Image, Material, TextureLookup, Wrap
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
 """The material inputs that may come from a texture; a lookup's place in the shader's table."""
@@ -47,7 +47,7 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]
-    """A UsdPreviewSurface for ``material.glsl``: its uniform block's bytes, its textures and its shader defines."""
+    """A UsdPreviewSurface for ``layers/material.glsl``: its uniform block's bytes, its textures and its shader defines."""
 
     def __init__(self, material: Material, textures: dict[str, HalfTexture]) -> None:
         """``textures`` holds one texture for each entry of ``material.lookups``."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.scene import Batch, DoubleArray, FloatArray, Scene
 from render.optics.view import PinholeView
-from render.scene import Batch, DoubleArray, FloatArray, Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from render.optics.view import PinholeView
 
 _LANDING, _SWEPT = 10, 11  # as the shaders bind them
 _GROUP = 8
-_MOST_TRIES = 20  # of march_moving.glsl, in one stretch of a ray
+_MOST_TRIES = 20  # of trace/march_moving.glsl, in one stretch of a ray
 _KINDS = 4  # of movers that are kept of a block and layer: the fastest and the slowest, in either half of the time
 
 
@@ -52,7 +52,7 @@ class Movers:
 
     def _find(self) -> None:
         packs = self._layers.targets.packed_w
-        program = self._programs.compute("movers.comp")
+        program = self._programs.compute("layers/movers.comp")
         packs[0].use(0)
         packs[min(1, len(packs) - 1)].use(1)
         self._motion.use(2)
@@ -68,7 +68,7 @@ class Movers:
     def land(self, since: float) -> None:
         """Find what may be in each block at a moment: from -0.5, when the shutter opens, to 0.5."""
         self._landing.clear()
-        program = self._programs.compute("landing.comp")
+        program = self._programs.compute("lens/landing.comp")
         self._movers.use(0)
         self._landing.bind_to_storage_buffer(_LANDING)
         for settles in (False, True):

@@ -12,9 +12,9 @@ from render.errors import GraphicsError
 from render.gl.held import Making
 from render.layers.index import Draw
 from render.layers.movement import Movement
-from render.scene import DoubleArray
+from render.model.scene import DoubleArray
 
-_POSES, _POSITIONS = 9, 10  # as surface.vert binds them
+_POSES, _POSITIONS = 9, 10  # as layers/surface.vert binds them
 
 
 class MovingDraws:

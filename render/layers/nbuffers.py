@@ -63,13 +63,13 @@ class NBufferBuilder:
         if movers is not None:
             moving = {"MOVERS": 1}
             movers.bind_swept()
-        self._fill(self._programs.compute("blocks.comp", {"EMPTY_MIN": EMPTY_MIN, **moving}), layers, ranges)
-        self._raise("nbuffer.comp", ranges)
-        program = self._programs.compute("bins.comp", moving)
+        self._fill(self._programs.compute("layers/blocks.comp", {"EMPTY_MIN": EMPTY_MIN, **moving}), layers, ranges)
+        self._raise("layers/nbuffer.comp", ranges)
+        program = self._programs.compute("layers/bins.comp", moving)
         ranges.use(4)
         set_uniforms(program, ranges=4, last_level=levels - 1)
         self._fill(program, layers, bins)
-        self._raise("bins_level.comp", bins)
+        self._raise("layers/bins_level.comp", bins)
         built = NBuffers(ranges, bins, levels)
         if movers is None:
             self._built = layers, built

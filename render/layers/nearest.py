@@ -16,8 +16,8 @@ import numpy as np
 
 from render.layers.bounds import CLUSTER_TRIANGLES
 from render.layers.index import IndexArray, SceneIndex
+from render.model.scene import Batch, DoubleArray, FloatArray
 from render.optics.view import PinholeView
-from render.scene import Batch, DoubleArray, FloatArray
 
 MAX_STEPS = 200
 """Times that boxes are opened; the answer is then the depth of the box that would have been the next, which is no farther."""

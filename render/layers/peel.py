@@ -25,8 +25,8 @@ from render.layers.shadows import Sphere, sphere_around
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
+from render.model.scene import DoubleArray, Scene
 from render.optics.view import PinholeView
-from render.scene import DoubleArray, Scene
 
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
 

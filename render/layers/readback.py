@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from render.layers.peel import Peeler
 from render.layers.targets import SurfaceTargets
+from render.model.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
 from render.optics.view import PinholeView
-from render.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Pick:
         face: index of the authored face.
         fan_triangle: which triangle of the face's fan, corners ``(0, i + 1, i + 2)``.
         barycentric: weights of those corners.
-        instance: as `render.scene.Batch.instance_numbers` has it, or -1.
+        instance: as `render.model.scene.Batch.instance_numbers` has it, or -1.
         prototype_path: the mesh inside the PointInstancer's prototype, or None.
         depth_m: along the view axis, from the entrance pupil.
         position_m: in the world.

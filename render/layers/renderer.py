@@ -22,8 +22,8 @@ from render.layers.pieces import Pieces, Share
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
+from render.model.scene import DoubleArray, FloatArray
 from render.optics.view import PinholeView
-from render.scene import DoubleArray, FloatArray
 
 OPAQUE = 0.999
 """Opacity from which a surface hides what is behind it."""
@@ -39,13 +39,13 @@ class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc
 
     def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...]) -> None:
         """``maps`` are the names of the material's samplers, in the order of their texture units."""
-        super().__init__(str(SHADER_DIR / "surface.vert"), str(SHADER_DIR / fragment), defines=defines)
+        super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
         self.maps = maps
         self._locations: dict[str, int] = {}
         self._add_to_context()
 
     def _load(self, shader_filename: str) -> str:
-        return load_source(Path(shader_filename).name, self.defines)
+        return load_source(Path(shader_filename).relative_to(SHADER_DIR).as_posix(), self.defines)
 
     def _add_to_context(self) -> None:
         super()._add_to_context()
@@ -92,7 +92,7 @@ class LayerPass:
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
-    """Draws a `SceneIndex` with ``surface.vert``, and ``depth.frag`` before ``surface.frag``.
+    """Draws a `SceneIndex` with ``layers/surface.vert``, and ``layers/depth.frag`` before ``layers/surface.frag``.
 
     pyrender keeps the meshes and textures in the context (`_update_context`) and draws the primitives with their
     instances; programs, materials, lights and targets are bound here.
@@ -267,7 +267,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             defines |= moving.defines(draw)
         if draw.may_be_clear:
             defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
-        return self._program("depth.frag", draw, defines)
+        return self._program("layers/depth.frag", draw, defines)
 
     def _surface_program(
         self, draw: Draw, least_opacity: float, *, unlit: bool, moving: MovingDraws | None
@@ -277,7 +277,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             defines |= moving.defines(draw)
         if draw.may_be_clear:
             defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
-        return self._program("surface.frag", draw, defines)
+        return self._program("layers/surface.frag", draw, defines)
 
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
         primitive = draw.node.mesh.primitives[0]

@@ -72,9 +72,10 @@ class LayerTargets:
         radiance: a slice of RGBA16F for each layer; not written, and so of no meaning, where the layer's w is 0.
         packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, where so many are held, 4 to 7: 0 where empty, negative
             where partly transparent.
-        packed_slopes: RGBA16UI, how these slope, packed likewise (``slopes.glsl``); of no meaning where w is 0.
+        packed_slopes: RGBA16UI, how these slope, packed likewise (``trace/slopes.glsl``); of no meaning where w is 0.
         background: RGBA16F, what a ray sees that meets no surface.
-        motion: a slice of RGBA32UI for each layer, how its surface moves while the shutter is open (``carried.glsl``), of no
+        motion: a slice of RGBA32UI for each layer, how its surface moves while the shutter is open (``layers/carried.glsl``),
+        of no
             meaning where w is 0; None where nothing keeps it.
         slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from render.scene import DoubleArray, IntArray
+from render.model.scene import DoubleArray, IntArray
 
 BoolArray = NDArray[np.bool_]
 

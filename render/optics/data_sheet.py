@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import AberrationScales, DataSheet, DoubleArray
+from render.model.lens import AberrationScales, DataSheet, DoubleArray
 
 MIDDLE_NM, SPAN_NM = 562.5, 175.0
 """Colour errors are stated between 475 and 650 nm and taken as linear between."""
@@ -199,7 +199,7 @@ def at_heights(sheet: DataSheet, name: str, heights_mm: DoubleArray) -> DoubleAr
 
     Args:
         sheet: the tables.
-        name: of a field of `render.lens.DataSheet`.
+        name: of a field of `render.model.lens.DataSheet`.
         heights_mm: ``(h,)`` on the film.
     """
     values = np.array(getattr(sheet, name), np.float64)

@@ -11,15 +11,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.lens import DataSheet, SeidelErrors
+from render.model.lens import DataSheet, SeidelErrors
+from render.model.scene import Camera, DoubleArray
 from render.optics.data_sheet import seen_slopes
-from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
-from render.optics.mounting import has_surfaces, mounted
-from render.optics.principal_rays import principal_rays
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.principal_rays import principal_rays
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
-from render.scene import Camera, DoubleArray
 
 _SAMPLES = 257
 _BISECTIONS = 50

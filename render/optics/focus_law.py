@@ -12,12 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.lens import DoubleArray, Prescription
-from render.lens_law import NO_LIMIT_W, LensLaw
-from render.optics.focus_mechanism import LONGEST_WAY, FocusMechanism
-from render.optics.mounting import has_surfaces, scaled_to
-from render.optics.paraxial import entrance_pupil
-from render.scene import Camera
+from render.model.lens import DoubleArray, Prescription
+from render.model.lens_law import NO_LIMIT_W, LensLaw
+from render.model.scene import Camera
+from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
+from render.optics.prescription.mounting import has_surfaces, scaled_to
+from render.optics.prescription.paraxial import entrance_pupil
 
 _STEPS = 33
 _AT_INFINITY_W = 1e-9  # of the nearest focus of a lens that does not focus at all

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.lens import AberrationScales, DoubleArray, Lens
+from render.model.lens import AberrationScales, DoubleArray, Lens
 
 
 def is_drawn(lens: Lens) -> bool:

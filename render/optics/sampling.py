@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import DoubleArray, IntArray
 from render.optics.blue_noise import SIDE, blue_noise_ranks
 from render.optics.iris import fill_iris
-from render.scene import DoubleArray, IntArray
 
 MAX_RAYS = 4096
 PATTERNS = 64

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.lens import DoubleArray
+from render.model.lens import DoubleArray
 from render.optics.glass import D_LINE_NM
 
 MAX_WAVELENGTHS = 64

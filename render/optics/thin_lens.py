@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.focal_surface import FocalPlane, FocalSurface
-from render.scene import Camera, FloatArray
+from render.model.focal_surface import FocalPlane, FocalSurface
+from render.model.scene import Camera, FloatArray
 
 
 def pupil_radius_m(camera: Camera) -> float:

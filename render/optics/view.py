@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import CameraError, SettingsError
-from render.focal_surface import FocalPlane
-from render.optics.mounting import breathing_ratio, has_surfaces
-from render.scene import Camera, DoubleArray
+from render.model.focal_surface import FocalPlane
+from render.model.scene import Camera, DoubleArray
+from render.optics.prescription.mounting import breathing_ratio, has_surfaces
 
 MAX_PICTURE_SIDE_PX = 16384
 

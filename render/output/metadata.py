@@ -10,8 +10,8 @@ from fractions import Fraction
 import numpy as np
 
 from render.film import FilmSettings, Grade
+from render.model.scene import Camera, DoubleArray
 from render.optics.view import PinholeView
-from render.scene import Camera, DoubleArray
 
 SOFTWARE = "Pullfocus"
 

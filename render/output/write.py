@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 
 from render.files import write_atomic
+from render.model.scene import FloatArray
 from render.output.encode import FrameArrays, encode
 from render.output.formats import format_of
 from render.output.metadata import FrameMetadata
-from render.scene import FloatArray
 
 
 def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> None:

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from render.model.scene import DoubleArray, FloatArray
 from render.optics.view import PinholeView
 from render.postblur.picture_errors import SIGMAS, PictureErrors
-from render.scene import DoubleArray, FloatArray
 
 COMA_POINTS = 64
 """Points of the pupil that coma's flare is drawn with."""

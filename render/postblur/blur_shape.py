@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import DoubleArray, FloatArray
 from render.optics.iris import rim_radius
-from render.scene import DoubleArray, FloatArray
 
 COLUMNS = 257
 """Places across the shape at which its edges are tabled."""

@@ -14,7 +14,8 @@ from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import Camera, FloatArray
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur
@@ -23,7 +24,6 @@ from render.postblur.importance import ImportanceBlur
 from render.postblur.linear import LinearBlur
 from render.postblur.scatter import ScatterBlur
 from render.postblur.sides import Blur, Collector
-from render.scene import Camera, FloatArray
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import PictureFocus, picture_focus

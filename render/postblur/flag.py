@@ -97,7 +97,7 @@ class Flag:
         with Making() as making:
             light = making.keep(self._ctx.texture((width, height), 4, dtype="f4"))
             radii = making.keep(self._ctx.texture((width, height), 2, dtype="f4"))
-        program = self._programs.compute("flag_reduce.comp")
+        program = self._programs.compute("flag/flag_reduce.comp")
         field.light.use(0)
         field.radii.use(1)
         set_uniforms(program, light=0, radii=1, channel=field.channel, shrink=shrink)
@@ -159,7 +159,7 @@ class Flag:
         """The largest values of stretches of rows or of columns."""
         size = [-(-side // _TILE) if step else side for side, step in zip(values.size, along, strict=True)]
         made = held.keep(self._ctx.texture((size[0], size[1]), 1, dtype="f4"))
-        program = self._programs.compute("flag_widest.comp", {"TILE": _TILE})
+        program = self._programs.compute("flag/flag_widest.comp", {"TILE": _TILE})
         values.use(0)
         set_uniforms(program, values=0, along=along)
         made.bind_to_image(0, read=False, write=True)
@@ -169,4 +169,6 @@ class Flag:
 
     def _made(self, two_sided: bool) -> tuple[moderngl.ComputeShader, moderngl.ComputeShader]:
         defines: Defines = {"TILE": _TILE} | OUTLINE_DEFINES | ({"TWO_SIDED": 1} if two_sided else {})
-        return self._programs.compute("flag_rows.comp", defines), self._programs.compute("flag_columns.comp", defines)
+        return self._programs.compute("flag/flag_rows.comp", defines), self._programs.compute(
+            "flag/flag_columns.comp", defines
+        )

@@ -43,7 +43,7 @@ class Gather:
             window: the light that is meant.
         """
         most = max(1, int(np.ceil(most_px)))
-        program = self._programs.compute("gather.comp", OUTLINE_DEFINES)
+        program = self._programs.compute("postblur/gather.comp", OUTLINE_DEFINES)
         with Held() as held:
             shed = self._shedder.shed(field, shape, most, window, held)
             for unit, texture in enumerate((shed.light, shed.reach, shed.outline)):

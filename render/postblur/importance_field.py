@@ -175,7 +175,9 @@ class ImportanceField:
 
     def _compared(self, field: Field, *, is_ordered: bool) -> int | None:
         """Take a field, and find what has changed in it: how many pixels; None where it is to be spread afresh."""
-        program = self._programs.compute("linear_take.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {}))
+        program = self._programs.compute(
+            "linear/linear_take.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {})
+        )
         self._is_ordered = is_ordered
         self._may_wait = self._may_wait or is_ordered
         if is_ordered:
@@ -227,7 +229,7 @@ class ImportanceField:
             "light_last": self._light,
             "state_last": self._state,
         }
-        mark = self._programs.compute("importance_mark.comp", self._picking)
+        mark = self._programs.compute("importance/importance_mark.comp", self._picking)
         made.bound(mark, **states)
         set_uniforms(mark, has_cutoff=made.has_cutoff)
         for unit, marks in ((3, self._reached), (4, self._judged)):
@@ -251,7 +253,7 @@ class ImportanceField:
         return {"PICKED": 1} if self._is_ordered else {}
 
     def _pick(self, first: int, end: int) -> None:
-        program = self._programs.compute("importance_pick.comp")
+        program = self._programs.compute("importance/importance_pick.comp")
         self._picked.clear()
         self._picked.bind_to_storage_buffer(5)
         self._sorter.order.bind_to_storage_buffer(6)
@@ -266,7 +268,7 @@ class ImportanceField:
         defines = (
             self._picking | ({"CUTOFF": 1} if made.has_cutoff else {}) | ({"WAITING": 1} if self._may_wait else {})
         )
-        program = self._programs.compute("importance_settle.comp", defines)
+        program = self._programs.compute("importance/importance_settle.comp", defines)
         made.bound(program, light_now=made.light, state_now=made.state)
         set_uniforms(program, beyond_px=made.tables.beyond_px)
         for unit, image in enumerate((self._light, self._state, self._before, self._sorter.waiting)):
@@ -298,7 +300,7 @@ class ImportanceField:
 
     def _list(self, marks: moderngl.Buffer) -> int:
         """List the tiles that are marked; how many there are."""
-        program = self._programs.compute("importance_list.comp")
+        program = self._programs.compute("importance/importance_list.comp")
         self._listed.write(bytes(4))
         self._listed.bind_to_storage_buffer(3)
         marks.bind_to_storage_buffer(4)

@@ -62,7 +62,7 @@ class ChangeSorter:
         self.waiting.write(bytes(4 * width * height))
 
     def bind(self, program: moderngl.ComputeShader) -> None:
-        """Let a variant of linear_take.comp count what goes into each bucket."""
+        """Let a variant of linear/linear_take.comp count what goes into each bucket."""
         weights = self._importance
         set_uniforms(program, coc_weight=weights.coc_weight, rgb_weight=weights.rgb_weight, chunks=self._chunks)
         set_uniforms(program, is_perceptual=weights.is_perceptual)
@@ -71,7 +71,7 @@ class ChangeSorter:
 
     def sort(self) -> None:
         """Put in order what was counted."""
-        scan, sort = (self._programs.compute(f"importance_{name}.comp") for name in ("scan", "sort"))
+        scan, sort = (self._programs.compute(f"importance/importance_{name}.comp") for name in ("scan", "sort"))
         self._counts.bind_to_storage_buffer(6)
         set_uniforms(scan, chunks=self._chunks)
         scan.run(1)

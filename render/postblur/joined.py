@@ -83,7 +83,7 @@ class Joiner:
             blurred: its parts by their names; without a middle one where the far side is one.
             held: keeps the picture.
         """
-        program = self._programs.compute("postblur_join.comp", {"MIDDLE": 1} if "middle" in blurred else {})
+        program = self._programs.compute("postblur/postblur_join.comp", {"MIDDLE": 1} if "middle" in blurred else {})
         textures = {"far_sharp": sides.far, "radii": sides.radii}
         for name, part in blurred.items():
             textures |= {name: part.fine, f"{name}_wide": part.wide or part.fine}

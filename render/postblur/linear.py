@@ -52,7 +52,7 @@ class FieldSpreader:
     Attributes:
         light: the field's, as it was taken.
         state: number of the table of each pixel, and its radius.
-        shedding: what half tiles shed light (`linear_take.comp`).
+        shedding: what half tiles shed light (`linear/linear_take.comp`).
         reaches: how far.
         filled: in which tiles any do.
         shown: the sum of weighted light, and that of weights.
@@ -147,7 +147,7 @@ class FieldSpreader:
             field: of the size that was fitted.
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
         """
-        program = self._programs.compute("linear_take.comp")
+        program = self._programs.compute("linear/linear_take.comp")
         buffers = self.shedding, self.reaches, self.filled
         if not self.run_take(program, field, side, buffers)[0]:
             self.run_take(program, field, side, buffers)  # at a scale that is its own
@@ -212,10 +212,10 @@ class FieldSpreader:
 
     def spreading(self, **defines: int) -> moderngl.ComputeShader:
         """A variant of linear_spread.comp."""
-        return self._programs.compute("linear_spread.comp", {"ROWS": self._rows, **defines})
+        return self._programs.compute("linear/linear_spread.comp", {"ROWS": self._rows, **defines})
 
     def bind_spread(self, program: moderngl.ComputeShader, buffers: Buffers) -> None:
-        """Tell a variant of linear_spread.comp of tiles and tables, and what it draws on."""
+        """Tell a variant of linear/linear_spread.comp of tiles and tables, and what it draws on."""
         half = self.tables.half
         set_uniforms(program, half_px=half, cutoff_px=self._cutoff_px, has_cutoff=self.has_cutoff, tiles=self.tiles)
         set_uniforms(program, tiles_around=-(-half // TILE), first_difference=self.tables.count)

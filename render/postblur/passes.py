@@ -7,15 +7,15 @@ import numpy as np
 
 from render.gl.held import Held
 from render.gl.shaders import load_source, set_uniforms
+from render.model.scene import FloatArray
 from render.optics.view import PinholeView
 from render.postblur.aberrate import COMA_POINTS, LEAST_COMA_PX, THREE_TAPS, coma_points
 from render.postblur.picture_errors import SIGMAS, PictureErrors
-from render.scene import FloatArray
 
 _ROWS, _FLARE = 4, 5  # as the shaders bind them
 _LINES = 4  # that blur runs along: rows, columns, the radius and across it
 _DEFINES = {"ROW_LENGTH": 14, "SIGMAS": SIGMAS, "THREE_TAPS": THREE_TAPS}
-_BEND, _BLUR, _COMA = "aberrate_bend.comp", "aberrate_blur.comp", "aberrate_coma.comp"
+_BEND, _BLUR, _COMA = "postblur/aberrate_bend.comp", "postblur/aberrate_blur.comp", "postblur/aberrate_coma.comp"
 
 
 def aberrated_on(ctx: moderngl.Context, picture: FloatArray, view: PinholeView, errors: PictureErrors) -> FloatArray:

@@ -14,10 +14,10 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import PREVIEW, SKETCH, Layers, Peeler
 from render.layers.umbra import umbra_reach
+from render.model.scene import Camera, FloatArray
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.engine import PostBlurEngine
-from render.scene import Camera, FloatArray
 from render.trace.lens import LensEngine
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern

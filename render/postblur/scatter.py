@@ -45,7 +45,7 @@ class ScatterBlur:
         with Held() as passing:
             near_sum = self._sum(near, sides.most_px, passing)
             far_sum = self._sum(far, sides.most_px, passing)
-            program = self._programs.compute("scatter_finish.comp")
+            program = self._programs.compute("scatter/scatter_finish.comp")
             near.bind(program)
             for unit, (name, texture) in enumerate(
                 (("far", sides.far), ("near_sum", near_sum), ("far_sum", far_sum)), start=2
@@ -58,7 +58,7 @@ class ScatterBlur:
     def _sum(self, points: Points, most_px: float, held: Held) -> moderngl.Texture:
         """All that the points of a side shed, from the front to the back."""
         total = held.keep(self._ctx.texture(points.light.size, 4, dtype="f4"))
-        program = self._programs.compute("scatter_sharp.comp")
+        program = self._programs.compute("scatter/scatter_sharp.comp")
         points.bind(program)
         set_uniforms(program, is_kept=points.behind)
         self._run(program, total, read=False)
@@ -89,7 +89,7 @@ class ScatterBlur:
         size = tuple(-(-side // shrink) for side in points.light.size)
         light = held.keep(self._ctx.texture(size, 4, dtype="f4"))
         radii = held.keep(self._ctx.texture(size, 1, dtype="f4"))
-        program = self._programs.compute("scatter_reduce.comp")
+        program = self._programs.compute("scatter/scatter_reduce.comp")
         points.bind(program)
         set_uniforms(program, shrink=shrink, bounds=bounds)
         radii.bind_to_image(1, read=False, write=True)
@@ -97,7 +97,7 @@ class ScatterBlur:
         return Points(light, radii, 0, points.spot.reduced(shrink), points.behind)
 
     def _join(self, total: moderngl.Texture, light: moderngl.Texture, shrink: int) -> None:
-        program = self._programs.compute("scatter_join.comp")
+        program = self._programs.compute("scatter/scatter_join.comp")
         light.use(0)
         set_uniforms(program, class_light=0, class_px=tuple(float(shrink * side) for side in light.size))
         self._run(program, total, read=True)

@@ -47,7 +47,7 @@ class Points:
     behind: bool
 
     def bind(self, program: moderngl.ComputeShader | moderngl.Program) -> None:
-        """Let a shader that includes ``scatter.glsl`` know them."""
+        """Let a shader that includes ``scatter/scatter.glsl`` know them."""
         self.light.use(0)
         self.radii.use(1)
         p, q, r = self.spot.moments
@@ -103,7 +103,7 @@ class Splats:
         classes = len(edges) - 1
         counts = held.keep(self._ctx.buffer(reserve=4 * classes * groups[0] * groups[1]))
         program = self._programs.compute(
-            "scatter_plan.comp",
+            "scatter/scatter_plan.comp",
             {"CLASSES": classes, "WIDER": WIDER, "SPAN": SPAN, "SHIFT": SHIFT, "MOST_SHIFT": MOST_SHIFT_PX},
         )
         points.bind(program)
@@ -125,7 +125,7 @@ class Splats:
         before = np.cumsum(counts) - counts.ravel()
         offsets = held.keep(self._ctx.buffer(before.astype(np.uint32).tobytes()))
         spots = held.keep(self._ctx.buffer(reserve=4 * int(counts.sum())))
-        program = self._programs.compute("scatter_list.comp", {"CLASSES": len(counts)})
+        program = self._programs.compute("scatter/scatter_list.comp", {"CLASSES": len(counts)})
         plan.use(0)
         set_uniforms(program, plan=0)
         offsets.bind_to_storage_buffer(_OFFSETS)
@@ -182,7 +182,7 @@ class Splats:
         if self._program is None:
             try:
                 self._program = self._ctx.program(
-                    load_source("scatter.vert", {"STEPS": f"{STEPS}.0"}), load_source("scatter.frag")
+                    load_source("scatter/scatter.vert", {"STEPS": f"{STEPS}.0"}), load_source("scatter/scatter.frag")
                 )
             except moderngl.Error as error:
                 raise GraphicsError(f"the shaders of scattering did not compile: {error}") from error

@@ -16,10 +16,10 @@ from functools import cached_property
 
 import numpy as np
 
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import DoubleArray, FloatArray, IntArray
 from render.optics.iris import fill_iris
 from render.postblur.scatter_axis import AxisSpot
-from render.scene import DoubleArray, FloatArray, IntArray
 
 SIDES = (1, 2, 4, 8)
 """Of squares of alike pixels that are drawn as one."""

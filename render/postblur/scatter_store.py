@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import moderngl
 
-from render.lens import IrisShape
+from render.model.lens import IrisShape
 from render.postblur.scatter_axis import axis_spot
 from render.postblur.scatter_spot import Spot, SpotTables, spot_of, spot_tables
 from render.postblur.sides import Sides

@@ -11,13 +11,13 @@ import numpy as np
 
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.scene import FloatArray
 from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
-from render.scene import FloatArray
 
 LEAST_PX = 0.25
 """What is sharper is a pixel."""
 OUTLINE_DEFINES = {"OUTLINE_INSET": f"{(COLUMNS - 1) / COLUMNS:.9f}", "OUTLINE_EDGE": f"{0.5 / COLUMNS:.9f}"}
-"""What ``outline.glsl`` needs: between the middles of its first and its last texel lie columns from -1 to 1."""
+"""What ``layers/outline.glsl`` needs: between the middles of its first and its last texel lie columns from -1 to 1."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Window:
     fall: tuple[float, float] = (1e9, 2e9)
 
     def set_on(self, program: moderngl.ComputeShader) -> None:
-        """Tell a program that has ``flag_window.glsl``."""
+        """Tell a program that has ``flag/flag_window.glsl``."""
         set_uniforms(program, rise=self.rise, fall=self.fall)
 
 
@@ -91,7 +91,7 @@ class Shedder:
         reach = held.keep(self._ctx.texture(size, 1, dtype="f4"))
         outline = held.keep(self._table(shape.edges))
         area = held.keep(self._table(shape.areas(most_px)[:, None]))
-        program = self._programs.compute("flag_shed.comp", {"LEAST": LEAST_PX, "AREA_STEPS": f"{AREA_STEPS}.0"})
+        program = self._programs.compute("flag/flag_shed.comp", {"LEAST": LEAST_PX, "AREA_STEPS": f"{AREA_STEPS}.0"})
         for unit, texture in enumerate((field.light, field.radii, area)):
             texture.use(unit)
         set_uniforms(program, light=0, radii=1, area=2, channel=field.channel)

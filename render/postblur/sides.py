@@ -10,7 +10,7 @@ import moderngl
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peel import Layers
-from render.lens import IrisShape
+from render.model.lens import IrisShape
 from render.trace.axis_rays import LensErrors
 from render.trace.focal_map import FocalMaps
 from render.trace.picture_focus import PictureFocus
@@ -89,7 +89,7 @@ class Collector:
         view, affine, targets = focus.view, focus.affine, peeled.targets
         near, far = (held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4")) for _ in range(2))
         radii = held.keep(self._ctx.texture((view.width, view.height), 2, dtype="f4"))
-        program = self._programs.compute("sides.comp")
+        program = self._programs.compute("postblur/sides.comp")
         sources: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[0],
             "packed_w_far": targets.packed_w[-1],

@@ -14,9 +14,9 @@ from typing import Protocol
 import moderngl
 import numpy as np
 
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import DoubleArray
 from render.optics.iris import transmission
-from render.scene import DoubleArray
 
 STEP_PX = 0.5
 EVEN_STEPS = 64

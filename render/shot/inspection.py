@@ -9,10 +9,10 @@ import numpy as np
 from pxr import UsdGeom
 
 from render.errors import PullfocusError, StageError
-from render.scene import Scene
-from render.shot.exposure_reading import ExposureReadout
-from render.shot.finish_findings import finish_findings
-from render.shot.readout import Readout
+from render.model.scene import Scene
+from render.shot.exposure.readout import ExposureReadout
+from render.shot.findings.finish_findings import finish_findings
+from render.shot.focus.readout import Readout
 from render.shot.shot import Shot
 from render.stage import CameraChoice, Finding, FrameRange
 from usd_schemas.units import metres_per_unit

@@ -7,10 +7,10 @@ from typing import Any
 
 from render.errors import NotFoundError, SettingsError
 from render.focus.racks import Rack
-from render.shot.anchor import Picked, anchored
-from render.shot.lens import set_focus_mode
-from render.shot.photography_edits import PhotographyEdits
-from render.shot.racking import pull_rack
+from render.shot.edits.photography_edits import PhotographyEdits
+from render.shot.focus.anchor import Picked, anchored
+from render.shot.focus.focus_mode import set_focus_mode
+from render.shot.focus.rack import pull_rack
 from render.shot.view import checked_time
 from usd_schemas import FocusPoint, FocusPointView, Interpolation, Tangents
 from usd_schemas.racks import WeightRack
@@ -20,7 +20,7 @@ from usd_schemas.topology import topology_under
 class Shot(PhotographyEdits):
     """A USD stage, its cameras and focus, and the layer of edits over it.
 
-    Each edit goes to the edit layer (`render.shot.edits`); no file of the user's is ever written. An edit that fails
+    Each edit goes to the edit layer (`render.shot.edits.edit_layer`); no file of the user's is ever written. An edit that fails
     leaves everything as it was.
 
     A shot is for one thread at a time: USD stages may not be written while they are read, so callers with several

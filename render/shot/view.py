@@ -12,22 +12,22 @@ from pxr import Sdf, Usd
 
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.focus import FocusCurve
-from render.scene import Camera, Light, Scene
-from render.shot.camera_focus import CameraFocus
-from render.shot.curve import focus_layer, solve_curve
-from render.shot.edits import Edits, schema_errors_as_settings
-from render.shot.exposure_reading import ExposureReadout, read_exposure, with_exposure
-from render.shot.findings import (
+from render.model.scene import Camera, Light, Scene
+from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
+from render.shot.edits.shot_files import check_not_own
+from render.shot.exposure.readout import ExposureReadout, read_exposure, with_exposure
+from render.shot.findings.camera_findings import (
     camera_findings,
     close_focus_findings,
     light_findings,
     lost_point_findings,
     unmet_findings,
 )
-from render.shot.focusing import Focused, without_points
-from render.shot.own_files import check_not_own
-from render.shot.place_readout import PlaceReadout, read_place, read_point
-from render.shot.readout import PlacedPoint, Readout, place_points, read_out
+from render.shot.focus.camera_focus import CameraFocus
+from render.shot.focus.focus_curve import focus_layer, solve_curve
+from render.shot.focus.focused import Focused, without_points
+from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
+from render.shot.focus.readout import PlacedPoint, Readout, place_points, read_out
 from render.stage import (
     AnchorReader,
     CameraChoice,
@@ -149,7 +149,9 @@ class ShotView:
 
     @property
     def readings(self) -> dict[Hashable, float]:
-        """What light meters (`render.shot.light_meter`) have read of the scene as it is: theirs to look up and to fill."""
+        """What light meters (`render.shot.exposure.light_meter`) have read of the scene as it is: theirs to look up and to
+        fill.
+        """
         if self._readings[0] != self._reader.changes:
             self._readings = self._reader.changes, {}
         return self._readings[1]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from render.stage.anchors import AnchorReader, anchor_position
-from render.stage.camera_list import list_cameras
-from render.stage.cameras import CameraChoice, conformed, default_camera, framing_camera, read_camera
+from render.stage.anchors.anchors import AnchorReader, anchor_position
+from render.stage.camera.camera_list import list_cameras
+from render.stage.camera.cameras import CameraChoice, conformed, default_camera, framing_camera, read_camera
 from render.stage.findings import Finding
 from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.reader import StageReader

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.scene import DoubleArray, FloatArray, Geometry
-from render.stage.polygons import unit
-from render.stage.shape import Shape
+from render.model.scene import DoubleArray, FloatArray, Geometry
+from render.stage.geometry.polygons import unit
+from render.stage.geometry.shape import Shape
 
 
 def placed(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:

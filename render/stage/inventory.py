@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from render.stage.findings import FindingLog
 from render.stage.limits import PrimCount
-from render.stage.surface import is_drawable
+from render.stage.materials.surface import is_drawable
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.

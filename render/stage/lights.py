@@ -14,10 +14,10 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from render import colour
 from render.errors import InputError
-from render.scene import Dome, Image, Light
+from render.model.scene import Dome, Image, Light
 from render.stage.findings import FindingLog
-from render.stage.poses import is_hidden, world_pose
-from render.stage.textures import TextureCache, TextureError
+from render.stage.geometry.poses import is_hidden, world_pose
+from render.stage.materials.textures import TextureCache, TextureError
 from render.stage.values import UNREADABLE, why_unreadable
 from render.stage.world import DoubleArray, rigid_frame, world_from_stage
 

@@ -8,12 +8,12 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.optics.mounting import has_surfaces, mounted
+from render.model.scene import Camera
+from render.optics.prescription.mounting import has_surfaces, mounted
 from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
-from render.scene import Camera
 from render.trace.data_sheet_table import data_sheet_table
 from render.trace.drawn_power import drawn_thin_lens, with_drawn_power
 from render.trace.grid_table import grid_table

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.lens import AberrationScales, DataSheet
+from render.model.lens import AberrationScales, DataSheet
+from render.model.scene import DoubleArray
 from render.optics.data_sheet import SheetErrors, sheet_errors
-from render.scene import DoubleArray
 from render.trace.lens_fit import LOW, NodeRays, PupilFit, Region, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
 from render.trace.prescription_table import region_of

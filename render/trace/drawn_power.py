@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.lens import Lens
+from render.model.lens import Lens
+from render.model.scene import DoubleArray
 from render.optics.pupil_power import drawn_defocus
-from render.scene import DoubleArray
 from render.trace.lens_fit import BOUND_MARGIN, even_basis, odd_basis, pupil_nodes
 from render.trace.lens_table import (
     BOUND,

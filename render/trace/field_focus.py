@@ -13,19 +13,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.lens import AberrationScales, DataSheet, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
+from render.model.lens import AberrationScales, DataSheet, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
+from render.model.scene import Camera
 from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law
-from render.optics.focusing import FocusedLens, focused
 from render.optics.glass import D_LINE_NM
-from render.optics.mounting import has_surfaces, scaled_to
-from render.optics.principal_rays import principal_rays
+from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.mounting import has_surfaces, scaled_to
+from render.optics.prescription.principal_rays import principal_rays
+from render.optics.prescription.stop_rays import rays_from_film
 from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import THREE_LINES
-from render.optics.stop_rays import rays_from_film
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
-from render.scene import Camera
 from render.trace.data_sheet_table import data_sheet_table
 from render.trace.drawn_power import slope_errors
 from render.trace.lens_fit import NodeRays, PupilFit, Region, mean_light, pupil_nodes

@@ -1,14 +1,14 @@
-"""The focal surface pixel by pixel, on the device: ``focal_surface.comp``."""
+"""The focal surface pixel by pixel, on the device: ``trace/focal_surface.comp``."""
 
 from __future__ import annotations
 
 import moderngl
 import numpy as np
 
-from render.focal_surface import MAX_HALVES, Controls
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.scene import FloatArray
+from render.model.focal_surface import MAX_HALVES, Controls
+from render.model.scene import FloatArray
 from render.trace.picture_focus import PictureFocus
 
 _POINTS, _BENDS, _STRETCH, _IMAGE = 0, 1, 2, 1  # as the shader binds them
@@ -26,7 +26,7 @@ class FocalMaps:
 
     def made(self, focus: PictureFocus) -> moderngl.Texture:
         """``(width, height)`` of w_f in 1/m and the pupil's radius over the lens's own; valid until the next one."""
-        program = self._programs.compute("focal_surface.comp", {})
+        program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
         texture = self._sized((view.width, view.height))
         with Held() as held:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from render.errors import GraphicsError
 from render.gl.held import Held
 from render.gl.shaders import load_source
-from render.optics.ghost_sheets import CROSSINGS, GhostSheets, mesh_areas
+from render.model.scene import DoubleArray, FloatArray
+from render.optics.flare.ghost_sheets import CROSSINGS, GhostSheets, mesh_areas
 from render.optics.view import PinholeView
-from render.scene import DoubleArray, FloatArray
 
 _ATTRIBUTES = ("place", "first_stop", "second_stop", "third_stop", "near_rim", "light")
 _LAYOUT = "2f 2f 2f 2f 1f 3f"
@@ -33,7 +33,7 @@ class GhostPass:
         """Raises `GraphicsError` where the driver refuses the shaders."""
         self._ctx = ctx
         try:
-            self._program = ctx.program(load_source("ghost.vert"), load_source("ghost.frag"))
+            self._program = ctx.program(load_source("lens/ghost.vert"), load_source("lens/ghost.frag"))
         except moderngl.Error as error:
             raise GraphicsError(f"the shaders of ghosts did not compile: {error}") from error
 

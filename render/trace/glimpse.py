@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.model.scene import DoubleArray
 from render.optics.view import PinholeView
-from render.scene import DoubleArray
 
 _AHEAD = np.diag([1.0, -1.0, -1.0])  # from camera space to x right, y down, z ahead
 
@@ -45,7 +45,7 @@ class Glimpse:
         return self.peeled_for.camera_from_world @ np.linalg.inv(self.view.camera_from_world)
 
     def uniforms(self, layers: PinholeView) -> dict[str, object]:
-        """What ``lens_rays.glsl`` and ``carried.glsl`` must know of it, where the layers have this view."""
+        """What ``lens/lens_rays.glsl`` and ``layers/carried.glsl`` must know of it, where the layers have this view."""
         scale = layers.fx / self.peeled_for.fx
         offset = layers.cx - scale * self.peeled_for.cx, layers.cy - scale * self.peeled_for.cy
         return {

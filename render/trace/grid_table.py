@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from render.lens import AberrationScales, HeightField
-from render.optics.focusing import FocusedLens
+from render.model.lens import AberrationScales, HeightField
+from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
-from render.scene import DoubleArray
+from render.optics.prescription.focusing import FocusedLens
 from render.trace.aberration_scales import ChangeOfErrors, change_of_errors, changed_shape, defocus
 from render.trace.lens_fit import pupil_nodes
 from render.trace.lens_table import GridTable

@@ -16,10 +16,10 @@ from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import Camera, FloatArray
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
-from render.scene import Camera, FloatArray
 from render.trace.aovs import measured
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.layer_view import layer_view

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.focal_surface import FocalSurface
 from render.focus.surface import focused_at
+from render.model.focal_surface import FocalSurface
+from render.model.scene import Camera, DoubleArray
 from render.optics.distortion import ChiefRays, chief_rays
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
-from render.scene import Camera, DoubleArray
 
 _GRID = 33
 

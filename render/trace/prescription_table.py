@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from render.lens import AberrationScales
-from render.optics.focusing import FocusedLens
+from render.model.lens import AberrationScales
+from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
-from render.scene import DoubleArray
+from render.optics.prescription.focusing import FocusedLens
 from render.trace.aberration_scales import change_of_errors, changed_shape, defocus
 from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable

@@ -1,4 +1,4 @@
-"""A ray bundle's buffers and textures on the device, as ``lens_rays.glsl`` reads them."""
+"""A ray bundle's buffers and textures on the device, as ``lens/lens_rays.glsl`` reads them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import set_uniforms
+from render.model.scene import FloatArray
 from render.optics.sampling import pattern_mask
-from render.scene import FloatArray
 from render.trace import lens_table
 from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable
 from render.trace.rays import RayBundle

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from render.lens import IrisShape
+from render.model.lens import IrisShape
+from render.model.scene import Camera, DoubleArray, FloatArray
 from render.optics.iris import transmission
 from render.optics.sampling import PATTERNS, LensSamples, base_points, lens_samples, pattern_shifts
 from render.optics.thin_lens import pupil_radius_m
-from render.scene import Camera, DoubleArray, FloatArray
 from render.trace.lens_table import GridTable, PolynomialTable
 
 IRIS_IMAGE_SIDE = 256

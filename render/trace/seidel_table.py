@@ -2,7 +2,7 @@
 
 In the picture's frame (upright, x toward the pixel) the slope error of the ray through pupil point X is ``-∂W/∂X``, with the
 wavefront's coma and distortion counted from the image point's side of the film, which is the pixel's opposite (Welford 1986,
-chapter 7; signs as in `render.lens.SeidelErrors`).
+chapter 7; signs as in `render.model.lens.SeidelErrors`).
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.lens import AberrationScales, SeidelErrors
+from render.model.lens import AberrationScales, SeidelErrors
+from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
-from render.scene import DoubleArray
 from render.trace.lens_fit import even_powers_of
 from render.trace.lens_table import (
     BOUND,

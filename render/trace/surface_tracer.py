@@ -1,4 +1,4 @@
-"""Rays from the film through a lens and out into the scene, on the device: ``lens_trace.comp``."""
+"""Rays from the film through a lens and out into the scene, on the device: ``lens/lens_trace.comp``."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from render.gl.held import Held
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.lens import HeightField
-from render.optics.focusing import FocusedLens
+from render.model.lens import HeightField
+from render.model.scene import DoubleArray, FloatArray
 from render.optics.glass import refractive_index
-from render.optics.paraxial import paraxial_system, transfer
-from render.scene import DoubleArray, FloatArray
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.paraxial import paraxial_system, transfer
 
 MAX_WAVELENGTHS = 65  # those of a spectrum, and the d line to measure colour errors from
 _ROW = 20  # numbers of a ``LensSurface``; 12 aspheric terms in the middle
@@ -93,7 +93,7 @@ class SurfaceTracer:
 
     def _program(self, height_field: HeightField | None) -> moderngl.ComputeShader:
         defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
-        return self._programs.compute("lens_trace.comp", defines)
+        return self._programs.compute("lens/lens_trace.comp", defines)
 
     def _bind_heights(self, held: Held, program: moderngl.ComputeShader, field: HeightField | None) -> None:
         if field is None:
@@ -120,7 +120,7 @@ def _unpacked(found: FloatArray) -> TracedLens:
 
 
 def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
-    """``(n, 20)`` as ``LensSurface`` in ``lens_surface.glsl``."""
+    """``(n, 20)`` as ``LensSurface`` in ``lens/lens_surface.glsl``."""
     surfaces = lens.prescription.surfaces
     table = np.zeros((len(surfaces), _ROW), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))

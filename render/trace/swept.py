@@ -2,7 +2,8 @@
 
 The camera's own motion, its focus and its stop are those of each moment, exactly (`render.trace.glimpse`). What moves in the
 scene is carried straight from where it is when the shutter opens to where it is in the middle, and straight on to where it is
-when the shutter closes (``march_moving.glsl``); its shading and its shadows stay those of the middle, and so does what is to be
+when the shutter closes (``trace/march_moving.glsl``); its shading and its shadows stay those of the middle, and so does what
+is to be
 seen at all. Peeling every moment anew is slower, and has none of these limits.
 """
 
@@ -22,8 +23,8 @@ from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
+from render.model.scene import Camera, DoubleArray, FloatArray
 from render.optics.view import PinholeView
-from render.scene import Camera, DoubleArray, FloatArray
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.glimpse import Glimpse
 from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, Extent, layer_view_of, reached, reached_from

@@ -13,8 +13,8 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
+from render.model.scene import FloatArray
 from render.optics.view import PinholeView
-from render.scene import FloatArray
 from render.trace.focal_map import FocalMaps
 from render.trace.glimpse import Glimpse
 from render.trace.picture_focus import PictureFocus
@@ -201,7 +201,7 @@ class Tracer:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
             defines["FOCAL_MAP"] = 1
-        return self._programs.compute("trace.comp", defines | self._buffers.defines(bundle))
+        return self._programs.compute("trace/trace.comp", defines | self._buffers.defines(bundle))
 
     def _bind(
         self,

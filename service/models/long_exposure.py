@@ -7,8 +7,8 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from render.frame_settings import MAX_MOTION
-from render.openings import MAX_ND_STOPS
+from render.model.frame_settings import MAX_MOTION
+from render.model.shutter_intervals import MAX_ND_STOPS
 from service.models.base import Model, PrimPath, TimeCode, shown_as
 
 BEGIN_EXAMPLE: JsonDict = {"first": 40.0, "last": 88.0, "step": 2.0, "width": 480, "rays": 16}

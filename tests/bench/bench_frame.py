@@ -21,8 +21,8 @@ from typing import Any, TypeVar
 
 from render.demo import write_demo
 from render.frame import Frame, FrameRenderer, FrameSettings
-from render.reference.metrics import psnr_db, ssim
-from render.scene import Camera, FloatArray, Scene
+from render.lab.reference.metrics import psnr_db, ssim
+from render.model.scene import Camera, FloatArray, Scene
 from render.shot import Shot
 
 FRAME = 48.0

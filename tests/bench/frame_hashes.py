@@ -14,12 +14,15 @@ import hashlib
 import json
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from importlib import metadata
 from pathlib import Path
 
 import OpenImageIO as oiio
 
-from render.cli import main as pullfocus
+pullfocus: Callable[[Sequence[str]], int] = next(
+    iter(metadata.entry_points(group="console_scripts", name="pullfocus"))
+).load()  # found by name: this file also runs in checkouts whose rooms lie elsewhere
 
 ENGINES = ("lens", "pinhole", "accumulation", "flag", "gather", "scatter", "linear", "importance")
 AOVS = "color,depth,coc,defocus,focus_depth,albedo,prim_id,face_id"

@@ -8,7 +8,8 @@ import httpx
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from test_editor import edited, picture, revision_of, settled
+
+from tests.e2e.test_editor import edited, picture, revision_of, settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 

@@ -9,10 +9,11 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from conftest import PATIENCE_MS, VIEWPORT
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
-from test_editor import FAR, NEAR, metres, picture, points, reading, revision_of, settled
+
+from tests.e2e.conftest import PATIENCE_MS, VIEWPORT
+from tests.e2e.test_editor import FAR, NEAR, metres, picture, points, reading, revision_of, settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 

@@ -16,7 +16,7 @@ import httpx
 import OpenImageIO
 import pytest
 
-from render.cli import main
+from render.cli.main import main
 
 README = Path(__file__).parents[2] / "README.md"
 ADDRESS = "http://127.0.0.1:8000"

@@ -15,10 +15,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.archive import unpack
-from service.errors import ServiceError
-from service.settings import MEBIBYTE, Settings
-from service.upload import choose_root, file_name
+from service.http.archive import unpack
+from service.http.errors import ServiceError
+from service.http.settings import MEBIBYTE, Settings
+from service.http.upload import choose_root, file_name
 
 LIMITS = Settings(data=Path("unused"), max_unpacked_mb=100, max_archive_entries=20, max_archive_ratio=50)
 

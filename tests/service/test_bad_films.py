@@ -1,7 +1,8 @@
 """A shot whose film, grade or shutter makes no sense is answered with one clear sentence, and the next picture comes."""
 
 import pytest
-from conftest import ROOM, send
+
+from tests.service.conftest import ROOM, send
 
 SMALL = {"time": 1, "width": 48, "rays": 2, "supersample": 1, "motion": 2}
 BACKWARDS = "double2[] film:curve:green = [(-1, 0.1), (0, 1), (1, 0.5)]"

@@ -8,10 +8,9 @@ import subprocess
 import sys
 import time
 
-from conftest import ROOM, running, send, until
-
-from service.settings import Settings
-from service.store import ShotStore
+from service.http.settings import Settings
+from service.storage.store import ShotStore
+from tests.service.conftest import ROOM, running, send, until
 
 SHAPE = {"code", "detail", "path", "errors"}
 
@@ -20,12 +19,12 @@ def test_a_full_disk_is_said_and_nothing_is_left(service, client, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    kept = list((service.settings.data / "shots").iterdir())
-    monkeypatch.setattr("service.routes.shots.place", full)
+    kept = list((service.http.settings.data / "shots").iterdir())
+    monkeypatch.setattr("service.http.routes.shots.place", full)
     answer = send(client, "room.usda", ROOM.encode())
     assert (answer.status_code, answer.json()["code"]) == (507, "disk_full")
     assert set(answer.json()) == SHAPE
-    assert list((service.settings.data / "shots").iterdir()) == kept
+    assert list((service.http.settings.data / "shots").iterdir()) == kept
 
 
 def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monkeypatch):
@@ -56,8 +55,8 @@ def test_without_gl_all_but_pictures_works(tmp_path, monkeypatch):
 WITH_A_WORKER = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
-from fake_work import ProcessId, Tally
-from service.process import WorkerProcess
+from tests.service.fake_work import ProcessId, Tally
+from service.workers.process import WorkerProcess
 if __name__ == "__main__":
     worker = WorkerProcess("orphan", Tally)
     print(worker.call(ProcessId(), 60), flush=True)

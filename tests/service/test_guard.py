@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from conftest import running
 
-from service.settings import Settings
+from service.http.settings import Settings
+from tests.service.conftest import running
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:8000", "localhost.evil.example", ""])

@@ -9,13 +9,13 @@ import sys
 from collections.abc import Iterator
 
 import pytest
-from conftest import until
-from fake_work import Crash, Echo, Fault, ProcessId, Refuse, Tally, Unsendable
 
 from render.errors import StageError
-from service.errors import ServiceError
-from service.lane import Lane
-from service.process import WorkerProcess
+from service.http.errors import ServiceError
+from service.workers.lane import Lane
+from service.workers.process import WorkerProcess
+from tests.service.conftest import until
+from tests.service.fake_work import Crash, Echo, Fault, ProcessId, Refuse, Tally, Unsendable
 
 WAIT_S = 60
 
@@ -134,6 +134,6 @@ def test_closing_answers_everyone_and_ends_the_worker():
 def test_the_process_that_speaks_http_imports_neither_usd_nor_gl():
     """A stranger's file, or a driver, can only take a process down that loads it."""
     heavy = ["pxr", "OpenGL", "moderngl", "pyrender", "OpenImageIO", "PyOpenColorIO"]
-    code = f"import sys, service.app; print([name for name in {heavy} if name in sys.modules])"
+    code = f"import sys, service.http.app; print([name for name in {heavy} if name in sys.modules])"
     printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert printed == "[]\n"

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from service.app import create_app
+from service.http.app import create_app
+from service.http.openapi import openapi_text
+from service.http.settings import Settings
 from service.models.focus import POINT_EXAMPLE, FocusPoint
-from service.openapi import openapi_text
-from service.settings import Settings
 
 DOCUMENT = create_app(Settings(data=Path("unused"))).openapi()
 CALLS = [(f"{m.upper()} {p}", call) for p, calls in DOCUMENT["paths"].items() for m, call in calls.items()]
@@ -90,13 +90,13 @@ def test_examples_are_true_to_their_models():
 
 def test_the_document_is_the_same_every_time():
     environment = os.environ | {"PYTHONHASHSEED": "7"}
-    command = [sys.executable, "-m", "service.openapi"]
+    command = [sys.executable, "-m", "service.http.openapi"]
     printed = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
     assert printed == openapi_text()
     assert json.loads(printed) == DOCUMENT
 
 
 def test_the_page_is_built_against_this_document():
-    """The page's TypeScript types come from this file; anew: python -m service.openapi > web/openapi.json."""
+    """The page's TypeScript types come from this file; anew: python -m service.http.openapi > web/openapi.json."""
     kept = Path(__file__).parents[2] / "web" / "openapi.json"
     assert kept.read_text(encoding="utf-8") == openapi_text()

@@ -6,12 +6,12 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from conftest import ROOM, send
 from PIL import Image
 
-from render.cli import main
+from render.cli.main import main
 from service.models.exposure import EXPOSURE_EXAMPLE, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FILM_EXAMPLE, FilmSettings, FilmSettingsEdit
+from tests.service.conftest import ROOM, send
 
 SMALL = {"time": 1, "width": 64, "height": 36, "rays": 4, "supersample": 1, "layers": 2}
 

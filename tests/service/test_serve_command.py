@@ -12,13 +12,13 @@ from importlib.metadata import entry_points
 import httpx
 import pytest
 
-from render.cli import main
-from service.store import ShotStore
+from render.cli.main import main
+from service.storage.store import ShotStore
 
 
 def test_the_command_is_found_by_its_entry_point():
     (found,) = entry_points(group="pullfocus.commands", name="serve")
-    assert found.value == "service.command:serve"
+    assert found.value == "service.http.command:serve"
 
 
 def test_it_serves_until_it_is_stopped(tmp_path):

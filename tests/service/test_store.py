@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from render.edit_history import revision_of
 from render.errors import NotFoundError, OutputError
-from service.store import ShotStore
+from render.model.edit_history import revision_of
+from service.storage.store import ShotStore
 
 
 @pytest.fixture

@@ -6,13 +6,13 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from conftest import until
-from fake_work import Crash, Echo, Fault, Refine, Refuse, Tally
 
 from render.errors import StageError
-from service.errors import ServiceError
-from service.lane import Lane
-from service.process import WorkerProcess
+from service.http.errors import ServiceError
+from service.workers.lane import Lane
+from service.workers.process import WorkerProcess
+from tests.service.conftest import until
+from tests.service.fake_work import Crash, Echo, Fault, Refine, Refuse, Tally
 
 WAIT_S = 60
 

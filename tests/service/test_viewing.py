@@ -10,12 +10,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from service.errors import ServiceError
-from service.frame_cache import FrameCache
-from service.live_work import ShownPicture
-from service.metrics import Metrics
+from service.http.errors import ServiceError
+from service.http.frame_cache import FrameCache
+from service.http.metrics import Metrics
+from service.http.viewing import MOST_PROBLEMS, Viewer
 from service.models.cameras import READOUT_EXAMPLE, Readout
-from service.viewing import MOST_PROBLEMS, Viewer
+from service.picture.live import ShownPicture
 
 SPENT = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 1.0)
 PREVIEW = ShownPicture("preview", "jpeg", 24, 14, SPENT, 0, 0.25, 0.0, b"preview")

@@ -1,7 +1,7 @@
 """Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`; and
 data sheets from `.lens` files.
 
-What is read is as the file has it: `render.optics.completion.completed` solves for what is missing.
+What is read is as the file has it: `render.optics.prescription.completion.completed` solves for what is missing.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from render.errors import InputError
-from render.lens import Prescription
+from render.model.lens import Prescription
 from render.optics.lens_files.code_v import read_code_v
 from render.optics.lens_files.data_sheet import SUFFIX, MeasuredLens, data_sheet_text, read_data_sheet
 from render.optics.lens_files.lens_text import MAX_BYTES, LensText, decode

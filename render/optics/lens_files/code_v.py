@@ -21,7 +21,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from render.lens import AIR, Glass, Prescription
+from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
 from render.optics.lens_files.glass_names import find_glass

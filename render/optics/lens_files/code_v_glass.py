@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from render.lens import Glass
+from render.model.lens import Glass
 from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
 from render.optics.lens_files.drafts import checked_glass
 from render.optics.lens_files.lens_text import LensText

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from render.errors import InputError
-from render.lens import AIR, Glass, Prescription, Surface
+from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.lens_files.lens_text import LensText
 
 MAX_SURFACES = 200

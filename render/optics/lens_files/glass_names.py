@@ -12,7 +12,7 @@ import re
 from functools import cache
 from pathlib import Path
 
-from render.lens import AIR, Glass
+from render.model.lens import AIR, Glass
 from render.optics.glass import CATALOGUE
 
 _CODE = re.compile(r"(\d{3})[.:]?(\d{3})", re.ASCII)

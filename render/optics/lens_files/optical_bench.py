@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from render.lens import AIR, Glass, Prescription
+from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import Draft, DraftSurface, checked_glass, finish
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.optical_bench_positions import Positions

@@ -9,7 +9,7 @@ Pharr, Jakob & Humphreys, Physically Based Rendering (4th ed. 2023), section 5.7
 
 from __future__ import annotations
 
-from render.lens import AIR, Glass, Prescription
+from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import Draft, DraftSurface, checked_glass, finish
 from render.optics.lens_files.lens_text import LensText
 

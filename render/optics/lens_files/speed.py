@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from render.errors import InputError
-from render.lens import Prescription
+from render.model.lens import Prescription
 from render.optics.lens_files.lens_text import LensText
-from render.optics.paraxial import focal_points, paraxial_system
+from render.optics.prescription.paraxial import focal_points, paraxial_system
 
 
 def f_stop_of(lens: Prescription, entrance_pupil_mm: float, text: LensText) -> Prescription:

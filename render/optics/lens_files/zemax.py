@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from render.errors import InputError
-from render.lens import AIR, Glass, Prescription
+from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText

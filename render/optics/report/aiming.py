@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.lens import DoubleArray
-from render.optics.focusing import FocusedLens
-from render.optics.tracing import TracedRays, trace_forward
+from render.model.lens import DoubleArray
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.tracing import TracedRays, trace_forward
 
 _STAGES = (0.0, 0.5, 1.0)  # from the chief ray out to the stop point, so that Newton's method always starts near
 _STEPS = 8

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DoubleArray, IrisShape
+from render.model.lens import DoubleArray, IrisShape
 from render.optics.iris import transmission
 from render.optics.report.field import WAVELENGTHS_NM
 from render.optics.report.film_rays import FilmRays

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DoubleArray, IrisShape
+from render.model.lens import DoubleArray, IrisShape
 from render.optics.glass import D_LINE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.film_rays import FilmRays

@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from render.lens import DoubleArray
-from render.optics.focusing import FocusedLens
-from render.optics.principal_rays import PrincipalRays, principal_rays
+from render.model.lens import DoubleArray
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
 from render.optics.report.aiming import AimedRays, Targets, aim, through
 from render.optics.report.film_rays import Beams
 

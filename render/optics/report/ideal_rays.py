@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DoubleArray, SeidelErrors
+from render.model.lens import DoubleArray, SeidelErrors
 from render.optics.glass import D_LINE_NM
 from render.optics.report.film_rays import Beams
 
@@ -18,7 +18,7 @@ class ThinRays:
     """A thin lens as the renderer has it: its picture keeps its size when it focuses, and is even.
 
     A ray through the point l of the pupil that ends at the place p of the picture comes, at inverse depth w, from the slope
-    ``p + δ(l, p) + l·(w − w_f)``; δ is the gradient of the wavefront (`render.lens.SeidelErrors`).
+    ``p + δ(l, p) + l·(w − w_f)``; δ is the gradient of the wavefront (`render.model.lens.SeidelErrors`).
 
     Attributes:
         focal_length_mm: of the lens.

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import SettingsError
+from render.model.scene import Camera
 from render.optics.data_sheet import at_heights
-from render.optics.focusing import FocusedLens
 from render.optics.glass import D_LINE_NM
-from render.optics.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
 from render.optics.report.film_rays import FilmRays, Squeezed
@@ -26,7 +27,6 @@ from render.optics.report.numbers import (
 )
 from render.optics.report.sheet_rays import SheetRays
 from render.optics.thin_lens import focus_w
-from render.scene import Camera
 
 SPOT_FIELDS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Image heights of the spot diagrams, over that of the gate's corner."""

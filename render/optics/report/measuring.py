@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DataSheet, DoubleArray, IrisShape
+from render.model.lens import DataSheet, DoubleArray, IrisShape
 from render.optics.data_sheet import MIDDLE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.field import radial, relative_light
@@ -26,7 +26,7 @@ class _Fitted:
     Attributes:
         defocus_mm: landing at the pupil's edge in proportion to the pupil, mean of both planes.
         coma_mm: a third of the flare's length.
-        spherical: share of the rest that is spherical aberration, as `render.lens.DataSheet` counts it.
+        spherical: share of the rest that is spherical aberration, as `render.model.lens.DataSheet` counts it.
         spread_mm: standard deviation of all, along the radius and across.
     """
 

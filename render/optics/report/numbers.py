@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.lens import Prescription, SeidelErrors
-from render.optics.focusing import FocusedLens, focused
+from render.model.lens import Prescription, SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.optics.seidel_sums import seidel_sums
+from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.seidel_sums import seidel_sums
 
 _BISECTIONS = 30
 _FARTHEST_LOOKED_AT_M, _NEAREST_LOOKED_AT_M = 1e4, 1e-3

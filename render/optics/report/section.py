@@ -9,18 +9,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DoubleArray, Surface
-from render.optics.focusing import FocusedLens
+from render.model.lens import DoubleArray, Surface
+from render.model.scene import Camera
 from render.optics.glass import D_LINE_NM
-from render.optics.mounting import has_surfaces, mounted
+from render.optics.prescription.focusing import FocusedLens
+from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.surface_shape import sag_mm
+from render.optics.prescription.tracing import PASSES
 from render.optics.report.aiming import through
 from render.optics.report.field import image_circle_mm, radial
 from render.optics.report.glass_rays import GlassRays
 from render.optics.report.lens_report import film_rays
-from render.optics.surface_shape import sag_mm
 from render.optics.thin_lens import focus_w
-from render.optics.tracing import PASSES
-from render.scene import Camera
 
 BEAM_FIELDS = (0.0, 0.7, 1.0)
 """Image heights of the beams, over that of the gate's corner, or of the last light where that ends before."""

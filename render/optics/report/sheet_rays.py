@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lens import DataSheet, DoubleArray
+from render.model.lens import DataSheet, DoubleArray
 from render.optics.data_sheet import SheetErrors, seen_slopes, sheet_errors
 from render.optics.report.film_rays import Beams
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from pxr import Usd, UsdGeom
 
-from render.openings import Opening
+from render.model.shutter_intervals import Opening
 from render.shot import Shot
-from render.shot.lens_choice import choose_lens
+from render.shot.lens.lens_choice import choose_lens
 from tests.bench.lens_gallery.entries import Section
 
 FRAME = 72.0

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.lens import DoubleArray, HeightField
-from render.scene import Camera
+from render.model.lens import DoubleArray, HeightField
+from render.model.scene import Camera
 from tests.bench.lens_gallery.aberrations import with_errors, with_f_stop
 from tests.bench.lens_gallery.entries import STREET, Entry, Section, as_it_is
 

@@ -12,13 +12,14 @@ import numpy as np
 from render.files import write_atomic
 from render.film import Grade, develop
 from render.frame import FrameRenderer, FrameSettings
+from render.model.scene import Camera, FloatArray
 from render.optics.sampling import MAX_RAYS
 from render.output import FrameMetadata
 from render.output.encode import encode_png
-from render.scene import Camera, FloatArray
-from render.shot import Shot, make_picture
-from render.shot.lens_choice import choose_lens
-from render.shot.long_exposure import LongExposure
+from render.pictures.long_exposure import LongExposure
+from render.pictures.picture import make_picture
+from render.shot import Shot
+from render.shot.lens.lens_choice import choose_lens
 from tests.bench.lens_gallery.camera import CameraEntry
 from tests.bench.lens_gallery.entries import Entry, Shown
 

@@ -1,4 +1,0 @@
-"""Benches: what an engine costs and how near it comes to the truth, measured in one run.
-
-They import neither pxr, OpenImageIO nor OpenColorIO, so that ``python -m render.bench.lens`` runs on a bare GPU machine.
-"""

@@ -1,0 +1,36 @@
+"""`pullfocus demo`: the demo shot as USD files."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from render.cli.report import print_json, say
+from render.demo import write_demo
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("demo", help="write the demo shot")
+    parser.set_defaults(run=run)
+    parser.add_argument(
+        "folder", metavar="DIR", type=Path, help="made where it does not exist; files of the same names are replaced"
+    )
+    parser.add_argument("--json", action="store_true", help="print on standard output what was written")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Write the demo shot and say what to do with it.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    stage = write_demo(arguments.folder)
+    if arguments.json:
+        print_json({"stage": str(stage)})
+    else:
+        say(f"the demo shot is {stage}; a frame of it: pullfocus record {stage} frame.png")

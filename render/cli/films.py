@@ -1,0 +1,102 @@
+"""`pullfocus films`: the film library, and all that can be said and drawn of one stock."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from render.cli.film_numbers import as_json, as_table, wedge_table
+from render.cli.report import print_json, print_result, say
+from render.cli.sheet_path import sheet_path
+from render.files import write_atomic
+from render.film.report import film_report
+from usd_schemas import LibraryFilm, library_films
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("films", help="the film library; `films show NAME` has all about one, drawn too")
+    parser.set_defaults(run=run_list)
+    parser.add_argument("--json", action="store_true", help="print it for programs")
+    actions = parser.add_subparsers(title="actions", metavar="ACTION")
+    show = actions.add_parser("show", help="numbers of a stock, and with --out a sheet that draws it")
+    show.set_defaults(run=run_show)
+    show.add_argument("film", metavar="NAME", help="of the library, or a part of it that no other has, such as 5219")
+    show.add_argument(
+        "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
+    )
+    show.add_argument(
+        "--push", metavar="STOPS", type=float, default=0.0, help="develop the camera stock longer; without it 0"
+    )
+    show.add_argument(
+        "--with",
+        dest="partner",
+        metavar="NAME",
+        help="the stock that a negative is printed on, or that a print is made from; without it the usual one",
+    )
+    # Without a default: what was asked for before `show` stays asked for.
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
+
+
+def run_list(arguments: argparse.Namespace) -> None:
+    """Print the library.
+
+    Args:
+        arguments: as `add_parser` declares them.
+    """
+    if arguments.json:
+        print_json({"films": [_film_json(film) for film in library_films()]})
+        return
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for title in ("name", "process", "for"):
+        table.add_column(title, no_wrap=True)
+    for title in ("ISO", "light", "year"):
+        table.add_column(title, no_wrap=True, justify="right")
+    table.add_column("what it is")
+    for film in library_films():
+        speed = f"{film.film.speed:g}" if film.film.speed else ""
+        light = f"{film.balance_k:g} K" if film.balance_k else ""
+        what = f"{film.title}: {film.description}"
+        table.add_row(film.name, film.film.process, film.kind, speed, light, str(film.year), what)
+    print_result(table)
+
+
+def run_show(arguments: argparse.Namespace) -> None:
+    """Print all about one stock, and draw it where that is asked for.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the library has no such stock, or it does not go with the other one.
+        OutputError: the sheet cannot be written.
+    """
+    report = film_report(arguments.film, push=arguments.push, partner=arguments.partner)
+    target = None if arguments.out is None else sheet_path(arguments.out, report.entry.name)
+    if arguments.json:
+        print_json(as_json(report))
+    else:
+        print_result(as_table(report))
+        print_result(wedge_table(report))
+    if target is not None:
+        from render.drawing.film_sheet import film_sheet  # matplotlib takes a second to load
+
+        write_atomic(target, film_sheet(report, target.suffix.lower().removeprefix(".")))
+        say(f"drawn: {target}")
+
+
+def _film_json(film: LibraryFilm) -> dict[str, Any]:
+    return {
+        "name": film.name,
+        "title": film.title,
+        "process": film.film.process,
+        "kind": film.kind,
+        "speed": film.film.speed or None,
+        "balanceK": film.balance_k,
+        "year": film.year,
+        "description": film.description,
+    }

@@ -1,0 +1,182 @@
+"""`pullfocus focus-curve`: the solved focus over time, for programs, spreadsheets, editorial, the set, and as a USD layer.
+
+It goes both ways: with ``--import`` the curve comes from a file that another tool made, and becomes a layer over the shot.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from render.cli import arguments as shared
+from render.cli.report import say, warn_of
+from render.errors import CameraError, InputError, SettingsError
+from render.files import check_writable, write_atomic
+from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
+from render.model.frame_spec import every_frame, parse_frames
+from render.shot import Shot
+from render.shot.edits.curve_import import read_for_shot
+from render.shot.focus.curve_layer import curve_layer
+from usd_schemas.curves import EXACT
+
+LAYER = "usda"
+MAX_NAMED = 8
+_MAX_FILE_BYTES = 1 << 30
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser(
+        "focus-curve", help="write the focus over time for other tools, or take a curve of theirs as a USD layer"
+    )
+    parser.set_defaults(run=run)
+    shared.add_stage(parser)
+    shared.add_camera(parser)
+    shared.add_lens(parser)
+    shared.add_frames(parser, "every frame of the shot")
+    parser.add_argument(
+        "--format",
+        choices=(*FORMATS, LAYER),
+        help="what to write: json (without --import, what is written), csv, otio for editorial, opentrackio for the set,"
+        " or usda, a layer to put over the shot (with --import, what is written)",
+    )
+    parser.add_argument(
+        "--baked", action="store_true", help="time samples in place of native splines, for tools that read none (usda)"
+    )
+    parser.add_argument(
+        "--import",
+        dest="source",
+        metavar="FILE",
+        type=Path,
+        help="do not solve the focus, take it from a csv, json, opentrackio or otio file",
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="SHARE",
+        type=float,
+        default=EXACT,
+        help="how far splines may be off, relative to the value (usda): 0.001 makes a curve of few keys, for hands to go on with;"
+        " without it they are exact at each frame",
+    )
+    parser.add_argument(
+        "--gaps",
+        choices=GAPS,
+        help="with --import: what becomes of rows that are missing or cannot be used; without it they are refused",
+    )
+    parser.add_argument(
+        "--first-frame",
+        metavar="TIME",
+        type=float,
+        help="with --import: the time code where the file's first frame comes to lie; without it frame numbers are kept,"
+        " and what ran by timecode begins where the shot does",
+    )
+    parser.add_argument("--out", metavar="FILE", type=Path, help="where to; without it, standard output")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Solve the focus, or read a curve, and write it.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the arguments do not fit together.
+        InputError: the shot, its camera or the file to import cannot be used.
+        OutputError: the file cannot be written.
+    """
+    wanted = arguments.format or (LAYER if arguments.source else "json")
+    _check(arguments, wanted)
+    asked = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
+    lens = shared.asked_lens(arguments.lens)
+    shot = Shot.open(arguments.stage, edits=arguments.edits)
+    if arguments.out is not None:
+        shot.check_not_own(arguments.out)
+        check_writable(arguments.out)
+    camera = shared.choose_camera(shot, arguments.camera)
+    if camera is None:
+        raise _no_camera(arguments.stage, shot.cameras())
+    if arguments.source is not None:
+        text = _imported(shot, camera, wanted, arguments)
+    else:
+        shared.mount(shot, camera, lens)
+        frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
+        text = _solved(shot, camera, frames, wanted, arguments)
+        warn_of(shot.findings(), arguments.stage)
+    if arguments.out is None:
+        sys.stdout.write(text)
+    else:
+        write_atomic(arguments.out, text.encode())
+
+
+def _check(arguments: argparse.Namespace, wanted: str) -> None:
+    if arguments.baked and wanted != LAYER:
+        raise SettingsError(f"--baked is for --format usda alone, got {wanted}")
+    of_import = {"--gaps": arguments.gaps, "--first-frame": arguments.first_frame}
+    of_solving = {"--frames": arguments.frames, "--lens": arguments.lens}
+    misplaced = of_solving if arguments.source else of_import
+    for option, value in misplaced.items():
+        if value is not None:
+            word = "not for" if arguments.source else "for"
+            raise SettingsError(
+                f"{option} is {word} --import, which {'takes' if arguments.source else 'reads'} a curve"
+            )
+
+
+def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
+    if cameras:
+        return CameraError(f"{stage} has {len(cameras)} cameras; name one with --camera: {', '.join(cameras)}")
+    return CameraError(f"{stage} has no camera, and so no focus to pull; give it one with a layer over it")
+
+
+def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, arguments: argparse.Namespace) -> str:
+    if wanted == LAYER:
+        return shot.focus_layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
+    return curve_to_text(shot.focus_curve(camera, frames), wanted)  # type: ignore[arg-type]
+
+
+def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespace) -> str:
+    shot.readout(camera, shot.frame_range.start)  # it is a camera, and can be used
+    read = read_for_shot(
+        shot.stage,
+        _content(arguments.source),
+        gaps=arguments.gaps or "refuse",
+        first_frame=arguments.first_frame,
+    )
+    _tell(read)
+    if wanted == LAYER:
+        comment = f"Focus of {camera}, from {arguments.source.name}, by Pullfocus: sublayer this over the shot."
+        return curve_layer(
+            shot.stage,
+            camera,
+            read.curve,
+            read.said,
+            baked=arguments.baked,
+            comment=comment,
+            tolerance=arguments.tolerance,
+        )
+    return curve_to_text(read.curve, wanted)  # type: ignore[arg-type]
+
+
+def _tell(read: ReadCurve) -> None:
+    """What was found in the file, on standard error."""
+    for finding in read.findings[:MAX_NAMED]:
+        say(f"warning: {finding.message}")
+    if len(read.findings) > MAX_NAMED:
+        say(f"warning: and {len(read.findings) - MAX_NAMED} more like these")
+
+
+def _content(path: Path) -> bytes:
+    """A file's content.
+
+    Raises:
+        InputError: it cannot be read, or is no curve by its size alone.
+    """
+    try:
+        if path.stat().st_size > _MAX_FILE_BYTES:
+            raise InputError(f"{path} has more than a gigabyte: it is no focus curve", code="bad_curve", path=str(path))
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}", code="unreadable", path=str(path)) from error

@@ -1,0 +1,104 @@
+"""The numbers of a lens, for people and for programs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from render.cli.report import camel_case_keys, finite
+from render.errors import one_line
+from render.model.lens import DoubleArray
+from render.optics.report import LensReport, data_sheet
+from render.optics.report.field import WAVELENGTHS_NM
+from render.shot.lens.lens_alone import LensAlone
+
+
+def as_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
+    """What was found, lengths in the unit that a key ends with; what is infinite or dark is null.
+
+    Args:
+        lens: which one.
+        report: of it.
+    """
+    camera = report.camera
+    across, up, diagonal = report.field_of_view_deg
+    return {
+        **finite(
+            {
+                "name": lens.name,
+                "title": lens.title,
+                "description": lens.description,
+                "model": camera.lens.model,
+                "focalLengthMm": camera.focal_length_mm,
+                "fStopWideOpen": report.wide_open,
+                "fStopSet": report.set_f_stop,
+                "fStop": report.f_stop,
+                "focusDistanceM": camera.focus_distance_m,
+                "closeFocusM": camera.lens.close_focus_m,
+                "nearestFocusM": report.nearest_m,
+                "squeeze": camera.lens.squeeze,
+                "imageCircleMm": report.image_circle_mm,
+                "airyDiameterUm": report.airy_um,
+                "cornerDistortion": float(report.curves.distortion[-1]),
+                "cornerDistortionAcross": float(report.curves.distortion_across[-1]),
+                "cornerIllumination": float(report.curves.illumination[-1]),
+            }
+        ),
+        "gateMm": [camera.horizontal_aperture_mm, camera.vertical_aperture_mm],
+        "fieldOfViewDeg": {"horizontal": across, "vertical": up, "diagonal": diagonal},
+        "barrelMm": finite(camel_case_keys(asdict(report.barrel))) if report.barrel else None,
+        "thirdOrderWaves": finite(camel_case_keys(asdict(report.third_order))) if report.third_order else None,
+        "spots": [finite({"heightMm": spot.height_mm, "rmsUm": spot.rms_um}) for spot in report.spots],
+        "spotWavelengthsNm": list(WAVELENGTHS_NM),
+        "curves": {key: _numbers(values) for key, values in camel_case_keys(vars(report.curves)).items()},
+        "bokeh": _bokeh(report),
+        "notes": list(report.notes),
+    }
+
+
+def _numbers(values: DoubleArray) -> list[float | None]:
+    return [float(value) if math.isfinite(value) else None for value in values]
+
+
+def _bokeh(report: LensReport) -> dict[str, Any] | None:
+    if report.bokeh is None:
+        return None
+    return {
+        "focusDistanceM": report.bokeh.focus_distance_m,
+        "discMm": report.bokeh.disc_mm,
+        "places": [
+            {
+                "name": place.name,
+                "right": place.place[0],
+                "up": place.place[1],
+                "light": place.share,
+                "widthMm": place.width_mm,
+            }
+            for place in report.bokeh.places
+        ],
+    }
+
+
+def as_table(lens: LensAlone, report: LensReport) -> Table:
+    """What was found, one line for each number.
+
+    Args:
+        lens: which one.
+        report: of it.
+    """
+    table = Table(
+        box=box.SIMPLE_HEAD, show_header=False, title=one_line(lens.title), title_justify="left", pad_edge=False
+    )
+    table.add_column(style="dim", no_wrap=True)
+    table.add_column(overflow="fold")
+    for group in data_sheet(report):
+        for row in group:
+            table.add_row(*row)
+        table.add_section()
+    for note in report.notes:
+        table.add_row("note", one_line(note))
+    return table

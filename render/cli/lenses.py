@@ -1,0 +1,145 @@
+"""`pullfocus lenses`: the lens library, and all that can be said and drawn of one lens."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from render.cli.lens_numbers import as_json, as_table
+from render.cli.report import print_json, print_result, say
+from render.cli.sheet_path import sheet_path
+from render.errors import InputError, NotFoundError, SettingsError
+from render.files import check_writable, write_atomic
+from render.optics.lens_files import data_sheet_text, is_data_sheet
+from render.optics.report import LensReport, lens_report
+from render.shot.lens.lens_alone import FULL_FRAME_MM, LensAlone, lens_alone
+from render.shot.lens.measured_lens import measured_lens
+from usd_schemas import library_lenses
+
+
+def add_parser(commands: Any) -> None:
+    """Declare the command's arguments."""
+    parser = commands.add_parser("lenses", help="the lens library; `lenses show NAME` has all about one, drawn too")
+    parser.set_defaults(run=run_list)
+    parser.add_argument("--json", action="store_true", help="print it for programs")
+    actions = parser.add_subparsers(title="actions", metavar="ACTION")
+    show = actions.add_parser("show", help="numbers of a lens, and with --out a sheet that draws it")
+    show.set_defaults(run=run_show)
+    show.add_argument(
+        "lens",
+        metavar="NAME|FILE",
+        help="of the library, or a .dat, .zmx, .seq, Optical Bench .txt or data sheet .lens file",
+    )
+    show.add_argument(
+        "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
+    )
+    show.add_argument(
+        "--tables",
+        metavar="PATH",
+        type=Path,
+        help="write its data sheet, a .lens file: a lens with surfaces is measured as it is set",
+    )
+    show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
+    show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
+    show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
+    # Without a default: what was asked for before `show` stays asked for.
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
+
+
+def run_list(arguments: argparse.Namespace) -> None:
+    """Print the library.
+
+    Args:
+        arguments: as `add_parser` declares them.
+    """
+    entries = library_lenses()
+    if arguments.json:
+        lenses = [
+            {
+                "name": entry.name,
+                "title": entry.lens.name,
+                "model": entry.lens.model,
+                "focalLengthMm": entry.focal_length_mm,
+                "fStop": entry.f_stop,
+                "description": entry.description,
+            }
+            for entry in entries
+        ]
+        print_json({"lenses": lenses})
+        return
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for title in ("name", "model"):
+        table.add_column(title, no_wrap=True)
+    for title in ("mm", "wide open"):
+        table.add_column(title, no_wrap=True, justify="right")
+    table.add_column("what it is")
+    for entry in entries:
+        widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
+        table.add_row(entry.name, entry.lens.model, f"{entry.focal_length_mm:g}", widest, entry.description)
+    print_result(table)
+
+
+def run_show(arguments: argparse.Namespace) -> None:
+    """Measure a lens, print what was found and draw it where that is asked for.
+
+    Args:
+        arguments: as `add_parser` declares them.
+
+    Raises:
+        SettingsError: the library has no such lens, or a setting is out of range.
+        InputError: the file is no lens, or one that has to be told a focus distance.
+        OutputError: the sheet cannot be written.
+    """
+    lens = _asked(arguments.lens)
+    if arguments.tables is not None:
+        if not is_data_sheet(arguments.tables):
+            raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
+        check_writable(arguments.tables)
+    target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
+    report = _report(lens, arguments)
+    if arguments.json:
+        print_json(as_json(lens, report))
+    else:
+        print_result(as_table(lens, report))
+    if arguments.tables is not None:
+        write_atomic(arguments.tables, data_sheet_text(measured_lens(lens, report)).encode())
+        say(f"written: {arguments.tables}")
+    if target is not None:
+        from render.drawing import lens_sheet  # matplotlib takes a second to load
+
+        write_atomic(target, lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
+        say(f"drawn: {target}")
+
+
+def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
+    camera = lens.set_to(arguments.f_stop, arguments.focus, _gate(arguments.gate))
+    try:
+        return lens_report(camera, lens.f_stop)
+    except SettingsError as error:
+        if (
+            error.code == "focus_out_of_reach" and arguments.focus is None
+        ):  # nobody asked for infinity: it is the lens's fault
+            raise InputError(f"{error.detail}; --focus sets another distance", code=error.code) from error
+        raise
+
+
+def _asked(name_or_file: str) -> LensAlone:
+    try:
+        return lens_alone(name_or_file)
+    except NotFoundError as error:
+        raise SettingsError(error.detail, code=error.code, path=error.path) from error
+
+
+def _gate(typed: str | None) -> tuple[float, float]:
+    if typed is None:
+        return FULL_FRAME_MM
+    try:
+        width, height = (float(number) for number in re.split("[x×]", typed.lower()))
+    except ValueError:
+        raise SettingsError(f"--gate takes width x height in mm, such as 24.89x18.66, got {typed}") from None
+    return width, height

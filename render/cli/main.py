@@ -1,0 +1,106 @@
+"""The `pullfocus` command: its argument tree, and the one place where errors become a line and an exit status.
+
+Exit status: 0 done, 1 failed, 2 wrong arguments, 130 stopped by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib import metadata
+
+from render.cli import bodies, demo, films, focus_curve, inspect, lenses, meter, record
+from render.cli.parser import WRONG_ARGUMENTS, Parser
+from render.cli.report import say
+from render.errors import PullfocusError, SettingsError
+from render.stage.opening import quiet_diagnostics
+
+DONE, FAILED, INTERRUPTED = 0, 1, 130
+
+ENTRY_POINT_GROUP = "pullfocus.commands"
+"""Commands that other rooms add: each entry point is a function from its arguments to the exit status. It is loaded only
+when it is called, and may raise `PullfocusError`."""
+
+COMMANDS_TO_COME = {
+    "worker": "the render farm",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `pullfocus` and return its exit status.
+
+    Args:
+        arguments: as typed after `pullfocus`; None takes the process's own.
+    """
+    typed = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _run(typed)
+    except SettingsError as error:
+        return _failed(error.detail, WRONG_ARGUMENTS)
+    except PullfocusError as error:
+        return _failed(error.detail, FAILED)
+    except KeyboardInterrupt:
+        return _failed("stopped; what is written is whole", INTERRUPTED)
+    except BrokenPipeError:  # who read our output has left, as `head` does: nobody is there to be told
+        _drop_output()
+        return FAILED
+    except OSError as error:
+        if error.filename is not None:
+            return _failed(f"{error.filename}: {error.strerror}", FAILED)
+        _drop_output()
+        return _failed(f"standard output cannot be written: {error.strerror}", FAILED)
+    except Exception as error:
+        if os.environ.get("PULLFOCUS_TRACEBACK"):
+            raise
+        return _failed(
+            f"a fault of the program, {type(error).__name__}: {_one_line(error)}; "
+            "PULLFOCUS_TRACEBACK=1 shows where, please report it",
+            FAILED,
+        )
+
+
+def _run(typed: list[str]) -> int:
+    added = _added_commands()
+    if typed and typed[0] in COMMANDS_TO_COME:
+        raise SettingsError(
+            f"`pullfocus {typed[0]}` comes later, with {COMMANDS_TO_COME[typed[0]]}", code="comes_later"
+        )
+    if typed and typed[0] in added:
+        return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
+    parsed = _argument_tree(list(added)).parse_args(typed)
+    run: Callable[[argparse.Namespace], None] = parsed.run
+    with quiet_diagnostics():
+        run(parsed)
+    sys.stdout.flush()
+    return DONE
+
+
+def _added_commands() -> dict[str, metadata.EntryPoint]:
+    return {entry.name: entry for entry in metadata.entry_points(group=ENTRY_POINT_GROUP)}
+
+
+def _argument_tree(added: Sequence[str]) -> argparse.ArgumentParser:
+    parser = Parser(prog="pullfocus", description="See a USD shot through a real lens.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {metadata.version('pullfocus')}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for module in (record, inspect, focus_curve, meter, lenses, films, bodies, demo):
+        module.add_parser(commands)
+    for name in added:
+        commands.add_parser(name, help=f"pullfocus {name} --help says what it does")
+    return parser
+
+
+def _drop_output() -> None:
+    """Point standard output at nothing, so that what is still held for it raises no more when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _failed(message: str, status: int) -> int:
+    say(f"pullfocus: {message}")
+    return status
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,116 @@
+"""The accumulation buffer: one rendering of the scene for each lens sample. Slow and right (Haeberli & Akeley 1990).
+
+Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres, through up to
+`render.layers.peel.MAX_PINHOLE_LAYERS` surfaces that are partly transparent; the sensor offset of each sample anti-aliases.
+All pixels share one pattern, as the method demands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import moderngl
+import numpy as np
+
+from render.errors import SettingsError
+from render.gl.held import Held
+from render.gl.shaders import ProgramCache
+from render.layers.peel import LayerGroup, Peeler
+from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
+from render.layers.targets import LAYERS_PER_PACK
+from render.model.focal_surface import FocalPlane
+from render.model.scene import Camera, DoubleArray, FloatArray
+from render.optics.sampling import lens_samples
+from render.optics.thin_lens import focal_surface, pupil_radius_m
+from render.optics.view import PinholeView
+
+
+def accumulated_rays(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
+    """The rays that the lens engine traces where its pattern is not tiled, as `Accumulator.accumulate` takes them."""
+    samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
+    pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
+    return np.concatenate([pupil, samples.pixel[0]], axis=1)
+
+
+def accumulated_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
+    """How finely the views sample surfaces, as the layers do that they are compared with: the views' offsets sample between the
+    pixels, and each view stands for its share of the pupil."""
+    patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
+    return SurfaceSampling(supersample, 1.0, patch, view.across(focal_surface(camera).plane))
+
+
+class Accumulator:
+    """Accumulates pinhole views of a peeler's scene."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._ctx = ctx
+        self._program = programs.compute("trace/accumulate.comp")
+
+    def accumulate(
+        self,
+        peeler: Peeler,
+        view: PinholeView,
+        lens_points: FloatArray | DoubleArray,
+        plane: FocalPlane,
+        *,
+        unlit: bool = False,
+        sampling: SurfaceSampling = PLAIN,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> FloatArray:
+        """Mean of the views through the lens points.
+
+        Args:
+            peeler: with the scene loaded.
+            view: the picture, from the pupil's centre.
+            lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
+            plane: the plane of focus.
+            unlit: take base colour for radiance.
+            sampling: `accumulated_sampling`.
+            on_progress: called with the share that is done.
+
+        Returns:
+            ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
+        """
+        size = (view.width, view.height)
+        with Held() as held:
+            total, seen = (held.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
+            total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
+            for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
+                for group in peeler.groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
+                    self._composite(group, seen, total, 1.0 / len(lens_points))
+                if on_progress is not None:
+                    on_progress((i + 1) / len(lens_points))
+            return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
+
+    def _composite(self, group: LayerGroup, seen: moderngl.Texture, total: moderngl.Texture, weight: float) -> None:
+        """Put a group behind what is seen of the view; behind the last, the background, and the view into the total."""
+        program, targets = self._program, group.targets
+        textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
+            "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],
+            "radiance": targets.radiance,
+            "background": targets.background,
+        }
+        for unit, (name, texture) in enumerate(textures.items()):
+            texture.use(unit)
+            program[name] = unit
+        program["slice_of_first"], program["count"] = group.slot, group.count
+        program["is_first"], program["is_last"] = group.is_first, group.is_last
+        program["weight"] = weight
+        total.bind_to_image(0, read=True, write=True)
+        seen.bind_to_image(1, read=True, write=True)
+        program.run(-(-total.width // 8), -(-total.height // 8))
+        self._ctx.memory_barrier()
+
+
+def check_thin(camera: Camera) -> None:
+    """Raise `SettingsError` where the accumulation buffer, which moves a pinhole about the pupil, cannot show the lens."""
+    if camera.lens.model not in ("thin", "pinhole") and camera.f_stop > 0:
+        raise SettingsError(
+            f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
+            f"{camera.lens.model}: use engine lens"
+        )
+    if not focal_surface(camera).is_plane:
+        raise SettingsError(
+            f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is none: "
+            "use engine lens"
+        )

@@ -1,0 +1,28 @@
+"""What the benches on the demo shot take as arguments. Imports no OpenGL, so that the command line starts at once."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+from render.model.frame_settings import FrameSettings
+
+
+def add_picture_arguments(parser: argparse.ArgumentParser, picture: FrameSettings) -> None:
+    """Declare the arguments of a bench that measures a picture of this size where nothing else is said."""
+    parser.add_argument(
+        "--json", metavar="FILE|-", help="write what was found for programs too; - in place of the tables"
+    )
+    parser.add_argument("--quick", action="store_true", help="a small picture, each measured once: does it all work")
+    parser.add_argument(
+        "--width", metavar="PX", type=int, help=f"of the picture, which is 16:9; without it {picture.width}"
+    )
+
+
+def of_width(picture: FrameSettings, width: int | None) -> FrameSettings:
+    """The picture in the width that was asked for, 16:9; as it is where none was.
+
+    Raises:
+        SettingsError: it is too small or too large.
+    """
+    return picture if width is None else replace(picture, width=width, height=max(1, round(width * 9 / 16)))

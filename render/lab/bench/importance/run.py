@@ -1,0 +1,330 @@
+"""The importance bench: Fearing's five experiments (1995, section 6.1), by importance ordering and by the linear method.
+
+pullfocus bench importance
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from render.files import check_writable, write_atomic
+from render.frame import FrameRenderer
+from render.gl.shaders import ProgramCache
+from render.lab.bench.clock import Spent, StageClock
+from render.lab.bench.importance.plan import Plan, asked_plan
+from render.lab.bench.importance.scene import CUTOFF_EXPERIMENT, EXPERIMENTS, Experiment, Picture, StillLife
+from render.lab.bench.progress import check_file, goal_lines, say
+from render.lab.bench.results import Goal
+from render.lab.reference.metrics import psnr_db
+from render.model.scene import FloatArray
+from render.postblur.importance_field import Extent, ImportanceField
+from render.postblur.linear import NO_CUTOFF, FieldSpreader, LinearField
+from render.postblur.shed import Field
+from render.postblur.spread_tables import STEP_PX, Gaussian
+
+GOAL_EQUAL = 1e-4
+
+
+@dataclass(frozen=True)
+class ExperimentRow:
+    """An experiment at one size. Seconds are by the wall's clock, for all of its frames.
+
+    Attributes:
+        name: of the experiment.
+        title: what moves in it.
+        size: pixels along each side.
+        frames: of the animation.
+        linear_frames: those that the linear method was measured on; its seconds are scaled from them.
+        linear_s: the linear method.
+        importance_s: importance ordering, all changes made.
+        none_s: no depth of field: sending the picture to the device, which the other two do too.
+        linear_cpu_s: the linear method by the processor's clock, of all threads.
+        importance_cpu_s: importance ordering by it.
+        speedup: of importance ordering over the linear method: by the processor's clock where it does the work, which then counts
+            no other work of a busy machine; by the wall's where a graphics device does.
+        speedup_without_first: the same of a frame after the first, which must be spread whole either way.
+        changed: share of the pixels that change from frame to frame, on average.
+        most_apart: largest difference of a pixel between the two methods, on the linear method's frames.
+    """
+
+    name: str
+    title: str
+    size: int
+    frames: int
+    linear_frames: int
+    linear_s: float
+    importance_s: float
+    none_s: float
+    linear_cpu_s: float
+    importance_cpu_s: float
+    speedup: float
+    speedup_without_first: float
+    changed: float
+    most_apart: float
+
+
+@dataclass(frozen=True)
+class CutoffRow:
+    """One share of the changes, over the animation with the focus pulled back.
+
+    Attributes:
+        m: the share, in percent.
+        seconds: for all frames, the first of which is made whole.
+        psnr_db: of the last frame against the linear method's; None where they are the same.
+        worst_psnr_db: of the frame that is least like it.
+    """
+
+    m: float
+    seconds: float
+    psnr_db: float | None
+    worst_psnr_db: float | None
+
+
+@dataclass(frozen=True)
+class ImportanceBench:
+    """What the importance bench finds; its fields are the keys of its JSON.
+
+    Attributes:
+        device: that drew.
+        step_px: of the radius: a smaller change is none.
+        experiments: Fearing's tables 1 and 2.
+        cutoff: his figure 4.
+        goals: what is held to what.
+    """
+
+    device: str
+    step_px: float
+    experiments: list[ExperimentRow]
+    cutoff: list[CutoffRow]
+    goals: list[Goal]
+
+
+class _Stand:
+    """A size's pictures on a device, and what spreads them."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, size: int) -> None:
+        self._ctx, self._programs, self._most_px = ctx, programs, 1.0
+        self.scene = StillLife(size)
+        self._light, self._radii = ctx.texture((size, size), 4, dtype="f4"), ctx.texture((size, size), 1, dtype="f4")
+        self._linear = LinearField(FieldSpreader(ctx, programs, cutoff_px=NO_CUTOFF))
+        self._ordered: ImportanceField | None = None
+
+    def begin(self, experiment: Experiment) -> None:
+        """Make tables, compile what is not compiled, and forget all pictures."""
+        if self._ordered is not None:
+            self._ordered.release()
+        most = [np.abs(self.scene.frame(experiment, t).radii).max() for t in np.linspace(0, 1, 9)]
+        self._most_px = 1.05 * float(max(most))
+        spreader = FieldSpreader(self._ctx, self._programs, cutoff_px=NO_CUTOFF)
+        self._ordered = ImportanceField(self._ctx, self._programs, spreader)
+        first, last = (self.scene.frame(experiment, t) for t in (0.0, 0.02))
+        for picture in (first, last):
+            self.linear(picture)
+            self.ordered(picture)
+        self._ordered.release()
+        spreader.tabled(Gaussian(), self._most_px)
+
+    def none(self, picture: Picture) -> Spent:
+        """Send a picture; what it cost."""
+        return self._timed(lambda: self._send(picture))
+
+    def linear(self, picture: Picture) -> Spent:
+        """Spread a picture whole; what it cost."""
+
+        def spread() -> None:
+            self.linear_sums = self._linear.spread(self._send(picture), 1.0, Gaussian(), self._most_px)
+
+        return self._timed(spread)
+
+    def ordered(self, picture: Picture, share: float = 1.0) -> Spent:
+        """Spread what has changed; what it cost."""
+        made = self._made
+
+        def spread() -> None:
+            self.ordered_sums = made.update(self._send(picture), 1.0, Gaussian(), self._most_px, Extent(share))
+
+        return self._timed(spread)
+
+    @property
+    def changed(self) -> float:
+        """Share of the pixels that had changed in the last picture."""
+        return self._made.done.changed / self.scene.size**2
+
+    @property
+    def _made(self) -> ImportanceField:
+        if self._ordered is None:
+            raise ValueError("no experiment has begun")
+        return self._ordered
+
+    def pictures(self) -> tuple[FloatArray, FloatArray]:
+        """What both made of their last picture: averages."""
+        return _average(self.linear_sums), _average(self.ordered_sums)
+
+    def _send(self, picture: Picture) -> Field:
+        self._light.write(picture.light)
+        self._radii.write(picture.radii)
+        return Field(self._light, self._radii, 0)
+
+    def _timed(self, work: Callable[[], object]) -> Spent:
+        clock = StageClock(self._ctx.finish)
+        work()
+        clock("work")
+        return clock.spent["work"]
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for made in (self._light, self._radii, self._linear, self._ordered):
+            if made is not None:
+                made.release()
+
+
+def measure(plan: Plan) -> ImportanceBench:
+    """Measure everything.
+
+    Raises:
+        GraphicsError: there is no device to draw on.
+    """
+    rows, cutoff = [], []
+    with FrameRenderer() as renderer:
+        ctx = renderer.graphics.ctx
+        programs = ProgramCache(ctx)
+        for size in plan.sizes:
+            stand = _Stand(ctx, programs, size)
+            rows += [
+                _experiment(stand, experiment, plan, is_software=renderer.graphics.is_software)
+                for experiment in EXPERIMENTS
+            ]
+            if size == plan.sizes[0]:
+                cutoff = [_cut_off(stand, share, plan.frames) for share in plan.shares]
+            stand.release()
+        device = renderer.graphics.renderer
+    return ImportanceBench(device, STEP_PX, rows, cutoff, _goals(rows))
+
+
+def _experiment(stand: _Stand, experiment: Experiment, plan: Plan, *, is_software: bool) -> ExperimentRow:
+    size = stand.scene.size
+    stand.begin(experiment)
+    at = np.unique(np.linspace(0, plan.frames - 1, plan.linear_frames(size)).round().astype(int))
+    none, ordered, linear, changed, apart = [], [], [], [], 0.0
+    for number, picture in enumerate(stand.scene.frames(experiment, plan.frames)):
+        none.append(stand.none(picture))
+        ordered.append(stand.ordered(picture))
+        changed.append(stand.changed)
+        if number in at:
+            linear.append(stand.linear(picture))
+            apart = max(apart, float(np.abs(np.subtract(*stand.pictures())).max()))
+    linear_s, ordered_s = _means(linear), _means(ordered)
+    later = _means(linear[1:]), _means(ordered[1:])
+    clock = int(is_software)
+    return ExperimentRow(
+        experiment.name,
+        experiment.title,
+        size,
+        plan.frames,
+        len(linear),
+        plan.frames * linear_s[0],
+        plan.frames * ordered_s[0],
+        plan.frames * _means(none)[0],
+        plan.frames * linear_s[1],
+        plan.frames * ordered_s[1],
+        linear_s[clock] / ordered_s[clock],
+        later[0][clock] / later[1][clock],
+        float(np.mean(changed[1:])),
+        apart,
+    )
+
+
+def _means(spent: Sequence[Spent]) -> tuple[float, float]:
+    """Seconds by the wall's clock and by the processor's."""
+    return float(np.mean([one.wall_ms for one in spent])) / 1e3, float(np.mean([one.cpu_ms for one in spent])) / 1e3
+
+
+def _cut_off(stand: _Stand, share: float, frames: int) -> CutoffRow:
+    stand.begin(CUTOFF_EXPERIMENT)
+    milliseconds, alike = 0.0, []
+    looked_at = set(np.linspace(1, frames - 1, min(frames - 1, 10)).round().astype(int).tolist())
+    for number, picture in enumerate(stand.scene.frames(CUTOFF_EXPERIMENT, frames)):
+        milliseconds += stand.ordered(picture, share if number else 1.0).wall_ms
+        if number in looked_at:
+            stand.linear(picture)
+            alike.append(psnr_db(*stand.pictures()))
+    return CutoffRow(100 * share, milliseconds / 1e3, _finite(alike[-1]), _finite(min(alike)))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _average(sums: moderngl.Texture) -> FloatArray:
+    """Weighted light over weights."""
+    array = np.frombuffer(sums.read(), np.float32).reshape(sums.height, sums.width, 4)
+    return np.asarray(array[..., :3] / np.maximum(array[..., 3:], 1e-12))
+
+
+def _goals(rows: Sequence[ExperimentRow]) -> list[Goal]:
+    wanted = {experiment.name: experiment.goal or 0.0 for experiment in EXPERIMENTS}
+    goals = [
+        Goal(
+            f"{row.title}, {row.size}x{row.size}: times faster than linear, at least",
+            wanted[row.name],
+            row.speedup,
+            row.speedup >= wanted[row.name],
+        )
+        for row in rows
+    ]
+    apart = max(row.most_apart for row in rows)
+    return [*goals, Goal("all changes made, most apart from linear, at most", GOAL_EQUAL, apart, apart <= GOAL_EQUAL)]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure, print the table on standard output, and write the JSON and the plot.
+
+    Args:
+        arguments: as `render.lab.bench.importance.plan.add_arguments` declares them.
+
+    Raises:
+        SettingsError: a setting is out of range.
+        GraphicsError: there is no device to draw on.
+        OutputError: a file cannot be written.
+    """
+    plan = asked_plan(arguments)
+    check_file(arguments.json)
+    if arguments.plot is not None:
+        check_writable(arguments.plot)
+    found = measure(plan)
+    if arguments.plot is not None:
+        from render.drawing.cutoff_plot import draw_cutoff  # takes a second to import
+
+        write_atomic(Path(arguments.plot), draw_cutoff(found))
+    say(found, report(found), arguments.json)
+
+
+def report(found: ImportanceBench) -> str:
+    """The tables."""
+    lines = [
+        f"{found.device}; a radius that changes by less than {found.step_px:g} px is none",
+        "Seconds of all frames by the wall's clock, and in brackets by the processor's, of all threads. The linear method is",
+        "measured on so many frames, and scaled from them. Times: of speed, by the processor's clock where it does the work.",
+        "",
+        "experiment  size     linear (cpu)  frames     importance (cpu)    none   times  after the first  changed  most apart",
+    ]
+    for row in found.experiments:
+        linear = f"{row.linear_s:8.1f} {f'({row.linear_cpu_s:.1f})':>9}  {row.linear_frames:4}"
+        ordered = f"{row.importance_s:8.1f} {f'({row.importance_cpu_s:.1f})':>9}  {row.none_s:6.1f}"
+        times = f"{row.speedup:6.1f}  {row.speedup_without_first:15.1f}"
+        lines.append(
+            f"{row.name:10}  {row.size:4}  {linear}   {ordered}  {times}  {100 * row.changed:5.1f} %  {row.most_apart:10.1g}"
+        )
+    lines += ["", "changes made    seconds   last frame's PSNR dB   the worst frame's"]
+    for cut in found.cutoff:
+        alike = (f"{psnr:.1f}" if psnr is not None else "equal" for psnr in (cut.psnr_db, cut.worst_psnr_db))
+        lines.append(f"{cut.m:10.0f} %  {cut.seconds:9.2f}   {next(alike):>20}   {next(alike):>17}")
+    lines += ["", *goal_lines(found.goals)]
+    return "\n".join(lines) + "\n"

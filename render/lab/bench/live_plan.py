@@ -1,0 +1,52 @@
+"""What the live bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, replace
+
+from render.lab.bench.demo_plan import add_picture_arguments, of_width
+from render.model.frame_settings import FrameSettings
+
+PICTURE = FrameSettings(960, 540)
+"""What `record` makes where nothing else is said."""
+FRAME = 48
+"""Of the demo shot, where the drags begin."""
+STEPS = 20
+"""Pictures of a drag, before the hand rests."""
+FIRST_MS = {"focus": 120.0, "aperture": 120.0, "time": 400.0}
+"""After which the first picture of each drag is to be there, by its median."""
+LOOK_MS = 30.0
+"""After which work should have looked whether it is still wanted."""
+DRAGS = ("focus", "aperture", "time", "camera", "grade")
+
+
+@dataclass(frozen=True)
+class LivePlan:
+    """What is measured.
+
+    Attributes:
+        picture: at rest.
+        steps: pictures of each drag.
+    """
+
+    picture: FrameSettings
+    steps: int
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the bench's arguments."""
+    add_picture_arguments(parser, PICTURE)
+
+
+def asked_plan(arguments: argparse.Namespace) -> LivePlan:
+    """The plan that the arguments ask for.
+
+    Args:
+        arguments: as `add_arguments` declares them.
+
+    Raises:
+        SettingsError: the picture is too small or too large.
+    """
+    picture = replace(PICTURE, width=96, height=54, rays=8, supersample=1) if arguments.quick else PICTURE
+    return LivePlan(of_width(picture, arguments.width), 3 if arguments.quick else STEPS)

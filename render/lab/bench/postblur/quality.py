@@ -1,0 +1,86 @@
+"""How near each engine that blurs one picture comes to the lens tracer and to the accumulation buffer."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from render.demo import write_demo
+from render.frame import FrameRenderer
+from render.lab.bench.clock import Repeats, Spent, timed
+from render.lab.bench.postblur.plan import F_STOP, FRAME, PostBlurPlan
+from render.lab.reference.metrics import psnr_db, ssim
+from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.frame_settings import POST_BLUR_ENGINES, FrameSettings
+from render.model.scene import Camera, FloatArray, Scene
+from render.shot import Shot
+
+ONCE = Repeats(1, 1)
+
+
+@dataclass(frozen=True)
+class QualityRow:
+    """One engine's picture of one scene.
+
+    Attributes:
+        scene: its name.
+        engine: likewise.
+        ms: the whole picture, by the wall's clock, what is kept from the picture before not made again: of ``importance`` all
+            but what has changed, which is nothing.
+        cpu_ms: by the processor's, of all threads.
+        lens_psnr_db: against the lens tracer; None of itself.
+        lens_ssim: likewise.
+        accumulation_psnr_db: against the accumulation buffer; None of itself.
+        accumulation_ssim: likewise.
+    """
+
+    scene: str
+    engine: str
+    ms: float
+    cpu_ms: float
+    lens_psnr_db: float | None
+    lens_ssim: float | None
+    accumulation_psnr_db: float | None
+    accumulation_ssim: float | None
+
+
+def quality(renderer: FrameRenderer, plan: PostBlurPlan) -> Iterator[QualityRow]:
+    """Every engine's picture of every scene."""
+    for name, make in (("spheres", spheres_over_checkerboard), ("posts", posts_before_wall)):
+        scene, camera = make()
+        yield from _scene_rows(renderer, name, scene, replace(camera, f_stop=F_STOP), plan.picture)
+    if plan.demo is not None:
+        demo = plan.demo
+        with tempfile.TemporaryDirectory() as folder:
+            shot = Shot.open(write_demo(Path(folder)))
+            camera = shot.camera_at(None, FRAME, demo.width, demo.height)
+            yield from _scene_rows(renderer, "demo shot", shot.scene_at(FRAME), camera, demo)
+
+
+def _scene_rows(
+    renderer: FrameRenderer, name: str, scene: Scene, camera: Camera, settings: FrameSettings
+) -> Iterator[QualityRow]:
+    made: dict[str, tuple[FloatArray, Spent]] = {}
+    for engine in ("lens", "accumulation", "pinhole", *POST_BLUR_ENGINES):
+        pictures: list[FloatArray] = []
+        take = partial(_take, renderer, scene, camera, replace(settings, engine=engine), pictures)
+        if engine not in ("lens", "accumulation"):
+            take()  # compiles
+        spent = timed(renderer.graphics.ctx.finish, take, ONCE)
+        made[engine] = pictures[-1], spent
+    for engine, (picture, spent) in made.items():
+        alike = [
+            measure(picture, made[reference][0]) if engine != reference else None
+            for reference in ("lens", "accumulation")
+            for measure in (psnr_db, ssim)
+        ]
+        yield QualityRow(name, engine, spent.wall_ms, spent.cpu_ms, *alike)
+
+
+def _take(
+    renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings, pictures: list[FloatArray]
+) -> None:
+    pictures.append(renderer.render(scene, camera, settings).color * camera.exposure_scale)

@@ -1,0 +1,48 @@
+"""How a bench says what it found: a table for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from render.files import check_writable, write_atomic
+from render.lab.bench.results import Goal
+
+
+def check_file(asked: str | None) -> None:
+    """Find out before anything is measured whether the JSON can be written where it is asked for.
+
+    Args:
+        asked: a file, ``-`` for standard output, or None for none.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    if asked not in (None, "-"):
+        check_writable(asked)
+
+
+def say(found: Any, table: str, asked: str | None) -> None:
+    """Write the JSON where it is asked for, and print the table unless the JSON is printed.
+
+    Args:
+        found: a dataclass of all that was found.
+        table: the same for people.
+        asked: as `check_file` has it.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    text = json.dumps(asdict(found), indent=2) + "\n"
+    if asked not in (None, "-"):
+        write_atomic(Path(asked), text.encode())
+    sys.stdout.write(text if asked == "-" else table)
+
+
+def goal_lines(goals: Sequence[Goal]) -> list[str]:
+    """A line for each goal."""
+    return [f"{'pass' if goal.holds else 'FAIL'}  {goal.goal} {goal.want:g}: {goal.got:.4g}" for goal in goals]

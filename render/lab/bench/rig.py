@@ -1,0 +1,127 @@
+"""The lens engine and the accumulation buffer on one context, over the same uploaded scene, with a clock on either."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import TracebackType
+
+from render.engines.accumulator import Accumulator, accumulated_rays, accumulated_sampling
+from render.gl.context import GraphicsContext
+from render.gl.shaders import ProgramCache
+from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
+from render.layers.nbuffers import NBufferBuilder
+from render.layers.peel import Peeler
+from render.layers.shadows import shadow_interest
+from render.layers.umbra import umbra_reach
+from render.model.frame_settings import FrameSettings
+from render.model.scene import Camera, FloatArray, Scene
+from render.optics.thin_lens import focal_surface, pupil_radius_m
+from render.optics.view import PinholeView
+from render.trace.lens import STAGES, LensEngine, Stage, TracedPicture
+from render.trace.rays import ray_pattern
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A picture of the lens engine and what it cost.
+
+    Attributes:
+        color: ``(height, width, 4)`` float32.
+        stages: by `render.trace.lens.STAGES`, medians over the runs.
+        table: the making of the lens's table, which later pictures share.
+        layers: how many were peeled.
+        layers_bytes: memory of the layers and their N-buffers.
+    """
+
+    color: FloatArray
+    stages: dict[Stage, Spent]
+    table: Spent
+    layers: int
+    layers_bytes: int
+
+
+class LensRig:
+    """Draws one scene at a time with either engine."""
+
+    def __init__(self) -> None:
+        """Raises `GraphicsError` where no context can be made."""
+        self.graphics = GraphicsContext()
+        programs = ProgramCache(self.graphics.ctx)
+        self._peeler = Peeler(self.graphics, programs)
+        self._lens = LensEngine(self.graphics.ctx, programs)
+        self._accumulator = Accumulator(self.graphics.ctx, programs)
+        self._nbuffers = NBufferBuilder(self.graphics.ctx, programs)
+
+    def load(self, scene: Scene, camera: Camera) -> None:
+        """Upload a scene, for both engines."""
+        self._peeler.load(scene, shadow_interest(camera))
+
+    def trace(self, camera: Camera, settings: FrameSettings, repeats: Repeats) -> Traced:
+        """Trace the loaded scene's picture: with one ray to compile shaders and make the lens's table, then for the clock.
+
+        Raises:
+            InputError: the camera's lens is none.
+            SettingsError: it does not reach the focus distance.
+        """
+        picture, first = self._timed(camera, replace(settings, rays=1))
+        runs: list[dict[str, Spent]] = []
+        while repeats.more(len(runs), sum(spent.wall_ms for run in runs for spent in run.values())):
+            picture, spent = self._timed(camera, settings)
+            runs.append(spent)
+        stages = {stage: median_spent([run[stage] for run in runs]) for stage in STAGES}
+        layers, nbuffers = picture.layers, picture.nbuffers
+        return Traced(picture.color, stages, first["rays"], layers.count, layers.targets.bytes + nbuffers.bytes)
+
+    def accumulate(self, camera: Camera, settings: FrameSettings) -> tuple[FloatArray, Spent]:
+        """The loaded scene's picture from the accumulation buffer with the same lens samples, and what it cost."""
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        points = accumulated_rays(camera, settings.rays, settings.seed)
+        sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
+        plane = focal_surface(camera).plane
+        self._accumulator.accumulate(self._peeler, view, points[:1], plane, sampling=sampling)  # compiles
+        clock = StageClock(self.graphics.ctx.finish)
+        picture = self._accumulator.accumulate(self._peeler, view, points, plane, sampling=sampling)
+        clock("reference")
+        return picture, clock.spent["reference"]
+
+    def nearest_w(self, camera: Camera, settings: FrameSettings) -> float:
+        """Inverse depth of the nearest surface of the loaded scene in the picture, 1/m."""
+        return self._peeler.nearest_w(PinholeView.from_camera(camera, settings.width, settings.height))
+
+    def layers_bytes(self, camera: Camera, width: int, height: int, layers: int) -> int:
+        """Memory of so many layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
+        view = PinholeView.from_camera(camera, width, height)
+        peeled = self._peeler.peel(view, layers=layers, umbra=umbra_reach(view.fx * pupil_radius_m(camera)))
+        return peeled.targets.bytes + self._nbuffers.build(peeled).bytes
+
+    def close(self) -> None:
+        """Give the device's memory and the context back."""
+        self.graphics.make_current()  # another context of the process may have been current since
+        self._nbuffers.release()
+        self._lens.release()
+        self._peeler.release()
+        self.graphics.close()
+
+    def __enter__(self) -> LensRig:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _timed(self, camera: Camera, settings: FrameSettings) -> tuple[TracedPicture, dict[str, Spent]]:
+        view = PinholeView.from_camera(camera, settings.width, settings.height)
+        self._peeler.forget()
+        clock = StageClock(self.graphics.ctx.finish)
+        picture = self._lens.picture(
+            self._peeler,
+            camera,
+            view,
+            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
+            wavelengths=settings.wavelengths,
+            layers=settings.layers,
+            supersample=settings.supersample,
+            on_stage=clock,
+        )
+        return picture, clock.spent

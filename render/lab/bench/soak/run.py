@@ -1,0 +1,272 @@
+"""The soak: thousands of random edits of a shot, each answered by the progressive driver, some to the end, some left half way.
+
+Now and then what it rests on is held against a renderer that was made for that picture alone. Memory has to stay as it is.
+
+pullfocus bench soak
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from pxr import Gf, UsdGeom
+
+from render.errors import PullfocusError, SettingsError
+from render.film import GradeChoice
+from render.frame import FrameRenderer
+from render.lab.bench.progress import check_file, goal_lines, say
+from render.lab.bench.results import Goal
+from render.lab.bench.soak.plan import SoakPlan, asked_plan
+from render.lab.bench.soak.shot import BALLS, CAMERA, FRAMES, write_soak_shot
+from render.model.frame_settings import ENGINES, FrameSettings
+from render.pictures.live_finisher import LiveFinisher
+from render.pictures.picture import make_picture
+from render.pictures.progressive import Asked
+from render.pictures.progressive.driver import Progressive
+from render.shot import Shot
+
+PICTURE = FrameSettings(128, 72, rays=24, layers=3, supersample=1)
+MOST_LEVELS, MOST_MB = 1.0, 64.0
+_SETTLED = 0.3
+"""Of the edits, after which memory has to stay as it is: by then every program and texture has been needed."""
+
+
+@dataclass(frozen=True)
+class SoakBench:
+    """What the soak finds; its fields are the keys of its JSON.
+
+    Attributes:
+        device: that drew.
+        edits: how many.
+        seconds: all of it.
+        pictures: that were shown.
+        finals: how many of them were the last of their edit.
+        left: edits whose pictures were left half way.
+        edits_by_kind: how often each.
+        checks: how often a new renderer was asked.
+        drift_levels: the greatest difference to it, in 255 levels.
+        memory_mb: of the process, at each check, its new renderer closed.
+        growth_mb: since the first third.
+        gl_errors: that the device told of.
+        goals: what is held to what.
+    """
+
+    device: str
+    edits: int
+    seconds: float
+    pictures: int
+    finals: int
+    left: int
+    edits_by_kind: dict[str, int]
+    checks: int
+    drift_levels: float
+    memory_mb: list[float]
+    growth_mb: float
+    gl_errors: int
+    goals: list[Goal]
+
+
+class _Soak:
+    """The shot, its driver, and what is done to it."""
+
+    def __init__(self, renderer: FrameRenderer, shot: Shot, seed: int) -> None:
+        self._renderer, self._shot = renderer, shot
+        self._driver = Progressive(renderer, shot, LiveFinisher(renderer))
+        self._random = random.Random(seed)
+        self.asked = Asked(CAMERA, FRAMES[0], PICTURE)
+        self._edits: tuple[Callable[[], object], ...] = (
+            self._focus,
+            self._stop,
+            self._zoom,
+            self._mode,
+            self._walk,
+            self._push,
+            self._hide,
+            self._expose,
+            self._scrub,
+            self._load_film,
+            self._grade,
+            self._resize,
+            self._other_engine,
+            self._undo,
+            self._redo,
+        )
+        self.kinds: Counter[str] = Counter()
+        self.pictures = self.finals = self.left = self.gl_errors = 0
+
+    def step(self) -> None:
+        """One edit, and the pictures of it that somebody waits for."""
+        edit = self._random.choice(self._edits)
+        self.kinds[edit.__name__.strip("_").replace("_", " ")] += 1
+        edit()
+        patience = self._random.choice((0, 0, 0, 0, 3, 20, 10**9))
+        asked = replace(self.asked, is_moving=patience == 0)
+        asks = 0
+
+        def is_stale() -> bool:
+            nonlocal asks
+            asks += 1
+            return asks > patience
+
+        is_final = False
+        with suppress(SettingsError):  # the accumulation buffer knows planes of focus alone
+            for shown in self._driver.pictures(asked, is_stale=is_stale):
+                self.pictures += 1
+                is_final = shown.is_final
+        self.finals += is_final
+        self.left += not is_final and patience > 0
+        self.gl_errors += self._renderer.graphics.ctx.error != "GL_NO_ERROR"
+
+    def drift_levels(self) -> float:
+        """How far the picture at rest is from that of a new renderer; 0 where neither can be made."""
+        asked = self.asked
+        try:
+            *_, shown = self._driver.pictures(asked)
+        except SettingsError:
+            return 0.0
+        with FrameRenderer() as other:
+            plain = make_picture(
+                other, self._shot, asked.camera, asked.time, asked.settings, stock=asked.stock, choice=asked.choice
+            )
+        return float(255 * np.abs(plain.graded - shown.graded).max())
+
+    def _focus(self) -> None:
+        self._shot.set_camera(CAMERA, focus_distance_m=self._random.uniform(1.0, 12.0))
+
+    def _stop(self) -> None:
+        self._shot.set_camera(CAMERA, f_stop=self._random.choice((0.0, 0.7, 1.4, 2.8, 8.0)))
+
+    def _zoom(self) -> None:
+        self._shot.set_camera(CAMERA, focal_length_mm=self._random.uniform(24, 90))
+
+    def _mode(self) -> None:
+        self._shot.set_camera(CAMERA, focus_mode=self._random.choice(("manual", "points", "tiltPlane", "surface")))
+
+    def _walk(self) -> None:
+        place = Gf.Vec3d(self._random.uniform(-1, 1), self._random.uniform(0.5, 1.5), self._random.uniform(1, 2))
+        self._translate(CAMERA, place)
+
+    def _push(self) -> None:
+        ball = self._random.choice([i for i in range(BALLS) if i != 1])
+        self._translate(f"/World/ball{ball}", Gf.Vec3d(self._random.uniform(-2, 2), 0.3, -2.0 - 1.1 * ball))
+
+    def _translate(self, path: str, place: Gf.Vec3d) -> None:
+        with self._shot.one_edit(f"move {path}"):
+            UsdGeom.Xformable(self._shot.stage.GetPrimAtPath(path)).GetOrderedXformOps()[0].Set(place)
+
+    def _hide(self) -> None:
+        ball = UsdGeom.Imageable(self._shot.stage.GetPrimAtPath(f"/World/ball{self._random.randrange(1, 4)}"))
+        with self._shot.one_edit("hide or show a ball"):
+            ball.GetVisibilityAttr().Set(self._random.choice(("invisible", "inherited")))
+
+    def _expose(self) -> None:
+        self._shot.set_photography(CAMERA, compensation_stops=self._random.uniform(-1, 1))
+
+    def _scrub(self) -> None:
+        self.asked = replace(self.asked, time=self._random.uniform(*FRAMES))
+
+    def _load_film(self) -> None:
+        self.asked = replace(self.asked, stock=self._random.choice((None, None, "5219", "5222")))
+
+    def _grade(self) -> None:
+        self.asked = replace(self.asked, choice=self._random.choice((None, GradeChoice(view="Raw"))))
+
+    def _resize(self) -> None:
+        width = self._random.choice((96, 128, 160))
+        self.asked = replace(self.asked, settings=replace(self.asked.settings, width=width, height=width * 9 // 16))
+
+    def _other_engine(self) -> None:
+        engine = self._random.choice(("lens", *ENGINES, "importance"))
+        self.asked = replace(self.asked, settings=replace(self.asked.settings, engine=engine))
+
+    def _undo(self) -> None:
+        with suppress(PullfocusError):  # there is nothing to undo
+            self._shot.undo()
+
+    def _redo(self) -> None:
+        with suppress(PullfocusError):
+            self._shot.redo()
+
+
+def measure(plan: SoakPlan) -> SoakBench:
+    """Edit and compare.
+
+    Raises:
+        GraphicsError: there is no device to draw on, or it refuses one of the pictures.
+    """
+    began, memory, drift = perf_counter(), [], [0.0]
+    with tempfile.TemporaryDirectory() as folder, FrameRenderer() as renderer:
+        soak = _Soak(renderer, Shot.open(write_soak_shot(Path(folder))), plan.seed)
+        for edit in range(1, plan.edits + 1):
+            soak.step()
+            if edit % plan.check_every == 0 or edit == plan.edits:
+                drift.append(soak.drift_levels())
+                memory.append(memory_mb())
+        device = renderer.graphics.renderer
+    growth = max(memory[int(_SETTLED * len(memory)) :]) - memory[int(_SETTLED * len(memory))]
+    return SoakBench(
+        device,
+        plan.edits,
+        perf_counter() - began,
+        soak.pictures,
+        soak.finals,
+        soak.left,
+        dict(sorted(soak.kinds.items())),
+        len(memory),
+        max(drift),
+        memory,
+        growth,
+        soak.gl_errors,
+        _goals(max(drift), growth, soak.gl_errors),
+    )
+
+
+def memory_mb() -> float:
+    """What the process has of the machine's memory, megabytes (10⁶)."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * 4096 / 1e6
+
+
+def _goals(drift: float, growth: float, errors: int) -> list[Goal]:
+    return [
+        Goal("drift from a new renderer, of 255 levels, at most", MOST_LEVELS, drift, drift <= MOST_LEVELS),
+        Goal("growth of memory after a third, MB, at most", MOST_MB, growth, growth <= MOST_MB),
+        Goal("errors of the device, at most", 0, errors, errors == 0),
+    ]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Soak, print the table on standard output, and write the JSON.
+
+    Args:
+        arguments: as `render.lab.bench.soak.plan.add_arguments` declares them.
+
+    Raises:
+        SettingsError: no edits are asked for.
+        GraphicsError: there is no device to draw on.
+        OutputError: the file cannot be written.
+    """
+    check_file(arguments.json)
+    found = measure(asked_plan(arguments))
+    say(found, report(found), arguments.json)
+
+
+def report(found: SoakBench) -> str:
+    """The table."""
+    kinds = ", ".join(f"{name} {count}" for name, count in found.edits_by_kind.items())
+    lines = [
+        f"{found.device}; {found.edits:,} edits in {found.seconds:.0f} s: {kinds}",
+        f"{found.pictures:,} pictures, {found.finals:,} of them at rest; left half way {found.left:,} times",
+        f"compared with a new renderer {found.checks:,} times: at most {found.drift_levels:.3f} of 255 levels apart",
+        f"memory {found.memory_mb[0]:.0f} MB at the first of these, {found.memory_mb[-1]:.0f} MB at the last",
+    ]
+    return "\n".join([*lines, "", *goal_lines(found.goals)]) + "\n"

@@ -1,0 +1,27 @@
+"""A light at the camera, for scenes that have none: as usdrecord has it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from render.model.scene import Camera, Dome, DoubleArray, Light, Scene
+
+
+class Headlight:
+    """Lights scenes that have no light at all, keeping the last one: what is the same scene stays the same object."""
+
+    def __init__(self) -> None:
+        self._lit: tuple[Scene, DoubleArray, Scene] | None = None
+
+    def lit(self, scene: Scene, camera: Camera) -> Scene:
+        """The scene, lit from the camera where it has no light of its own; a faint dome shows metals' shapes."""
+        if scene.lights or scene.dome is not None:
+            return scene
+        pose = camera.world_from_camera
+        if self._lit is None or self._lit[0] is not scene or not np.array_equal(self._lit[1], pose):
+            light = Light("distant", (0.8 * np.pi,) * 3, pose, casts_shadow=False, path="camera light")
+            dome = Dome((0.2, 0.2, 0.2), np.eye(4), visible=False, path="camera light")
+            self._lit = (scene, pose, replace(scene, lights=(light,), dome=dome))
+        return self._lit[2]

@@ -1,0 +1,324 @@
+"""What a lens is, as plain data: surfaces, glass, wavefront errors, iris. Beside `render.model.scene`, which says what a
+scene is.
+
+Conventions: lengths in millimetres. Along the axis light goes from the scene to the film, and surfaces are listed in that
+order. A radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r
+from the axis is
+
+    z(r) = c·r² / (1 + √(1 − (1 + K)·c²·r²)) + Σ A_i·r^(2i + 4),        c = 1/radius
+
+with the conic constant K and the aspheric coefficients A_0 (of r⁴), A_1 (of r⁶) and so on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.errors import SettingsError
+
+DoubleArray = NDArray[np.float64]
+
+LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
+LENS_MODELS: tuple[LensModel, ...] = get_args(LensModel)
+
+
+@dataclass(frozen=True)
+class Glass:
+    """An optical medium; its index at a wavelength is `render.optics.glass.refractive_index`.
+
+    Attributes:
+        index: refractive index at the d line (587.56 nm); 1 is air.
+        abbe: Abbe number V_d; 0 for a medium without dispersion.
+        sellmeier_b: B1, B2, B3 of Sellmeier's equation; where given they win over index and Abbe number.
+        sellmeier_c: C1, C2, C3 in square micrometres.
+        name: catalogue name, for people.
+    """
+
+    index: float = 1.0
+    abbe: float = 0.0
+    sellmeier_b: tuple[float, float, float] | None = None
+    sellmeier_c: tuple[float, float, float] | None = None
+    name: str = ""
+
+
+AIR = Glass()
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One surface of a lens, or its stop.
+
+    Attributes:
+        radius_mm: of curvature; 0 is a plane.
+        thickness_mm: along the axis to the next surface; of the last one, to the film with the lens focused at infinity (0 where
+            it is to be solved for).
+        glass: the medium behind the surface.
+        semi_diameter_mm: half the clear diameter; 0 where it is unknown. At the stop: wide open.
+        conic: conic constant K.
+        aspheric: coefficients of r⁴, r⁶, ...
+        is_stop: whether this is the aperture stop.
+        coating_nm: wavelength that its quarter-wave coating is made for; 0 for bare glass. Cemented surfaces have none.
+    """
+
+    radius_mm: float
+    thickness_mm: float
+    glass: Glass = AIR
+    semi_diameter_mm: float = 0.0
+    conic: float = 0.0
+    aspheric: tuple[float, ...] = ()
+    is_stop: bool = False
+    coating_nm: float = 0.0
+
+
+@dataclass(frozen=True)
+class Prescription:
+    """The surfaces of a lens from front to rear.
+
+    Attributes:
+        surfaces: at least one that refracts; after `render.optics.prescription.completion.completed`, one is the stop and
+        neither a clear
+            diameter nor the back focal distance is missing.
+        focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
+        f_stop: f-number wide open; 0 where it is unknown.
+        name: for messages.
+        notes: what was solved for or approximated, one sentence each.
+    """
+
+    surfaces: tuple[Surface, ...]
+    focus_group: tuple[int, int] | None = None
+    f_stop: float = 0.0
+    name: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SeidelErrors:
+    """Third-order wavefront errors of a thin lens (Welford 1986, ch. 8), in wavelengths of the d line.
+
+    ``W = w040·ρ⁴ + w131·η·ρ³·cos φ + w222·η²·ρ²·cos² φ + w220·η²·ρ² + w311·η³·ρ·cos φ`` with ρ the pupil's radius over that of
+    the reference f-number, η the image height over the reference height and φ the angle from the image point's direction on
+    the film. Positive spherical aberration focuses the edge of the pupil short, positive distortion is barrel-shaped. On the
+    film a ray lands off by ``-v·∂W/∂X`` (v the image distance, X on the pupil), so in the picture, which is upright, the
+    object-space slope of the ray that a pixel sees is off by ``-∂W/∂X`` with φ counted from the pixel's opposite direction.
+
+    Attributes:
+        w040: spherical aberration.
+        w131: coma.
+        w222: astigmatism.
+        w220: field curvature.
+        w311: distortion.
+        axial_color_mm: focus at 475 nm less focus at 650 nm, along the axis behind the lens.
+        lateral_color_mm: image height at 475 nm less that at 650 nm, at the reference height.
+        reference_f_stop: f-number at whose pupil's edge the coefficients hold.
+        reference_height_mm: image height for which they hold.
+    """
+
+    w040: float = 0.0
+    w131: float = 0.0
+    w222: float = 0.0
+    w220: float = 0.0
+    w311: float = 0.0
+    axial_color_mm: float = 0.0
+    lateral_color_mm: float = 0.0
+    reference_f_stop: float = 2.8
+    reference_height_mm: float = 21.6
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """A lens known by what was measured of it: its errors against the height in the picture (Kyaw 2013, section 7.2).
+
+    A table has an entry for each height, or none where the error is not there (light: where it is even). In between they are
+    joined smoothly, and beyond the last height they stay.
+
+    Attributes:
+        heights_mm: image heights on the film, from 0 outward.
+        distortion: share by which the image is farther out than an ideal lens's: negative is barrel-shaped.
+        light: illumination of the film over that on the axis, from all causes together.
+        sagittal_blur_mm: standard deviation, across the radius, of the light of a point in the plane of focus: of all errors of
+            one colour together.
+        tangential_blur_mm: likewise along the radius.
+        spherical: share of the blur's spread that is spherical aberration, -1 to 1: positive gives the disc behind the focus a
+            bright edge, negative a bright middle. What is left of the blur favours neither half of the disc.
+        coma_mm: length of coma's flare along the radius, positive outward.
+        field_curvature_mm: how far before the film the sharp image lies.
+        lateral_color_mm: image height at 650 nm less that at 475 nm.
+        axial_color_mm: focus at 650 nm less focus at 475 nm, along the axis behind the lens.
+        f_stop: at which it was measured; 0 takes the tables as they are at any.
+    """
+
+    heights_mm: tuple[float, ...]
+    distortion: tuple[float, ...] = ()
+    light: tuple[float, ...] = ()
+    sagittal_blur_mm: tuple[float, ...] = ()
+    tangential_blur_mm: tuple[float, ...] = ()
+    spherical: tuple[float, ...] = ()
+    coma_mm: tuple[float, ...] = ()
+    field_curvature_mm: tuple[float, ...] = ()
+    lateral_color_mm: tuple[float, ...] = ()
+    axial_color_mm: tuple[float, ...] = ()
+    f_stop: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raises `SettingsError` where the tables do not belong together, or no lens has such errors."""
+        heights = self.heights_mm
+        if not heights or heights[0] != 0 or not all(a < b for a, b in pairwise(heights)):
+            raise SettingsError(f"a data sheet's image heights must increase from 0, got {_listed(heights)}")
+        if not heights[-1] <= MAX_SHEET_MM:
+            raise SettingsError(
+                f"a data sheet's image heights must be at most {MAX_SHEET_MM:g} mm, got {heights[-1]:g} mm"
+            )
+        closest = min((b - a for a, b in pairwise(heights)), default=_FINEST_MM)
+        if closest < _FINEST_MM:
+            raise SettingsError(
+                f"a data sheet's image heights must be at least {_FINEST_MM:g} mm apart, got two {closest:g} mm apart"
+            )
+        if not 0 <= self.f_stop <= MAX_F_STOP:
+            raise SettingsError(f"a data sheet's f-number must be from 0 to {MAX_F_STOP:g}, got {self.f_stop:g}")
+        for name, (least, most, expected) in _TABLES.items():
+            values = getattr(self, name)
+            if len(values) not in (0, len(heights)):
+                raise SettingsError(f"a data sheet's {name} must have {len(heights)} entries, got {len(values)}")
+            if not all(least <= value <= most for value in values):
+                raise SettingsError(f"a data sheet's {name} must be {expected}, got {_listed(values)}")
+        if self.light and not self.light[0] > 0:
+            raise SettingsError(f"a data sheet's light must be above 0 on the axis, got {self.light[0]:g}")
+        ideal = [height / (1 + bend) for height, bend in zip(heights, self.distortion, strict=False)]
+        if not all(b > a for a, b in pairwise(ideal)):
+            raise SettingsError(
+                "a data sheet's distortion must not fold the picture: what is seen must lie farther out too"
+            )
+
+
+MAX_SHEET_MM = 1000.0
+"""What a data sheet's heights, blurs and shifts of focus are at most: six times the half diagonal of 8 x 10 inch film."""
+MAX_F_STOP = 1000.0
+_FINEST_MM = 1e-6
+_MM = f"from {-MAX_SHEET_MM:g} to {MAX_SHEET_MM:g} mm"
+
+_TABLES = {
+    "distortion": (-0.95, 10.0, "from -0.95 to 10"),
+    "light": (0.0, 2.0, "from 0 to 2"),
+    "sagittal_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
+    "tangential_blur_mm": (0.0, MAX_SHEET_MM, f"from 0 to {MAX_SHEET_MM:g} mm"),
+    "spherical": (-1.0, 1.0, "from -1 to 1"),
+    "coma_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "field_curvature_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "lateral_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+    "axial_color_mm": (-MAX_SHEET_MM, MAX_SHEET_MM, _MM),
+}
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{value:g}" for value in values[:8]) + (", …" if len(values) > 8 else "") or "none"
+
+
+@dataclass(frozen=True, eq=False)
+class HeightField:
+    """Heights that are added to the two surfaces of a thick lens, over the square that circumscribes the clear aperture.
+
+    Attributes:
+        front: ``(h, w)`` float64, row 0 at the top and column 0 on the left as seen from the film, through the lens; mm toward
+            the film are positive, and stay so many mm whatever the camera's focal length. None for none.
+        back: likewise, of the second surface.
+    """
+
+    front: DoubleArray | None = None
+    back: DoubleArray | None = None
+
+
+@dataclass(frozen=True)
+class AberrationScales:
+    """Factors on a lens's errors: 0 none, 1 as the lens has them, more exaggerates."""
+
+    spherical: float = 1.0
+    coma: float = 1.0
+    astigmatism: float = 1.0
+    field_curvature: float = 1.0
+    distortion: float = 1.0
+    chromatic: float = 1.0
+    vignetting: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class IrisShape:
+    """The opening of the iris, of unit radius, as seen in the picture's bokeh.
+
+    Attributes:
+        blades: 0 for a round iris, else how many edges, 3 or more.
+        roundness: 0 straight blades to 1 round.
+        rotation_rad: counter-clockwise.
+        mask: ``(h, w)`` float64 transmission over the square that circumscribes the pupil, row 0 at the top; None for clear.
+        radial_weights: transmission at even steps of the radius from centre to edge, joined linearly; empty for even.
+    """
+
+    blades: int = 0
+    roundness: float = 0.0
+    rotation_rad: float = 0.0
+    mask: DoubleArray | None = None
+    radial_weights: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises `SettingsError` where no iris has such a shape."""
+        if self.blades != 0 and not 3 <= self.blades <= 64:
+            raise SettingsError(f"an iris has 0 blades (round) or from 3 to 64, got {self.blades}")
+        if not 0 <= self.roundness <= 1:
+            raise SettingsError(f"iris roundness must be from 0 to 1, got {self.roundness}")
+
+
+@dataclass(frozen=True, eq=False)
+class Lens:
+    """What stands before the film.
+
+    Attributes:
+        model: which of the fields below hold.
+        name: such as "Zeiss Planar 50/1.4".
+        prescription: of the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
+            length, so that the field of view stays what the camera says.
+        seidel: of the model seidel.
+        data_sheet: of the model dataSheet.
+        height_field: of the model heightField.
+        scales: factors on the errors of whatever model it is.
+        squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
+        transmittance: share of the light that passes, 0 to 1.
+        pupil_magnification: diameter of the exit pupil over the entrance pupil's, of a lens without surfaces.
+        natural_vignetting: whether a lens without surfaces darkens the picture's corners by cos⁴; one with surfaces always does.
+        close_focus_m: nearest distance from the film that is marked on it; 0 where none is. Its geometry may reach nearer.
+        pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
+            to the centre's, and takes the place of the lens's own spherical aberration. Empty for that.
+        expressive_blend: from the lens's own (0) to what is drawn (1).
+        ghosts: strength of the reflections between pairs of surfaces: 0 off, 1 as the surfaces have them.
+        star: strength of the diffraction at the iris: 0 off, 1 as it is.
+    """
+
+    model: LensModel = "thin"
+    name: str = ""
+    prescription: Prescription | None = None
+    seidel: SeidelErrors | None = None
+    height_field: HeightField | None = None
+    scales: AberrationScales = field(default_factory=AberrationScales)
+    squeeze: float = 1.0
+    transmittance: float = 1.0
+    pupil_magnification: float = 1.0
+    natural_vignetting: bool = False
+    close_focus_m: float = 0.0
+    pupil_power: tuple[float, ...] = ()
+    expressive_blend: float = 0.0
+    ghosts: float = 0.0
+    star: float = 0.0
+    data_sheet: DataSheet | None = None
+
+    @property
+    def has_thin_errors(self) -> bool:
+        """Whether it is a thin lens with errors of its own, from wavefronts or from a data sheet."""
+        if self.model == "dataSheet":
+            return self.data_sheet is not None
+        return self.model == "seidel" and self.seidel is not None
+
+
+THIN_LENS = Lens()

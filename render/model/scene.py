@@ -1,0 +1,312 @@
+"""The scene at one time, as flat arrays: what the stage reader fills and the layer renderer draws.
+
+Defined without pxr, so that tests and generated scenes can fill it by hand. Everything is immutable and shared: when
+the time changes, the reader returns a new `Scene` that holds the same `Geometry`, `Image` and `Material` objects for
+all that did not change, and the renderer uploads only objects it has not seen.
+
+Conventions: world space is right-handed in metres, with the stage's own up axis turned to +Y. Matrices are
+``(4, 4)`` float64 for *column* vectors (``world = M @ local``), which is the transpose of USD's. Colours are
+scene-linear in the working space. Images have row 0 at the top; texture coordinates have t = 0 at the bottom, as in USD.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.model.focal_surface import FocalSurface
+from render.model.lens import THIN_LENS, IrisShape, Lens
+from render.model.shutter import GLOBAL_SHUTTER, Shutter
+
+FloatArray = NDArray[np.float32]
+DoubleArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+Wrap = Literal["repeat", "clamp", "mirror", "black"]
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A texture image.
+
+    Attributes:
+        pixels: ``(height, width, 4)`` float16; colour in the working space (or raw data), alpha in the last channel.
+        name: the file it came from, for messages.
+    """
+
+    pixels: NDArray[np.float16]
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class TextureLookup:
+    """How one material input reads an image: ``value = texel * scale + bias``.
+
+    Attributes:
+        image: the image.
+        uv_transform: ``(2, 3)`` float32; maps the mesh's ``(s, t, 1)`` to the lookup position (UsdTransform2d).
+        scale: ``(4,)`` float32.
+        bias: ``(4,)`` float32.
+        wrap_s: wrapping across the image.
+        wrap_t: wrapping up the image.
+        channel: which channel a scalar input takes: 0 red, 1 green, 2 blue, 3 alpha; -1 where the input is a colour.
+    """
+
+    image: Image
+    uv_transform: FloatArray = field(default_factory=lambda: np.array([[1, 0, 0], [0, 1, 0]], np.float32))
+    scale: FloatArray = field(default_factory=lambda: np.ones(4, np.float32))
+    bias: FloatArray = field(default_factory=lambda: np.zeros(4, np.float32))
+    wrap_s: Wrap = "repeat"
+    wrap_t: Wrap = "repeat"
+    channel: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """A UsdPreviewSurface. Textures, where present in ``lookups``, replace the constant of the same name.
+
+    Attributes:
+        name: the material's prim path, or a made-up name.
+        base_color: diffuseColor.
+        emissive: emissiveColor, radiance that leaves the surface; may exceed 1.
+        metallic: 0 dielectric to 1 metal.
+        roughness: UsdPreviewSurface roughness (GGX alpha is its square).
+        specular: reflectance at normal incidence for the specular workflow, else ``None``.
+        ior: index of refraction, gives the dielectric's reflectance.
+        opacity: 1 is opaque.
+        opacity_threshold: above 0, a cut-out: opacity below it is a hole, above it is opaque.
+        clearcoat: amount of the second specular lobe.
+        clearcoat_roughness: its roughness.
+        uses_display_color: multiply base_color and opacity by the mesh's displayColor and displayOpacity
+            (a mesh with no material bound has a white material with this set).
+        lookups: textures by input name: base_color, emissive, metallic, roughness, specular, opacity, normal, occlusion.
+    """
+
+    name: str = ""
+    base_color: tuple[float, float, float] = (0.18, 0.18, 0.18)
+    emissive: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    metallic: float = 0.0
+    roughness: float = 0.5
+    specular: tuple[float, float, float] | None = None
+    ior: float = 1.5
+    opacity: float = 1.0
+    opacity_threshold: float = 0.0
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.01
+    uses_display_color: bool = False
+    lookups: dict[str, TextureLookup] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """Triangles that are drawn with one material. Several prims may be merged in one.
+
+    Attributes:
+        positions: ``(n, 3)`` float32 metres, in the space that the batch's poses map to the world.
+        normals: ``(n, 3)`` float32, unit length.
+        uvs: ``(n, 2)`` float32 or None.
+        colors: ``(n, 4)`` float32 displayColor and displayOpacity, or None for white.
+        triangles: ``(m, 3)`` int32 vertex indices, counter-clockwise seen from outside in this space: a pose that mirrors it
+            turns the winding in the world around, and not the side that is outside.
+        prim_ids: ``(m,)`` int32 index into ``Scene.prim_paths`` for each triangle.
+        face_ids: ``(m,)`` int32 index of the authored face for each triangle.
+        fan_ids: ``(m,)`` int32: triangle i of the face's fan is its corners ``(0, i + 1, i + 2)``, in authored order.
+        swapped: ``(m,)`` bool: triangles whose last two corners stand in the other order here, since the face or its
+            transform is left-handed; or None for none. Barycentric coordinates of a hit swap likewise.
+    """
+
+    positions: FloatArray
+    normals: FloatArray
+    triangles: IntArray
+    prim_ids: IntArray
+    face_ids: IntArray
+    fan_ids: IntArray
+    uvs: FloatArray | None = None
+    colors: FloatArray | None = None
+    swapped: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """One draw: a geometry, its material and where its instances stand.
+
+    Attributes:
+        geometry: what is drawn.
+        material: with what.
+        poses: ``(k, 4, 4)`` float64 world from geometry space, one for each instance.
+        double_sided: whether back faces are drawn.
+        instance_prim_ids: ``(k,)`` int32 index into ``Scene.prim_paths`` of the prim an instance is picked as, or None
+            where the triangle's own prim is. For native instances: one entry for each instance, and each is the instance
+            proxy's path of the mesh. For a PointInstancer: the instancer.
+        instance_numbers: ``(k,)`` int32 the PointInstancer's id of the instance, its index where it has no ids, or -1.
+    """
+
+    geometry: Geometry
+    material: Material
+    poses: DoubleArray
+    double_sided: bool = False
+    instance_prim_ids: IntArray | None = None
+    instance_numbers: IntArray | None = None
+
+
+LightKind = Literal["distant", "sphere", "disk", "rect"]
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """A UsdLux light, in physical terms.
+
+    Attributes:
+        kind: its shape.
+        radiance: ``(3,)`` of the emitting surface: colour · intensity · 2^exposure, divided by the area where
+            ``normalize`` is set; for a distant light the *irradiance* on a surface that faces it.
+        pose: ``(4, 4)`` float64 world from light; it shines along -Z.
+        radius_m: of a sphere or disk.
+        width_m: of a rect, along its X.
+        height_m: of a rect, along its Y.
+        angle_rad: full angle of a distant light.
+        cone_angle_rad: half angle of the shaping cone; pi for none.
+        cone_softness: 0 hard to 1.
+        diffuse: multiplier of the diffuse response.
+        specular: multiplier of the specular response.
+        casts_shadow: UsdLuxShadowAPI.
+        path: prim path.
+    """
+
+    kind: LightKind
+    radiance: tuple[float, float, float]
+    pose: DoubleArray
+    radius_m: float = 0.0
+    width_m: float = 0.0
+    height_m: float = 0.0
+    angle_rad: float = 0.0
+    cone_angle_rad: float = float(np.pi)
+    cone_softness: float = 0.0
+    diffuse: float = 1.0
+    specular: float = 1.0
+    casts_shadow: bool = True
+    path: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Dome:
+    """Light from all around.
+
+    Attributes:
+        radiance: ``(3,)`` multiplier: colour · intensity · 2^exposure.
+        image: latitude-longitude environment as OpenEXR (and so UsdLux) defines it, or None for a uniform dome: row 0
+            looks up (+Y), the centre column along +Z, and +X is a quarter of the width to the left of it.
+        pose: ``(4, 4)`` float64, world from dome.
+        visible: whether the camera sees it behind everything.
+        path: prim path.
+    """
+
+    radiance: tuple[float, float, float]
+    pose: DoubleArray
+    image: Image | None = None
+    visible: bool = True
+    path: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A camera at one time.
+
+    Attributes:
+        world_from_camera: ``(4, 4)`` float64 rigid, metres; looks along -Z, +Y up, +X right.
+        focal_length_mm: with the apertures it gives the field of view.
+        horizontal_aperture_mm: width of the film gate that the picture shows (after conforming to its aspect ratio).
+        vertical_aperture_mm: its height.
+        horizontal_offset_mm: of the gate's centre from the axis.
+        vertical_offset_mm: likewise.
+        f_stop: f-number; 0 is a pinhole, as in USD.
+        focus_distance_m: along the axis, from the entrance pupil; 0 or infinite focuses at infinity.
+        near_m: nearest depth drawn.
+        far_m: farthest depth drawn; may be infinite.
+        exposure_scale: what UsdGeomCamera's exposure attributes multiply radiance by.
+        iris: the shape of the opening.
+        lens: the glass.
+        focal_surface: where the focus lies over the picture, in place of the plane at the focus distance; None for that plane.
+        shutter_open: in frames relative to the time, as in USD.
+        shutter_close: likewise.
+        shutter: how it opens, and in which order it bares the picture.
+        breathing: whether the physical image distance sets the field of view.
+        path: prim path.
+    """
+
+    world_from_camera: DoubleArray
+    focal_length_mm: float = 50.0
+    horizontal_aperture_mm: float = 36.0
+    vertical_aperture_mm: float = 20.25
+    horizontal_offset_mm: float = 0.0
+    vertical_offset_mm: float = 0.0
+    f_stop: float = 0.0
+    focus_distance_m: float = 0.0
+    near_m: float = 0.01
+    far_m: float = float("inf")
+    exposure_scale: float = 1.0
+    iris: IrisShape = field(default_factory=IrisShape)
+    lens: Lens = THIN_LENS
+    focal_surface: FocalSurface | None = None
+    shutter_open: float = 0.0
+    shutter_close: float = 0.0
+    shutter: Shutter = GLOBAL_SHUTTER
+    breathing: bool = False
+    path: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Everything that is drawn, at one time. The camera travels beside it, not in it.
+
+    Attributes:
+        batches: what is drawn.
+        lights: lights with a place or a direction.
+        dome: light from all around, or None.
+        prim_paths: the paths that prim ids index.
+        time: USD time code.
+    """
+
+    batches: tuple[Batch, ...] = ()
+    lights: tuple[Light, ...] = ()
+    dome: Dome | None = None
+    prim_paths: tuple[str, ...] = ()
+    time: float = 0.0
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles drawn, instances counted."""
+        return sum(len(b.geometry.triangles) * len(b.poses) for b in self.batches)
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """The scene while the shutter is open.
+
+    Attributes:
+        middle: in the middle of that time.
+        opening: when it begins.
+        closing: when it ends.
+    """
+
+    middle: Scene
+    opening: Scene
+    closing: Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """The shot at one moment of the shutter's opening.
+
+    Attributes:
+        scene: what is there.
+        camera: what looks, its focus solved.
+        share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
+    """
+
+    scene: Scene
+    camera: Camera
+    share: FloatArray | float

@@ -1,0 +1,183 @@
+"""A prescription made complete: checked, and what its file leaves out solved for and said so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.model.lens import DoubleArray, Prescription, Surface
+from render.optics.prescription.beams import axial_beam
+from render.optics.prescription.clear_diameters import with_clear_diameters
+from render.optics.prescription.paraxial import FirstOrder, first_order, focal_points, paraxial_system, stop_index
+from render.optics.prescription.stop_placement import with_stop
+from render.optics.prescription.surface_shape import extent_mm
+from render.optics.prescription.tracing import Fate, TracedRays, trace_forward
+from render.optics.prescription.validation import FASTEST_F_STOP, bad_lens, check_overlaps, check_prescription
+
+_WAYS_TO_FAIL = {
+    Fate.BLOCKED: "its rim blocks",
+    Fate.MISSES: "its surface is missed by",
+    Fate.REFLECTED: "total internal reflection turns back",
+}
+_FAN = 201
+_NOTICED = 0.01  # share of the f-number or of the focal length
+_ROUNDED = 5e-4  # share of a length that no note shows
+
+
+def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
+    """Check a prescription and solve for what is missing: stop, aperture, back focus, clear diameters.
+
+    In this order: the stop's place (`render.optics.prescription.stop_placement`); the f-number from the stop's diameter, or
+    the diameter from
+    the f-number, or both from the widest beam on the axis that all rims let through; the back focal distance at the d line;
+    the clear diameters (`render.optics.prescription.clear_diameters`).
+
+    Args:
+        prescription: as a file has it.
+        image_height_mm: half the diagonal that the lens is to cover.
+
+    Returns:
+        A prescription that `render.optics.prescription.focusing.focused` and the tracers take, with ``f_stop`` as its stop
+        has it. ``notes``
+        say what was solved for, and where rims limit the beam more than the stop does.
+
+    Raises:
+        SettingsError: the image height is no positive number.
+        InputError: there is no such lens; the message names the surface.
+    """
+    if not 0 < image_height_mm < float("inf"):
+        raise SettingsError(f"the image height that a lens covers must be a positive number, got {image_height_mm} mm")
+    check_prescription(prescription)
+    whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
+    check_overlaps(whole)
+    return _with_light_checked(whole)
+
+
+def scaled(prescription: Prescription, factor: float) -> Prescription:
+    """The same lens larger or smaller: every length times ``factor``; the f-number stays.
+
+    Notes with lengths in them are joined by one that says which lengths they are.
+
+    Raises:
+        SettingsError: the factor is no positive number.
+    """
+    if not 0 < factor < float("inf"):
+        raise SettingsError(f"a lens can be scaled by a positive number only, got {factor}")
+    notes = prescription.notes
+    if abs(factor - 1) > _ROUNDED and any(" mm" in note for note in notes):
+        notes = (*notes, f"Lengths in these notes are from before the lens was scaled by {factor:.4g}.")
+    surfaces = tuple(_scaled_surface(surface, factor) for surface in prescription.surfaces)
+    return replace(prescription, surfaces=surfaces, notes=notes)
+
+
+def _scaled_surface(surface: Surface, factor: float) -> Surface:
+    return replace(
+        surface,
+        radius_mm=surface.radius_mm * factor,
+        thickness_mm=surface.thickness_mm * factor,
+        semi_diameter_mm=surface.semi_diameter_mm * factor,
+        aspheric=tuple(term * factor ** -(2 * i + 3) for i, term in enumerate(surface.aspheric)),
+    )
+
+
+def _with_surface(prescription: Prescription, index: int, note: str, **changes: float) -> Prescription:
+    """Numbers of one surface replaced, and said so."""
+    surfaces = list(prescription.surfaces)
+    surfaces[index] = replace(surfaces[index], **changes)  # type: ignore[arg-type]
+    return replace(prescription, surfaces=tuple(surfaces), notes=(*prescription.notes, note))
+
+
+def _with_aperture(prescription: Prescription) -> Prescription:
+    """Stop diameter and f-number, which the paraxial pupil joins; where both are given, the diameter counts."""
+    first, stop = _pupil(prescription), stop_index(prescription)
+    full_aperture = first.focal_length_mm / (2 * abs(first.entrance_pupil_magnification))
+    radius, stated = prescription.surfaces[stop].semi_diameter_mm, prescription.f_stop
+    if radius > 0:
+        f_stop = full_aperture / radius
+        if f_stop < FASTEST_F_STOP:
+            what = f"as the stop, its clear semi-diameter of {radius:g} mm makes it f/{f_stop:.3g}, which is impossible"
+            raise bad_lens(prescription, f"{what}: expected f/{FASTEST_F_STOP:g} or slower", stop)
+        notes = prescription.notes
+        if stated > 0 and abs(f_stop / stated - 1) > _NOTICED:
+            notes = (*notes, f"It is said to be f/{stated:.3g}, but its stop's diameter makes it f/{f_stop:.3g}.")
+        return replace(prescription, f_stop=f_stop, notes=notes)
+    if stated > 0:
+        radius = full_aperture / stated
+        note = f"The stop's diameter of {2 * radius:.4g} mm was solved for from f/{stated:.3g}."
+        solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
+        _check_marginal_ray(solved, radius)
+        return solved
+    radius = _stop_radius_by_rims(prescription)
+    note = f"The stop's diameter of {2 * radius:.4g} mm was solved for: the widest beam on the axis that all rims let through."
+    solved = _with_surface(prescription, stop, note, semi_diameter_mm=radius)
+    return replace(solved, f_stop=full_aperture / radius)
+
+
+def _pupil(prescription: Prescription) -> FirstOrder:
+    """First-order properties of a lens that has an entrance pupil."""
+    first = first_order(prescription)
+    if not abs(first.entrance_pupil_mm) < 1e3 * first.focal_length_mm:
+        what = "it is the stop, and its image is infinitely far off: no entrance pupil to measure distances from"
+        raise bad_lens(prescription, what, stop_index(prescription))
+    return first
+
+
+def _stop_radius_by_rims(prescription: Prescription) -> float:
+    """Height at the stop of the outermost ray along the axis that no rim blocks."""
+    stop = stop_index(prescription)
+    unknown = [i for i, s in enumerate(prescription.surfaces) if s.semi_diameter_mm == 0 and i != stop]
+    if unknown:
+        what = "neither the f-number nor the stop's clear diameter is known, and for want of this surface's neither can be found"
+        raise bad_lens(prescription, what, unknown[0])
+    low, high = 0.0, extent_mm(prescription.surfaces[0 if stop else 1])
+    for _ in range(3):
+        heights = np.linspace(low, high, _FAN)
+        passes = _parallel_rays(prescription, heights).passes
+        lost = int(np.argmin(passes)) if not passes.all() else _FAN - 1
+        low, high = float(heights[max(lost - 1, 0)]), float(heights[lost])
+    return float(_parallel_rays(prescription, np.array([low])).points_mm[stop, 0, 1])
+
+
+def _parallel_rays(prescription: Prescription, heights_mm: DoubleArray) -> TracedRays:
+    points = np.stack([0 * heights_mm, heights_mm, 0 * heights_mm], axis=1)
+    return trace_forward(prescription, points, np.tile([0.0, 0.0, 1.0], (len(heights_mm), 1)))
+
+
+def _check_marginal_ray(prescription: Prescription, stop_radius_mm: float) -> None:
+    """Raise `InputError` where glass does not bring the marginal ray of the f-number through: rims are yet to be looked at."""
+    edge = axial_beam(prescription, -np.inf, np.array([1.0, 1.002]), stop_radius_mm, clip=False)
+    if not edge.passes.all():
+        ray = int(np.argmin(edge.passes))
+        what = f"f/{prescription.f_stop:.3g} wide open is impossible: {_WAYS_TO_FAIL[Fate(edge.fates[ray])]} the edge of the beam"
+        raise bad_lens(prescription, what, int(edge.stopped_by[ray]))
+
+
+def _with_light_checked(prescription: Prescription) -> Prescription:
+    """Raise `InputError` where no light on the axis gets through; say where a rim limits it more than the stop."""
+    heights = np.linspace(0, 1, _FAN)[1:]
+    stop_radius = prescription.surfaces[stop_index(prescription)].semi_diameter_mm
+    beam = axial_beam(prescription, -np.inf, heights, stop_radius)
+    if not beam.passes.any():
+        what = f"no light gets through: {_WAYS_TO_FAIL[Fate(beam.fates[0])]} all rays along the axis"
+        raise bad_lens(prescription, what, int(beam.stopped_by[0]))
+    widest = float(heights[beam.passes][-1])
+    if widest > 1 - _NOTICED:
+        return prescription
+    by = int(beam.stopped_by[int(np.argmin(beam.passes))]) + 1
+    note = f"Surface {by} cuts the beam on the axis to f/{prescription.f_stop / widest:.3g}."
+    return prescription if note in prescription.notes else replace(prescription, notes=(*prescription.notes, note))
+
+
+def _with_back_focus(prescription: Prescription) -> Prescription:
+    """The film at the paraxial focus of parallel light, where the file does not say; a note where it says another place."""
+    focal, back, _ = focal_points(paraxial_system(prescription))
+    stated, last = prescription.surfaces[-1].thickness_mm, len(prescription.surfaces) - 1
+    if stated == 0:
+        note = f"The back focal distance of {back:.4g} mm was solved for."
+        return _with_surface(prescription, last, note, thickness_mm=back)
+    note = f"Parallel light meets {back:.4g} mm behind the last surface, not at the film, which stands {stated:.4g} mm behind it."
+    if abs(back - stated) < _NOTICED * focal or note in prescription.notes:
+        return prescription
+    return replace(prescription, notes=(*prescription.notes, note))

@@ -1,0 +1,87 @@
+"""A camera's glass as it stands before the film: completed, scaled to the camera's focal length, and focused.
+
+A prescription is as long as its camera's focal length says, as if it were built for it: the field of view stays what focal length
+and film gate say, and an f-number does not change with scale.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from render.model.lens import Prescription
+from render.model.scene import Camera
+from render.optics.prescription.completion import completed, scaled
+from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.paraxial import first_order
+
+PRESCRIBED = ("spherical", "heightField", "prescription")
+"""Models that have surfaces."""
+_MARK_WIDTH = 1e-3  # of the distance: who focuses on the mark is not beyond it
+
+
+def has_surfaces(camera: Camera) -> bool:
+    """Whether rays pass real surfaces: a lens that has them, and is not stopped down to a pinhole."""
+    return camera.lens.model in PRESCRIBED and camera.lens.prescription is not None and camera.f_stop > 0
+
+
+def mounted(camera: Camera) -> FocusedLens:
+    """The camera's prescription, focused at its focus distance and f-number.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    prescription = camera.lens.prescription
+    if prescription is None:
+        raise ValueError(f"the lens of camera {camera.path} has no surfaces")
+    diagonal = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
+    glass = scaled_to(prescription, camera.focal_length_mm, diagonal / 2)
+    return _focused(glass, camera.focus_distance_m, camera.f_stop)
+
+
+def breathing_ratio(camera: Camera) -> float:
+    """Image scale of the mounted lens over its focal length: how much larger its picture is than focused at infinity."""
+    return mounted(camera).image_scale_mm / camera.focal_length_mm
+
+
+def distance_from_film_m(camera: Camera) -> float:
+    """How far before the film the plane of focus is, as makers engrave distances; the camera's own is from the entrance pupil.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    distance_m = camera.focus_distance_m
+    if not 0 < distance_m < np.inf:
+        return float("inf")
+    if has_surfaces(camera):
+        lens = mounted(camera)
+        return distance_m + (lens.film_mm - lens.entrance_pupil_mm) / 1000
+    focal_m = camera.focal_length_mm / 1000
+    return distance_m + 1 / max(1 / focal_m - 1 / distance_m, 1e-9)
+
+
+def nearer_than_marked(camera: Camera) -> bool:
+    """Whether the camera is focused nearer than the close focus that is engraved on its lens.
+
+    Raises:
+        InputError: the prescription is no lens.
+        SettingsError: it does not reach the focus distance.
+    """
+    marked_m = camera.lens.close_focus_m
+    return marked_m > 0 and distance_from_film_m(camera) < marked_m * (1 - _MARK_WIDTH)
+
+
+@lru_cache(maxsize=64)
+def scaled_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
+    own = first_order(completed(prescription, image_height_mm=image_height_mm)).focal_length_mm
+    # completed again at its own scale, since what is solved for depends on the film it has to cover
+    whole = completed(prescription, image_height_mm=image_height_mm * own / focal_length_mm)
+    return scaled(whole, focal_length_mm / own)
+
+
+@lru_cache(maxsize=64)
+def _focused(prescription: Prescription, focus_distance_m: float, f_stop: float) -> FocusedLens:
+    return focused(prescription, focus_distance_m, f_stop)

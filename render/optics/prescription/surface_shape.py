@@ -1,0 +1,134 @@
+"""The shape of one lens surface: sag, slope, extent, and where a ray meets it.
+
+Places are relative to the surface's vertex, in millimetres, z along the axis toward the film; `render.model.lens` defines the
+sag.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.model.lens import DoubleArray, Surface
+
+# A surface of unknown clear diameter ends where it is this steep (dz/dr): no ray of use meets it there.
+_STEEPEST = 3.0
+_RADII_MM = np.geomspace(1e-3, 1e4, 1401)
+_NEWTON_STEPS = 60
+_CONVERGED_MM = 1e-13
+
+
+def curvature(surface: Surface) -> float:
+    """Curvature at the vertex in 1/mm; 0 for a plane."""
+    return 1 / surface.radius_mm if surface.radius_mm else 0.0
+
+
+def sag_mm(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
+    """Sag at the given squares of the distance from the axis (mm²); NaN beyond the conic's extent."""
+    r2 = np.asarray(radius_squared, np.float64)
+    c = curvature(surface)
+    with np.errstate(invalid="ignore"):
+        sag = c * r2 / (1 + np.sqrt(1 - (1 + surface.conic) * c * c * r2))
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        sag = sag + coefficient * r2**power
+    return np.asarray(sag)
+
+
+def sag_gradient(surface: Surface, radius_squared: DoubleArray | float) -> DoubleArray:
+    """Derivative of the sag by the *square* of the distance from the axis, 1/mm: the normal is ``(−2gx, −2gy, 1)``."""
+    r2 = np.asarray(radius_squared, np.float64)
+    c = curvature(surface)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        gradient = c / (2 * np.sqrt(1 - (1 + surface.conic) * c * c * r2))
+    for power, coefficient in enumerate(surface.aspheric, start=2):
+        gradient = gradient + power * coefficient * r2 ** (power - 1)
+    return np.asarray(gradient)
+
+
+def conic_extent_mm(surface: Surface) -> float:
+    """Distance from the axis at which the surface's conic turns back; infinite for planes, parabolas and hyperbolas."""
+    bend = (1 + surface.conic) * curvature(surface) ** 2
+    return float(1 / np.sqrt(bend)) if bend > 0 else float("inf")
+
+
+def extent_mm(surface: Surface) -> float:
+    """How far from the axis the surface is known: its clear semi-diameter, else where it turns back or grows too steep."""
+    if surface.semi_diameter_mm > 0:
+        return surface.semi_diameter_mm
+    if not surface.aspheric:
+        return conic_extent_mm(surface)
+    radii = _RADII_MM[conic_extent_mm(surface) > _RADII_MM]
+    steep = np.abs(2 * radii * sag_gradient(surface, radii**2)) > _STEEPEST
+    return float(radii[steep.argmax()] if steep.any() else radii[-1])
+
+
+def intersect(
+    surface: Surface, positions: DoubleArray, directions: DoubleArray
+) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Where rays meet a surface, on the sheet that holds its vertex.
+
+    Conics have a closed form (Welford 1986, ch. 4), in which the ray first goes to the plane of the vertex. With aspheric
+    terms, Newton's method goes on from there, inside a bracket that bisection takes over whenever a step would leave it.
+
+    Args:
+        surface: in whose vertex the coordinates start.
+        positions: ``(n, 3)`` a point on each ray, mm.
+        directions: ``(n, 3)`` unit vectors, not across the axis.
+
+    Returns:
+        ``(n, 3)`` points and ``(n,)`` whether the ray meets the surface; points of those that do not are meaningless.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        on_plane = positions - (positions[:, 2] / directions[:, 2])[:, None] * directions
+        distance, hit = _conic_distance(surface, on_plane, directions)
+        if surface.aspheric:
+            distance, hit = _aspheric_distance(surface, on_plane, directions, np.where(hit, distance, 0.0))
+        return on_plane + distance[:, None] * directions, hit
+
+
+def _conic_distance(
+    surface: Surface, on_plane: DoubleArray, directions: DoubleArray
+) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Distance from the vertex plane to the conic ``c·(x² + y² + (1 + K)·z²) = 2z``; the root nearest to the vertex."""
+    c, along = curvature(surface), directions[:, 2]
+    f = c * (on_plane[:, 0] ** 2 + on_plane[:, 1] ** 2)
+    g = along - c * (directions[:, 0] * on_plane[:, 0] + directions[:, 1] * on_plane[:, 1])
+    inside = g * g - c * (1 + surface.conic * along * along) * f
+    distance = f / (g + np.sign(along) * np.sqrt(np.maximum(inside, 0)))
+    on_sheet = 1 - (1 + surface.conic) * c * distance * along >= 0
+    return distance, np.asarray((inside >= 0) & on_sheet & np.isfinite(distance))
+
+
+def _aspheric_distance(
+    surface: Surface, on_plane: DoubleArray, directions: DoubleArray, start: DoubleArray
+) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Distance from the vertex plane to the full surface, which goes on flat beyond its extent so that a root always exists."""
+    widest = min(extent_mm(surface), conic_extent_mm(surface) * (1 - 1e-9)) ** 2
+    sags = sag_mm(surface, np.linspace(0, widest, 257))
+    slack = 1 + float(np.ptp(sags))
+    before, behind = (sags.min() - slack) / directions[:, 2], (sags.max() + slack) / directions[:, 2]
+    distance = start
+    for _ in range(_NEWTON_STEPS):
+        points = on_plane + distance[:, None] * directions
+        r2 = np.minimum(points[:, 0] ** 2 + points[:, 1] ** 2, widest)
+        miss = points[:, 2] - sag_mm(surface, r2)
+        behind, before = np.where(miss > 0, distance, behind), np.where(miss > 0, before, distance)
+        if not (np.abs(miss) > _CONVERGED_MM).any():
+            break
+        across = points[:, 0] * directions[:, 0] + points[:, 1] * directions[:, 1]
+        step = distance - miss / (directions[:, 2] - 2 * sag_gradient(surface, r2) * across)
+        stays = (step - before) * (step - behind) <= 0
+        distance = np.where(stays, step, (before + behind) / 2)
+    r2 = (on_plane + distance[:, None] * directions)[:, :2] ** 2
+    return distance, np.asarray(np.isfinite(distance) & (r2.sum(1) <= widest * (1 + 1e-6)))
+
+
+def clearance_mm(front: Surface, behind: Surface, thickness_mm: float) -> float:
+    """Least distance along the axis between two neighbours within their clear diameters; negative where they overlap.
+
+    Where neither clear diameter is known, only the axis counts.
+    """
+    known = [surface.semi_diameter_mm for surface in (front, behind) if surface.semi_diameter_mm > 0]
+    widest = min(*known, conic_extent_mm(front), conic_extent_mm(behind)) if known else 0.0
+    radius_squared = np.linspace(0, widest * (1 - 1e-9), 129) ** 2
+    return float((thickness_mm + sag_mm(behind, radius_squared) - sag_mm(front, radius_squared)).min())

@@ -1,0 +1,189 @@
+"""Rays through a prescription, by exact refraction at each surface; float64, many rays at once, from either side.
+
+Places are ``(x, y, z)`` in millimetres, z along the axis from the scene to the film, 0 at the vertex of the front surface unless
+the vertices are given. Directions are unit vectors: z positive for light on its way to the film.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.model.lens import DoubleArray, Prescription, Surface
+from render.optics.glass import D_LINE_NM, refractive_index
+from render.optics.prescription.paraxial import vertices
+from render.optics.prescription.surface_shape import intersect, sag_gradient
+
+PASSES = -1
+_RIM_SLACK = 1 + 1e-9
+
+
+class Fate(IntEnum):
+    """What becomes of a ray."""
+
+    PASSES = 0
+    BLOCKED = 1  # by the rim of a surface, or by the stop
+    MISSES = 2  # the surface, which has no rim to be blocked by
+    REFLECTED = 3  # totally: glass to air at too flat an angle
+
+
+@dataclass(frozen=True, eq=False)
+class TracedRays:
+    """Rays behind the surfaces that they were traced through.
+
+    Attributes:
+        points_mm: ``(k, n, 3)`` where each ray met each of the k surfaces, in the order it met them; NaN once it was stopped.
+            Where it was blocked or reflected is still there.
+        directions: ``(n, 3)`` of the rays that leave; NaN for those that were stopped.
+        stopped_by: ``(n,)`` index of the surface that stopped the ray, `PASSES` where none did.
+        fates: ``(n,)`` each a `Fate`.
+    """
+
+    points_mm: DoubleArray
+    directions: DoubleArray
+    stopped_by: NDArray[np.int64]
+    fates: NDArray[np.uint8]
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """``(n,)`` whether the ray came through."""
+        return np.asarray(self.stopped_by == PASSES)
+
+    def at(self, z_mm: float) -> DoubleArray:
+        """``(n, 2)`` where the rays that leave cross the plane at ``z_mm``; NaN for those that were stopped."""
+        last = self.points_mm[-1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slopes = self.directions[:, :2] / self.directions[:, 2:]
+        return np.asarray(last[:, :2] + (z_mm - last[:, 2:]) * slopes)
+
+
+def trace_forward(
+    prescription: Prescription,
+    points_mm: DoubleArray,
+    directions: DoubleArray,
+    wavelength_nm: float | DoubleArray = D_LINE_NM,
+    *,
+    vertices_mm: DoubleArray | None = None,
+    stop_radius_mm: float | None = None,
+    clip: bool = True,
+    between: tuple[int, int] | None = None,
+) -> TracedRays:
+    """Trace rays from the scene toward the film.
+
+    Args:
+        prescription: the lens.
+        points_mm: ``(n, 3)`` any point on each ray before the first surface.
+        directions: ``(n, 3)`` unit vectors with positive z.
+        wavelength_nm: of all rays, or ``(n,)`` of each.
+        vertices_mm: ``(k,)`` where the surfaces stand, if not where the thicknesses put them.
+        stop_radius_mm: of the closed iris; by default as wide as the prescription has it.
+        clip: whether rims and iris stop rays. A surface without a clear diameter never does.
+        between: first surface, and one past the last, for rays that begin or end inside the lens. By default all.
+    """
+    order = range(*(between or (0, len(prescription.surfaces))))
+    placed = vertices(prescription) if vertices_mm is None else vertices_mm
+    radius = stop_radius_mm
+    return _trace(prescription, points_mm, directions, wavelength_nm, placed, radius, clip, order, forward=True)
+
+
+def trace_backward(
+    prescription: Prescription,
+    points_mm: DoubleArray,
+    directions: DoubleArray,
+    wavelength_nm: float | DoubleArray = D_LINE_NM,
+    *,
+    vertices_mm: DoubleArray | None = None,
+    stop_radius_mm: float | None = None,
+    clip: bool = True,
+    between: tuple[int, int] | None = None,
+) -> TracedRays:
+    """Trace rays from the film toward the scene: as `trace_forward`, with points behind the last surface and z negative."""
+    order = range(*(between or (0, len(prescription.surfaces))))[::-1]
+    placed = vertices(prescription) if vertices_mm is None else vertices_mm
+    radius = stop_radius_mm
+    return _trace(prescription, points_mm, directions, wavelength_nm, placed, radius, clip, order, forward=False)
+
+
+def _trace(
+    prescription: Prescription,
+    points_mm: DoubleArray,
+    directions: DoubleArray,
+    wavelength_nm: float | DoubleArray,
+    vertices_mm: DoubleArray,
+    stop_radius_mm: float | None,
+    clip: bool,
+    order: Iterable[int],
+    *,
+    forward: bool,
+) -> TracedRays:
+    positions, headings = np.array(points_mm, np.float64), np.array(directions, np.float64)
+    fates = np.zeros(len(positions), np.uint8)
+    stopped_by = np.full(len(positions), PASSES)
+    met = []
+    for i in order:
+        surface = prescription.surfaces[i]
+        before, behind = _indices_around(prescription, i, wavelength_nm, forward)
+        vertex = np.array([0.0, 0.0, vertices_mm[i]])
+        local, hit = intersect(surface, positions - vertex, headings)
+        rim = _rim_mm(surface, stop_radius_mm) if clip else np.inf
+        headings, refracted = refract(surface, local, headings, before / behind)
+        fate = _fate(local, hit, refracted, rim)
+        newly = (fate != Fate.PASSES) & (stopped_by == PASSES)
+        stopped_by[newly], fates[newly] = i, fate[newly]
+        headings[newly] = np.nan
+        positions = np.where((hit & (fates != Fate.MISSES))[:, None], local + vertex, np.nan)
+        met.append(positions)
+    return TracedRays(np.array(met).reshape(-1, len(positions), 3), headings, stopped_by, fates)
+
+
+def _rim_mm(surface: Surface, stop_radius_mm: float | None) -> float:
+    """How far from the axis a surface lets light through."""
+    rim = surface.semi_diameter_mm if surface.semi_diameter_mm > 0 else np.inf
+    return min(rim, stop_radius_mm) if surface.is_stop and stop_radius_mm is not None else rim
+
+
+def _indices_around(
+    prescription: Prescription, index: int, wavelength_nm: float | DoubleArray, forward: bool
+) -> tuple[float | DoubleArray, float | DoubleArray]:
+    """Refractive index that a ray comes from, and the one that it goes into, at a surface."""
+    behind = refractive_index(prescription.surfaces[index].glass, wavelength_nm)
+    front = refractive_index(prescription.surfaces[index - 1].glass, wavelength_nm) if index else np.ones_like(behind)
+    return (front, behind) if forward else (behind, front)
+
+
+def _fate(local: DoubleArray, hit: NDArray[np.bool_], refracted: NDArray[np.bool_], rim_mm: float) -> NDArray[np.uint8]:
+    """A ray that misses a surface which has a rim hits what holds the rim."""
+    outside = local[:, 0] ** 2 + local[:, 1] ** 2 > (rim_mm * _RIM_SLACK) ** 2
+    fate = np.where(refracted, np.uint8(Fate.PASSES), np.uint8(Fate.REFLECTED))
+    fate[~hit] = Fate.MISSES
+    fate[outside | (~hit & np.isfinite(rim_mm))] = Fate.BLOCKED
+    return fate
+
+
+def refract(
+    surface: Surface, local: DoubleArray, directions: DoubleArray, ratio: float | DoubleArray
+) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Snell's law in vector form (Welford 1986, ch. 4).
+
+    Args:
+        surface: which the rays have met.
+        local: ``(n, 3)`` where, relative to its vertex.
+        directions: ``(n, 3)`` unit vectors.
+        ratio: index that the rays come from over the one that they go into, ``()`` or ``(n,)``.
+
+    Returns:
+        ``(n, 3)`` unit vectors, and ``(n,)`` whether the ray is refracted rather than totally reflected.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        gradient = sag_gradient(surface, local[:, 0] ** 2 + local[:, 1] ** 2)
+        normal = np.stack([-2 * local[:, 0] * gradient, -2 * local[:, 1] * gradient, np.ones(len(local))], axis=1)
+        normal /= np.sqrt((normal**2).sum(1))[:, None]
+        incidence = (normal * directions).sum(1)
+        ratio = np.broadcast_to(np.asarray(ratio), incidence.shape)
+        squared = 1 - ratio**2 * (1 - incidence**2)
+        bent = np.copysign(np.sqrt(squared), incidence) - ratio * incidence
+        return ratio[:, None] * directions + bent[:, None] * normal, squared >= 0

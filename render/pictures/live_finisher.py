@@ -1,0 +1,110 @@
+"""Pictures finished on the device, for those who look at them while they work; files are finished by the processor.
+
+The two agree to less than one of 255 levels (`tests/render/film/test_gpu_developer.py`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+import numpy as np
+
+from render.errors import GraphicsError, SettingsError
+from render.film import print_space
+from render.film.gpu.developer import Exposure, FilmPass
+from render.film.gpu.grade import DisplayPass
+from render.film.gpu.scratch import Scratch, TooLargeError
+from render.gl.context import GraphicsContext
+from render.gl.held import Held
+from render.model.scene import Camera, FloatArray
+from render.shot.film.finish import PRINTED, Finish, frame_number, gate_mm
+
+if TYPE_CHECKING:
+    from render.frame import FrameRenderer
+
+
+class _Passes:
+    """What finishes pictures on one context."""
+
+    def __init__(self, graphics: GraphicsContext) -> None:
+        self.graphics = graphics
+        self.scratch = Scratch(graphics.ctx)
+        self.film = FilmPass(graphics.ctx)
+        self.display = DisplayPass(graphics.ctx)
+
+    def release(self) -> None:
+        """Give the device's memory back."""
+        with Held() as held:
+            for made in (self.scratch, self.film, self.display):
+                held.keep(made)
+
+
+class LiveFinisher:
+    """Finishes pictures on a renderer's device, in its thread. What it needs for it is kept between pictures.
+
+    Args:
+        renderer: whose device it is. It may make its context anew after an error; then this starts anew too.
+    """
+
+    def __init__(self, renderer: FrameRenderer) -> None:
+        self._renderer = renderer
+        self._passes: _Passes | None = None
+
+    def picture(self, finish: Finish, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+        """As `Finish.picture`, in 256 levels. A picture that is too large for the device is finished by the processor.
+
+        Args:
+            finish: how.
+            radiance: ``(height, width, 3 or 4)`` float32 scene-linear.
+            camera: as for `Finish.picture`.
+            time: likewise.
+            seed: likewise.
+
+        Raises:
+            SettingsError: the exposure is no number from 0 up, or the film cannot be developed.
+            GraphicsError: the device refuses.
+        """
+        if radiance.ndim != 3 or radiance.shape[2] not in (3, 4):
+            raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
+        passes = self._ready()
+        try:
+            return _finished(
+                passes, finish, radiance, Exposure(camera.exposure_scale, frame_number(time), gate_mm(camera), seed)
+            )
+        except TooLargeError:
+            return finish.picture(radiance, camera, time=time, seed=seed)
+        except moderngl.Error as error:
+            self.release()
+            raise GraphicsError(f"{passes.graphics.renderer} could not finish the picture: {error}") from error
+
+    def release(self) -> None:
+        """Give the device's memory back; the renderer's context must live."""
+        if self._passes is not None and self._passes.graphics is self._renderer.graphics:
+            self._passes.graphics.make_current()
+            self._passes.release()
+        self._passes = None
+
+    def _ready(self) -> _Passes:
+        """The passes of the renderer's context. Those of one that is gone went with it."""
+        graphics = self._renderer.graphics
+        graphics.make_current()
+        if self._passes is None or self._passes.graphics is not graphics:
+            self._passes = _Passes(graphics)
+        return self._passes
+
+
+def _finished(passes: _Passes, finish: Finish, radiance: FloatArray, exposure: Exposure) -> FloatArray:
+    height, width, channels = radiance.shape
+    light = passes.scratch.texture("light", (width, height), channels, "f4")
+    shown = passes.scratch.texture("shown", (width, height), 4, "f1")
+    light.write(np.ascontiguousarray(radiance, np.float32))
+    if finish.film is None:
+        passes.display.run(light, shown, exposure.scale, finish.grade)
+    else:
+        developed = passes.scratch.texture("developed", (width, height), 4, "f4")
+        passes.film.run(light, developed, finish.film, exposure)
+        space = print_space() if finish.film.process in PRINTED else None
+        passes.display.run(developed, shown, 1.0, finish.grade, space)
+    levels = np.frombuffer(shown.read(), np.uint8).reshape(height, width, 4)[..., :3]
+    return np.divide(levels, np.float32(255), dtype=np.float32)

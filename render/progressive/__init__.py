@@ -1,5 +1,0 @@
-"""Better and better pictures of one change after the other. What needs OpenGL is imported by name, from `driver`."""
-
-from render.progressive.asked import Asked, Shown, Timing
-
-__all__ = ["Asked", "Shown", "Timing"]

@@ -1,0 +1,70 @@
+#version 450 core
+// Takes note that pixels are spread as they are now.
+// in:  `shedding`: which have changed (linear_take.comp); PICKED: which of them are spread; light and state as they are
+// out: `light_last`, `state_last`: those of the sums; CUTOFF: `state_before`: what `state_last` was, in tiles of which any is spread;
+//      WAITING: `waiting`: 0 for what is; `lit`, `lit_reaches`, `filled`: what linear/linear_take.comp says of all pixels, of the same tiles
+
+layout(local_size_x = 64) in;
+layout(rgba32f, binding = 0) uniform image2D light_last;
+layout(rg32f, binding = 1) uniform image2D state_last;
+#ifdef CUTOFF
+layout(rg32f, binding = 2) uniform writeonly image2D state_before;
+#endif
+#ifdef WAITING
+layout(r32ui, binding = 3) uniform writeonly uimage2D waiting;
+#endif
+layout(std430, binding = 1) readonly buffer Shedding { uvec4 shedding[]; };
+layout(std430, binding = 2) writeonly buffer Lit { uvec4 lit[]; };
+layout(std430, binding = 3) writeonly buffer LitReaches { float lit_reaches[]; };
+layout(std430, binding = 4) buffer Filled { uint filled[]; };
+#ifdef PICKED
+layout(std430, binding = 5) readonly buffer Picked { uint picked[]; };
+#endif
+
+uniform sampler2D light_now;
+uniform sampler2D state_now;
+uniform ivec2 tiles;
+uniform int filled_words;
+
+#include "linear/linear_reach.glsl"
+
+void main()
+{
+    int lane = int(gl_GlobalInvocationID.x);
+    ivec2 tile = ivec2((lane >> 1) % tiles.x, (lane >> 1) / tiles.x), size = imageSize(light_last);
+    if (tile.y >= tiles.y) return;
+    uint bits = shedding[lane].x, beside = shedding[lane ^ 1].x;
+#ifdef PICKED
+    bits &= picked[lane];
+    beside &= picked[lane ^ 1];
+#endif
+    uvec2 sheds = uvec2(0u);
+    float reach = -1.0;
+    int count = (bits | beside) == 0u ? 0 : 32;
+    for (int i = 0; i < count; ++i) {
+        ivec2 at = tile * 8 + ivec2(i & 7, (lane & 1) * 4 + (i >> 3));
+        if (any(greaterThanEqual(at, size))) continue;
+        vec4 state = imageLoad(state_last, at), light = imageLoad(light_last, at);
+#ifdef CUTOFF
+        imageStore(state_before, at, state);
+#endif
+        if (((bits >> i) & 1u) != 0u) {
+            state = texelFetch(state_now, at, 0);
+            light = texelFetch(light_now, at, 0);
+            imageStore(light_last, at, light);
+            imageStore(state_last, at, state);
+#ifdef WAITING
+            imageStore(waiting, at, uvec4(0u));
+#endif
+        }
+        if (light != vec4(0.0)) {
+            sheds |= uvec2(1u << i, state.x > 0.0 ? 1u << i : 0u);
+            reach = max(reach, reach_of(light, state.xy));
+        }
+    }
+    if (count > 0) {
+        lit[lane] = uvec4(sheds.x, 0u, sheds.y, 0u);
+        lit_reaches[lane] = reach;
+        if (sheds.x != 0u) atomicOr(filled[tile.y * filled_words + (tile.x >> 5)], 1u << (tile.x & 31));
+    }
+}

@@ -1,0 +1,67 @@
+#version 450 core
+// Finds the nearest surface behind the last layer's umbra, before anything is shaded: only the depth buffer is written.
+// in:  surface.vert's outputs; the previous layer's w (1/m, negative where partly transparent) where PEEL is defined;
+//      the layer's own w where FILL is defined, which leaves alone what is there; where MOTION is defined, how the surfaces of the
+//      previous layer and this one move
+// Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
+
+#ifdef MAY_BE_CLEAR
+#include "layers/material.glsl"
+
+in vec3 frag_position;
+in vec3 frag_normal;
+in vec2 frag_uv;
+in vec4 frag_color;
+#endif
+
+#ifdef PEEL
+layout(binding = 8) uniform sampler2D previous_w;
+uniform int previous_channel;
+uniform float umbra;  // how far in w an opaque surface hides what is behind it, 1/m
+#ifdef MOTION
+#include "layers/drifting.glsl"
+layout(binding = 12) uniform usampler2DArray previous_motion;
+uniform int previous_layer;
+
+// How far this surface and the one in front of it part, at most, in either half of the time, px.
+float parting(float last_w)
+{
+    uvec4 stored = texelFetch(previous_motion, ivec3(ivec2(gl_FragCoord.xy), previous_layer), 0);
+    vec2 at = gl_FragCoord.xy;
+    float w = gl_FragCoord.w, last = abs(last_w);
+    vec2 first = drift(at, w, own_first()) - 0.5 * drift(at, last, motion_in_half(stored, false));
+    vec2 second = drift(at, w, own_second()) - 0.5 * drift(at, last, motion_in_half(stored, true));
+    return max(length(first), length(second));
+}
+#endif
+#endif
+
+#ifdef FILL
+layout(binding = 11) uniform sampler2D own_w;
+uniform int own_channel;
+#endif
+
+void main()
+{
+#if defined(PEEL) || defined(MAY_BE_CLEAR)
+    bool hidden = false;
+#endif
+#ifdef PEEL
+    float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0)[previous_channel];
+    float reach = last_w > 0.0 ? umbra : 0.0;  // a transparent surface hides nothing
+#ifdef MOTION
+    reach *= max(0.0, 1.0 - parting(last_w));  // nor one that moves off
+#endif
+    hidden = gl_FragCoord.w >= abs(last_w) - reach;
+#endif
+#ifdef FILL
+    hidden = hidden || texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel] != 0.0;
+#endif
+#ifdef MAY_BE_CLEAR
+    // before any discard: look-ups need their neighbours' coordinates
+    hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity < LEAST_OPACITY || hidden;
+#endif
+#if defined(PEEL) || defined(MAY_BE_CLEAR)
+    if (hidden) discard;
+#endif
+}

@@ -1,0 +1,128 @@
+// Light that a surface sends to the eye: UsdLux lights by their irradiance, and the dome.
+// All in camera space, metres; radiance scene-linear. Area lights are lit from their centre, with the exact irradiance
+// of a sphere above the horizon and of a disk on its axis; their apparent size widens the highlight, whose energy stays.
+
+#define PI 3.14159265358979
+
+struct Light {
+    vec4 position_kind;     // xyz, 0 distant 1 sphere 2 disk or rect
+    vec4 axis_radius;       // where it shines, and the radius of the disk of equal area (distant: sine of its half angle)
+    vec4 radiance_area;     // radiance (distant: irradiance), area
+    vec4 cone_response;     // cosines of the cone's outer and inner angle, diffuse and specular multiplier
+    vec4 shadow;            // first shadow map or -1, how many maps, bias towards the light (m), texel size at 1 m (m)
+};
+
+layout(std140, binding = 2) uniform LightBlock {
+    vec4 count;             // lights; whether there is a dome; its mip for a rough surface; how many lights have shadows (the first ones)
+    vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, the dome's axes
+    mat4 dome_from_camera;
+    mat4 world_from_camera;
+    vec4 dome_radiance;
+    Light lights[MAX_LIGHTS];
+} lighting;
+
+layout(binding = 9) uniform sampler2D dome_map;
+
+#include "layers/shadow.glsl"
+#include "layers/latlong.glsl"
+
+vec3 fresnel(vec3 f0, float cosine)
+{
+    float x = 1.0 - cosine, x2 = x * x;  // multiplied out: a CPU rasteriser has no quick pow
+    return f0 + (max(vec3(1.0), f0) - f0) * (x2 * x2 * x);
+}
+
+// GGX with the height-correlated Smith term (Heitz 2014). The half vectors of a light that reaches `spread` to each side (half
+// its radius over its distance) blur the distribution of normals: their variances add.
+float ggx(float nh, float nl, float nv, float alpha, float spread)
+{
+    float a2 = min(alpha * alpha + spread * spread, 1.0);
+    float d = nh * nh * (a2 - 1.0) + 1.0;
+    float distribution = a2 / (PI * d * d);
+    float k2 = alpha * alpha;
+    float v = nl * sqrt(nv * nv * (1.0 - k2) + k2) + nv * sqrt(nl * nl * (1.0 - k2) + k2);
+    return distribution * 0.5 / max(v, 1e-4);
+}
+
+vec3 brdf_times_cosine(Surface s, vec3 v, vec3 l, float spread, vec2 response)
+{
+    float nl = dot(s.normal, l);
+    if (nl <= 0.0) return vec3(0.0);
+    float nv = max(abs(dot(s.normal, v)), 1e-3);
+    vec3 h = normalize(l + v);
+    float nh = clamp(dot(s.normal, h), 0.0, 1.0), vh = clamp(dot(v, h), 0.0, 1.0);
+    float alpha = s.roughness * s.roughness;
+    vec3 f = fresnel(s.f0, vh);
+    vec3 result = (1.0 - f) * (1.0 - s.metallic) * s.base_color / PI * response.x;
+    result += f * ggx(nh, nl, nv, alpha, spread) * response.y;
+#ifdef CLEARCOAT
+    float coat = s.clearcoat_roughness * s.clearcoat_roughness + 1e-3;
+    result += s.clearcoat * fresnel(vec3(0.04), vh).r * ggx(nh, nl, nv, coat, spread) * response.y;
+#endif
+    return result * nl;
+}
+
+vec3 light_contribution(Light light, Surface s, vec3 p, vec3 v, out vec3 l)
+{
+    float spread;
+    vec3 irradiance = light.radiance_area.rgb;
+    if (light.position_kind.w < 0.5) {
+        l = -light.axis_radius.xyz;
+        spread = light.axis_radius.w * 0.5;
+    } else {
+        vec3 to_light = light.position_kind.xyz - p;
+        float d2 = max(dot(to_light, to_light), 1e-8);
+        float r = light.axis_radius.w;
+        l = to_light * inversesqrt(d2);
+        float facing = dot(light.axis_radius.xyz, -l);
+        bool sphere = light.position_kind.w < 1.5;
+        irradiance *= sphere ? PI * r * r / max(d2, r * r) : light.radiance_area.w * max(facing, 0.0) / (d2 + r * r);
+        float outer = light.cone_response.x, inner = light.cone_response.y;
+        if (outer > -1.0) irradiance *= smoothstep(outer, inner, facing);
+        spread = r * 0.5 * inversesqrt(d2);
+    }
+    return irradiance * brdf_times_cosine(s, v, l, spread, light.cone_response.zw);
+}
+
+vec3 dome_irradiance_over_pi(vec3 n)
+{
+    vec4 c[9] = lighting.dome_irradiance;
+    vec3 e = c[0].rgb + c[1].rgb * n.y + c[2].rgb * n.z + c[3].rgb * n.x + c[4].rgb * (n.x * n.y)
+           + c[5].rgb * (n.y * n.z) + c[6].rgb * (3.0 * n.z * n.z - 1.0) + c[7].rgb * (n.x * n.z)
+           + c[8].rgb * (n.x * n.x - n.y * n.y);
+    return max(e, vec3(0.0));
+}
+
+// Reflectance of the whole hemisphere: Lazarov's fit of the split sum (Karis 2014, "Physically based shading on mobile").
+vec3 environment_reflectance(vec3 f0, float roughness, float nv)
+{
+    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    vec2 ab = vec2(-1.04, 1.04) * a + r.zw;
+    return f0 * ab.x + ab.y;
+}
+
+vec3 dome_contribution(Surface s, vec3 v)
+{
+    mat3 dome = mat3(lighting.dome_from_camera);
+    float nv = max(abs(dot(s.normal, v)), 1e-3);
+    vec3 reflectance = environment_reflectance(s.f0, s.roughness, nv);
+    vec3 mirror = normalize(dome * reflect(-v, s.normal));
+    vec3 seen = lighting.dome_radiance.rgb * textureLod(dome_map, latlong_uv(mirror), s.roughness * lighting.count.z).rgb;
+    vec3 diffuse = (1.0 - s.metallic) * (1.0 - reflectance) * s.base_color * dome_irradiance_over_pi(normalize(dome * s.normal));
+    return s.occlusion * (diffuse + reflectance * seen);
+}
+
+vec3 shade(Surface s, vec3 p, vec3 v)
+{
+    vec3 sum = lighting.count.y > 0.5 ? dome_contribution(s, v) : vec3(0.0);
+    int n = int(lighting.count.x), shadowed = int(lighting.count.w);
+    vec3 l;
+    // two loops, since a CPU rasteriser runs both sides of a branch: only lights with shadow maps pay for them
+    for (int i = 0; i < shadowed; ++i) {
+        vec3 reflected = light_contribution(lighting.lights[i], s, p, v, l);
+        sum += reflected * shadow_visibility(lighting.lights[i], p, s.normal, l);
+    }
+    for (int i = shadowed; i < n; ++i) sum += light_contribution(lighting.lights[i], s, p, v, l);
+    return sum;
+}

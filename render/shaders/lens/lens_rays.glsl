@@ -1,0 +1,179 @@
+// The rays of a pixel: pattern, iris and lens table in; lines in (layer pixel, inverse depth) out.
+// All vectors are in the picture's frame: x right, y down; slopes in object space (m of x to a m of depth).
+
+#ifdef POLYNOMIAL_LENS
+#include "lens/lens_polynomial.glsl"
+#endif
+
+struct BaseRay {
+    vec4 pupil;     // squared radius, cosine and sine of the turn
+    vec4 pixel;     // xy on the sensor, in the unit square
+};
+layout(std430, binding = 4) readonly buffer BaseRays { BaseRay base_rays[]; };
+layout(std430, binding = 6) readonly buffer Shifts { vec4 pattern_shifts[]; };  // squared radius, turn, sensor x and y
+layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
+#ifdef SHAPED_IRIS
+layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // of each pattern in turn, y down
+uniform sampler2D iris_image;   // transmission over the square around the stop, over its mean on the disc
+#endif
+#ifdef GRID_LENS
+uniform sampler2DArray grid_rays;    // slope error and pupil point (m) over pupil x and y; a slice for each field point
+uniform sampler2DArray grid_light;   // weight, clearance (below 0 open)
+uniform ivec2 grid_fields;           // field points across and down
+uniform vec2 grid_slope;             // field of the outermost of them
+#endif
+
+uniform int pattern_rays;       // rays in one pattern
+uniform float spread;           // 1, or 0 for a single ray through the centres
+uniform int jitters;            // whether pixels have patterns of their own
+uniform vec2 axis;              // where the view axis meets them
+uniform vec2 focal_px;          // of the layers, or of the camera of this moment at their resolution
+uniform vec2 pupil_m;           // half axes of a lens without a table
+uniform vec2 narrowing;         // of a table's rays: 1 over the anamorphic squeeze, and 1
+uniform float scale;            // layer pixels to a picture pixel
+#ifdef CARRIED_CAMERA
+#include "layers/carried.glsl"
+uniform mat3 camera_turn;       // to the axes that the layers were peeled in, from those of this moment: x right, y down, z ahead
+uniform vec3 camera_move;       // where the pupil's centre is, in those, m
+#endif
+
+struct PixelRays {
+    vec2 centre;        // in layer pixels
+    vec2 slope;         // of the ideal chief ray
+    vec2 outward;       // unit vector from the axis to the pixel
+    float w_f;
+    float pupil;        // its radius over the lens's own
+    int pattern;
+    vec4 shift;
+    vec2 turn;          // cosine and sine of the pattern's turn
+};
+
+struct LensRay { vec2 a; vec2 b; float weight; };
+
+PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupil)
+{
+    PixelRays rays;
+    rays.centre = centre;
+    rays.slope = (centre - axis) / focal_px;
+    float height = length(rays.slope);
+    rays.outward = height > 1e-9 ? rays.slope / height : vec2(1.0, 0.0);
+    rays.w_f = w_f;
+    rays.pupil = pupil;
+    rays.pattern = jitters * pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)];
+    rays.shift = pattern_shifts[rays.pattern];
+    float angle = 6.283185307179586 * rays.shift.y;
+    rays.turn = vec2(cos(angle), sin(angle));
+#ifdef POLYNOMIAL_LENS
+    load_row(height);
+    // from here on the pattern stands in the plane of the pixel and the axis
+    rays.turn = vec2(rays.turn.x * rays.outward.x - rays.turn.y * rays.outward.y,
+                     rays.turn.x * rays.outward.y + rays.turn.y * rays.outward.x);
+#endif
+    return rays;
+}
+
+// A point of the pattern on the disc; the pattern turns counter-clockwise, and y is down.
+vec2 disc_point(PixelRays rays, BaseRay ray)
+{
+    float radius = spread * sqrt(fract(ray.pupil.x + rays.shift.x));
+    return radius * vec2(ray.pupil.y * rays.turn.x - ray.pupil.z * rays.turn.y,
+                         -(ray.pupil.z * rays.turn.x + ray.pupil.y * rays.turn.y));
+}
+
+#ifdef POLYNOMIAL_LENS
+// `disc` is a point of the whole disc, `stop` one of the iris's opening, both along and across the plane of pixel and axis.
+LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
+{
+    LensRay ray;
+    vec2 along = rays.outward, across = vec2(-along.y, along.x);
+    bool clipped = row[REGION + 3] > 0.0;  // by a rim other than the stop's
+    if (!clipped) disc = stop;
+    float x = disc.x, y = disc.y, y2 = y * y;
+    ray.weight = even2(WEIGHT, x, y2);
+    if (clipped) {
+        vec2 at = vec2(row[REGION] + row[REGION + 1] * x, row[REGION + 2] * y);
+        if (dot(at, at) > 1.0 || even4(FRONT_RIM, x, y2) > 0.0 || even4(REAR_RIM, x, y2) > 0.0) ray.weight = 0.0;
+#ifdef SHAPED_IRIS
+        vec2 on_stop = at.x * along + at.y * across;
+        ray.weight *= textureLod(iris_image, 0.5 + 0.5 * on_stop, 0.0).r;
+#endif
+    }
+    ray.a = slope_t(x, y2) * along + y * slope_s(x, y2) * across;
+    ray.b = pupil_t(x, y2) * along + y * pupil_s(x, y2) * across;
+    return ray;
+}
+#endif
+
+#ifdef GRID_LENS
+// Between field points a ray is the blend of those of the four around that pass; whether it passes says their blended clearance,
+// which is at most 0 only where one of them passes.
+LensRay through_lens(PixelRays rays, vec2 stop)
+{
+    vec2 last = vec2(grid_fields - 1);
+    vec2 at = clamp((0.5 + 0.5 * rays.slope / grid_slope) * last, vec2(0.0), last);
+    ivec2 low = min(ivec2(at), grid_fields - 2);
+    vec2 part = at - vec2(low);
+    LensRay blend = LensRay(vec2(0.0), vec2(0.0), 0.0);
+    float clearance = 0.0, passing = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 step = ivec2(i & 1, i >> 1);
+        vec2 near = mix(1.0 - part, part, vec2(step));
+        float share = near.x * near.y;
+        ivec2 field = low + step;
+        vec3 place = vec3(0.5 + 0.5 * stop * GRID_INSET, float(field.y * grid_fields.x + field.x));
+        vec2 light = textureLod(grid_light, place, 0.0).xy;
+        clearance += share * light.y;
+        if (light.y > 0.0) continue;
+        vec4 found = textureLod(grid_rays, place, 0.0);
+        blend.a += share * found.xy;
+        blend.b += share * found.zw;
+        blend.weight += share * light.x;
+        passing += share;
+    }
+    if (clearance > 0.0 || passing == 0.0) return LensRay(vec2(0.0), vec2(0.0), 0.0);
+    return LensRay(blend.a / passing, blend.b / passing, blend.weight / passing);
+}
+#endif
+
+#ifdef CARRIED_CAMERA
+// The ray of a camera that has turned and moved since the layers were peeled, as a ray of those layers: straight lines stay lines.
+LensRay from_where_the_camera_is(LensRay ray)
+{
+    vec3 along = camera_turn * vec3((ray.a - axis) / focal_px, 1.0);
+    vec3 origin = camera_turn * vec3(ray.b / focal_px, 0.0) + camera_move;
+    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it turned away: it sees the layers' edge
+    vec2 slope = along.xy / along.z;
+    return LensRay(layer_axis + layer_focal * slope, layer_focal * (origin.xy - origin.z * slope), ray.weight);
+}
+#endif
+
+LensRay lens_ray(PixelRays rays, int i)
+{
+    BaseRay base = base_rays[i];
+    vec2 disc = disc_point(rays, base), stop = disc;
+#ifdef SHAPED_IRIS
+    stop = iris_points[rays.pattern * pattern_rays + i];
+#ifdef POLYNOMIAL_LENS
+    stop = vec2(dot(stop, rays.outward), dot(stop, vec2(-rays.outward.y, rays.outward.x)));
+#endif
+#endif
+    vec2 jitter = spread * (fract(base.pixel.xy + rays.shift.zw) - 0.5);
+#if defined(POLYNOMIAL_LENS)
+    LensRay ray = through_lens(rays, stop, disc);
+#elif defined(GRID_LENS)
+    LensRay ray = through_lens(rays, stop);
+#else
+    LensRay ray = LensRay(vec2(0.0), pupil_m * stop, 1.0);
+#endif
+#if defined(POLYNOMIAL_LENS) || defined(GRID_LENS)
+    ray.a *= narrowing;
+    ray.b *= narrowing;
+#endif
+    ray.b *= rays.pupil * focal_px;
+    ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
+#ifdef CARRIED_CAMERA
+    return from_where_the_camera_is(ray);
+#else
+    return ray;
+#endif
+}

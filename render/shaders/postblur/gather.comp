@@ -1,0 +1,45 @@
+#version 450 core
+// The naive gather: each pixel looks through the whole square of pixels within the largest radius, and takes of each whose circle of
+// confusion reaches it what that sheds.
+// in:  what each pixel sheds and how far (flag_shed.comp)
+// out: `blurred`: the field's light, and how much of it there is, in a rectangle
+// Moersch & Hamilton 2014, section 3.1, with no spacing. Quadratic in the radius.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) uniform writeonly image2D blurred;
+
+#include "layers/outline.glsl"
+
+uniform sampler2D shed;
+uniform sampler2D reach;
+uniform ivec2 first;        // pixel of the rectangle
+uniform ivec2 piece_px;     // its size
+uniform int most;           // pixels that any circle reaches
+
+// Share of what a pixel sheds that falls on another, `dx` to the right of it and `dy` below: along a column, the pixel that the
+// circle ends in has its share of it.
+float share_at(int dx, int dy, float radius)
+{
+    vec2 sides = reach_at(dx, radius);
+    if (dy == 0) return 0.5 * (min(2.0 * sides.x, 1.0) + min(2.0 * sides.y, 1.0));
+    float side = dy < 0 ? sides.x : sides.y;
+    return side < 0.5 ? 0.0 : clamp(side + 0.5 - abs(float(dy)), 0.0, 1.0);
+}
+
+void main()
+{
+    ivec2 within = ivec2(gl_GlobalInvocationID.xy), at = first + within, size = imageSize(blurred);
+    if (any(greaterThanEqual(within, piece_px))) return;
+    ivec2 low = max(at - most, ivec2(0)), high = min(at + most, size - 1);
+    vec4 total = vec4(0.0);
+    for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+            float radius = texelFetch(reach, ivec2(x, y), 0).r;
+            ivec2 off = at - ivec2(x, y);
+            if (radius <= 0.0 || off.x != 0 && float(abs(off.x)) >= radius) continue;
+            float share = share_at(off.x, off.y, radius);
+            if (share > 0.0) total += share * texelFetch(shed, ivec2(x, y), 0);
+        }
+    }
+    imageStore(blurred, at, total);
+}

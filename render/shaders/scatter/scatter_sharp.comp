@@ -1,0 +1,19 @@
+#version 450 core
+// Where the sum of a field's spots begins: behind the focus with the points that need none, which are in front of all others.
+// in:  a field's light and circles of confusion
+// out: `sum`: light that stays in its pixel
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = 0) uniform writeonly image2D sum;
+
+#include "scatter/scatter.glsl"
+
+uniform bool is_kept;           // false: it begins with nothing
+
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(at, imageSize(sum)))) return;
+    float c = texelFetch(radii, at, 0)[channel];
+    imageStore(sum, at, is_kept ? texelFetch(light, at, 0) * sharp_share(c) : vec4(0.0));
+}

@@ -1,0 +1,70 @@
+// What peeled layers hold under a footprint: the range of inverse depth, and the stretches of it with surfaces.
+// Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values".
+
+uniform sampler2DArray ranges;  // N-buffers
+uniform usampler2DArray bins;
+uniform int last_level;         // of the N-buffers
+
+#include "layers/bins.glsl"
+
+const int BLOCK = 4;
+const int MAX_RUNS = 8;         // stretches of w with surfaces that a pixel's rays look into; more are joined
+
+struct Corners { ivec2 a; ivec2 c; int level; };
+
+// The four overlapping squares of an N-buffer that cover the layer pixels from `low` to `high`.
+Corners corners_over(ivec2 low, ivec2 high)
+{
+    ivec2 last = textureSize(ranges, 0).xy - 1;
+    ivec2 a = clamp(low / BLOCK, ivec2(0), last), b = clamp(high / BLOCK, ivec2(0), last);
+    ivec2 extent = b - a + 1;
+    int level = min(findMSB(max(extent.x, extent.y)), last_level);
+    return Corners(a, max(b - (1 << level) + 1, a), level);
+}
+
+// Range of w over the layer pixels from `low` to `high`.
+vec2 range_over(ivec2 low, ivec2 high)
+{
+    Corners s = corners_over(low, high);
+    vec2 r0 = texelFetch(ranges, ivec3(s.a, s.level), 0).xy;
+    vec2 r1 = texelFetch(ranges, ivec3(s.c.x, s.a.y, s.level), 0).xy;
+    vec2 r2 = texelFetch(ranges, ivec3(s.a.x, s.c.y, s.level), 0).xy;
+    vec2 r3 = texelFetch(ranges, ivec3(s.c, s.level), 0).xy;
+    return vec2(min(min(r0.x, r1.x), min(r2.x, r3.x)), max(max(r0.y, r1.y), max(r2.y, r3.y)));
+}
+
+// Bins of w that hold a surface of those pixels.
+uvec2 bins_over(ivec2 low, ivec2 high)
+{
+    Corners s = corners_over(low, high);
+    return texelFetch(bins, ivec3(s.a, s.level), 0).xy | texelFetch(bins, ivec3(s.c.x, s.a.y, s.level), 0).xy
+         | texelFetch(bins, ivec3(s.a.x, s.c.y, s.level), 0).xy | texelFetch(bins, ivec3(s.c, s.level), 0).xy;
+}
+
+vec2 range_of_all()
+{
+    return texelFetch(ranges, ivec3(0, 0, last_level), 0).xy;
+}
+
+// The stretches of w, near to far, that a pixel's rays look into.
+vec2 runs[MAX_RUNS];
+int run_count;
+
+// Runs of filled bins within `range`.
+void find_runs(uvec2 held, vec2 range)
+{
+    vec2 all = range_of_all();
+    float width = (all.y - all.x) / float(BINS);
+    run_count = 0;
+    int above = BINS;  // bins from here on are done
+    while (true) {
+        uvec2 left = above > 0 ? held & bits_between(0, above - 1) : uvec2(0u);
+        int top = left.y != 0u ? 32 + findMSB(left.y) : findMSB(left.x);
+        if (top < 0) break;
+        uvec2 empty = top > 0 ? ~held & bits_between(0, top - 1) : uvec2(0u);
+        above = 1 + (empty.y != 0u ? 32 + findMSB(empty.y) : findMSB(empty.x));
+        vec2 run = vec2(max(all.x + float(above) * width, range.x), min(all.x + float(top + 1) * width, range.y));
+        if (run_count < MAX_RUNS) runs[run_count++] = run;
+        else runs[MAX_RUNS - 1].x = run.x;
+    }
+}

@@ -1,0 +1,171 @@
+// Where lens rays meet peeled layers: the walk along a ray.
+// A ray is a line in (pixel, inverse depth): s(w) = a + b·w, in layer pixels, px·m and 1/m. A pixel's surface is a plane, which is
+// one in (pixel, inverse depth) too, so that ray and surface meet at a point and silhouettes are as wide as they are.
+// Lee, Eisemann & Seidel 2010, section 3.1.
+
+uniform sampler2D packed_w;     // of layers 0 to 3, near to far: 1/m; 0 empty, negative partly transparent
+uniform usampler2D slopes;      // of these
+#ifdef EIGHT_LAYERS
+uniform sampler2D packed_w_far; // of layers 4 to 7
+uniform usampler2D slopes_far;
+#endif
+uniform sampler2DArray radiance;
+uniform sampler2D background;
+
+#include "trace/footprints.glsl"
+#include "trace/slopes.glsl"
+
+#ifdef MOVERS
+#include "layers/carried.glsl"
+uniform usampler2DArray motion; // how surfaces move while the shutter is open (surface.frag)
+uniform sampler2DArray movers;  // what moves in each block (movers.comp)
+layout(std430, binding = 10) readonly buffer Landing { uvec4 landing[]; };  // what lands in it (landing.comp)
+
+// What may move into a pixel at this moment; nothing where its third is 0.
+uvec4 landing_at(ivec2 pixel)
+{
+    return landing[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
+}
+#endif
+
+const int MAX_STEPS = 160;      // a ray that crosses more pixels strides over some; where it lands is looked at again
+const float OVERLAP = 0.05;     // share of a step by which it looks into its neighbours, lest rays slip through cracks
+const float LEAST_PAD = 1e-5;   // share of w: rounding
+const float UNLIKE = 0.003;     // share of w by which pixels of one surface differ at most beyond what slopes say
+
+// A surface that a ray meets; `reach`: how far its w changes within a pixel, 1/m.
+struct Hit { float w; int layer; bool opaque; float reach; };
+
+// A stretch of a ray in w, the layer pixel under its middle, and what is stored there of the first four layers.
+struct Stretch { float low; float high; ivec2 pixel; vec4 stored; };
+
+// A walk along a ray: near to far through the pixel's runs of w, about a layer pixel a step.
+struct Walk { vec2 a; vec2 b; float rate; int run; int steps; int step; float top; float dw; };
+
+// Whether each of four surfaces, met at `w`, is one that is there, within the stretch and in front of `limit`.
+bvec4 met_within(vec4 w, vec4 stored, Stretch at, float limit)
+{
+    vec4 there = vec4(notEqual(stored, vec4(0.0)));
+    return notEqual(there * step(at.low, w) * step(w, vec4(at.high)) * vec4(lessThan(w, vec4(limit))), vec4(0.0));
+}
+
+// The nearest of four surfaces of a pixel that a ray meets within the stretch, in front of `limit`. Each is followed as a plane, as
+// far as the centres of the pixels around.
+Hit nearest_of_four(vec4 stored, uvec4 held, vec2 a, vec2 b, Stretch at, float limit)
+{
+    vec4 w = abs(stored), gx = w * unpacked_slopes(held), gy = w * unpacked_slopes(held >> 8);
+    vec4 along = 1.0 - gx * b.x - gy * b.y, reach = min(abs(gx) + abs(gy), 2.0 * LONGEST_REACH * w);
+    vec2 off = a - (vec2(at.pixel) + 0.5);
+    vec4 met = (w + gx * off.x + gy * off.y) / mix(along, vec4(1e-4), lessThan(abs(along), vec4(1e-4)));
+    met = clamp(met, w - reach, w + reach);
+    bvec4 inside = met_within(met, stored, at, limit);
+    Hit hit = Hit(0.0, -1, false, 0.0);
+    if (inside.x) hit = Hit(met.x, 0, stored.x > 0.0, reach.x);
+    if (inside.y && met.y > hit.w) hit = Hit(met.y, 1, stored.y > 0.0, reach.y);
+    if (inside.z && met.z > hit.w) hit = Hit(met.z, 2, stored.z > 0.0, reach.z);
+    if (inside.w && met.w > hit.w) hit = Hit(met.w, 3, stored.w > 0.0, reach.w);
+    return hit;
+}
+
+#ifdef EIGHT_LAYERS
+// The second four are looked at only where the first are all there: once a pixel is empty, it stays empty.
+Hit nearest_in(vec2 a, vec2 b, Stretch at, float limit)
+{
+    Hit hit = nearest_of_four(at.stored, texelFetch(slopes, at.pixel, 0), a, b, at, limit);
+    if (hit.layer >= 0 || at.stored.w == 0.0) return hit;
+    hit = nearest_of_four(texelFetch(packed_w_far, at.pixel, 0), texelFetch(slopes_far, at.pixel, 0), a, b, at, limit);
+    if (hit.layer >= 0) hit.layer += 4;
+    return hit;
+}
+
+float stored_w(ivec2 pixel, int layer)
+{
+    return layer < 4 ? texelFetch(packed_w, pixel, 0)[layer] : texelFetch(packed_w_far, pixel, 0)[layer - 4];
+}
+
+// Whether a surface may be met in the stretch; the second four are behind the fourth.
+bool may_meet(Stretch at)
+{
+    float behind = abs(at.stored.w) * (1.0 + 2.0 * LONGEST_REACH);
+    vec4 w = abs(at.stored), room = 2.0 * LONGEST_REACH * w;
+    bvec4 near = notEqual(step(at.low, w + room) * step(w - room, vec4(at.high)), vec4(0.0));
+    return any(near) || (at.stored.w != 0.0 && at.low <= behind);
+}
+#else
+Hit nearest_in(vec2 a, vec2 b, Stretch at, float limit)
+{
+    return nearest_of_four(at.stored, texelFetch(slopes, at.pixel, 0), a, b, at, limit);
+}
+
+float stored_w(ivec2 pixel, int layer)
+{
+    return texelFetch(packed_w, pixel, 0)[layer];
+}
+
+// Whether a surface may be met in the stretch.
+bool may_meet(Stretch at)
+{
+    vec4 w = abs(at.stored), room = 2.0 * LONGEST_REACH * w;
+    return any(notEqual(step(at.low, w + room) * step(w - room, vec4(at.high)), vec4(0.0)));
+}
+#endif
+
+// Walk on to a stretch with a surface near the ray; false where there is none any more. That test is as cheap as can be, and the
+// one that follows it is not: apart, rays beside each other wait for each other less.
+bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
+{
+    while (true) {
+        if (walk.step == walk.steps) {
+            if (walk.run == run_count) return false;
+            vec2 range = runs[walk.run++];
+            walk.steps = clamp(int(ceil(walk.rate * (range.y - range.x))), 1, MAX_STEPS);
+            walk.dw = (range.y - range.x) / float(walk.steps);
+            walk.top = range.y;
+            walk.step = 0;
+        }
+        float high = walk.top - walk.dw * float(walk.step++), low = high - walk.dw, pad = OVERLAP * walk.dw + LEAST_PAD * high;
+        at.pixel = clamp(ivec2(floor(walk.a + walk.b * (0.5 * (high + low)))), ivec2(0), last);
+        at.stored = texelFetch(packed_w, at.pixel, 0);
+        at.low = low - pad;
+        at.high = high + pad;
+        if (may_meet(at)) return true;
+#ifdef MOVERS
+        if (landing_at(at.pixel).z != 0u) return true;
+#endif
+    }
+}
+
+// Radiance and opacity of the surface that was met, in the pixel where the ray meets it: the step found it in the pixel under the
+// step's middle.
+vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
+{
+    ivec2 there = clamp(ivec2(floor(a + b * hit.w)), ivec2(0), last);
+    float w = stored_w(there, hit.layer);
+    bool same = abs(abs(w) - hit.w) <= hit.reach + UNLIKE * hit.w && (w > 0.0) == hit.opaque;
+    return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
+}
+
+// What a ray sees: premultiplied radiance and coverage, composited front to back.
+vec4 march(vec2 a, vec2 b)
+{
+    ivec2 last = textureSize(packed_w, 0) - 1;
+    Walk walk = Walk(a, b, max(max(abs(b.x), abs(b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
+    Stretch at;
+    Hit hit = Hit(0.0, -1, false, 0.0);
+    vec4 seen = vec4(0.0);
+    float limit = 1e30;
+    while (!hit.opaque && walk_on(walk, last, at)) {
+        hit = nearest_in(a, b, at, limit);
+#ifdef MAY_BE_FADED
+        while (hit.layer >= 0 && !hit.opaque) {
+            vec4 surface = radiance_at(a, b, last, at.pixel, hit);
+            seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);
+            limit = hit.w;
+            hit = nearest_in(a, b, at, limit);
+        }
+#endif
+    }
+    vec4 solid = hit.opaque ? vec4(radiance_at(a, b, last, at.pixel, hit).rgb, 1.0)
+                            : vec4(texelFetch(background, clamp(ivec2(floor(a)), ivec2(0), last), 0).rgb, 0.0);
+    return seen + (1.0 - seen.a) * solid;
+}

@@ -1,0 +1,43 @@
+"""Focus curves that others made, read in the time of a shot. `render.shot.focus.curve_layer` puts them onto a camera."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pxr import Usd
+
+from render.focus.files import CurveFinding, CurveFormat, Gaps, Rates, ReadCurve, read_curve, retimed
+from render.stage import frame_range
+
+
+def read_for_shot(
+    stage: Usd.Stage,
+    content: bytes | str,
+    *,
+    format: CurveFormat | None = None,
+    gaps: Gaps = "refuse",
+    first_frame: float | None = None,
+) -> ReadCurve:
+    """Read a focus curve in the time of a shot.
+
+    A file that counts frames, time codes or seconds keeps these; one that ran by a clock of its own, such as timecode, begins
+    where the shot does.
+
+    Args:
+        stage: the shot.
+        content: of the file.
+        format: which kind of file it is; None looks at it.
+        gaps: whether rows that are missing or cannot be used are refused, held or interpolated.
+        first_frame: time code where the file's first frame comes to lie; None as said above.
+
+    Raises:
+        InputError: the file cannot be read, or has gaps and these are refused.
+        SettingsError: ``format`` or ``gaps`` is no known word.
+    """
+    rates = Rates(stage.GetFramesPerSecond(), stage.GetTimeCodesPerSecond())
+    read = read_curve(content, rates, format=format, gaps=gaps)
+    if first_frame is None and not read.on_shot_time:
+        first_frame = frame_range(stage).start
+        message = f"the file's clock is not the shot's: its first sample is put at time code {first_frame:g}"
+        read = replace(read, findings=(*read.findings, CurveFinding("other_clock", "", message)))
+    return retimed(read, rates, first_frame)

@@ -1,0 +1,269 @@
+"""The one layer that edits go to. Nobody's own file is ever written.
+
+The layer is the strongest sublayer of the stage's session layer, so it wins over all that the shot says, and it can be
+saved, downloaded and sublayered over the shot by anyone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd
+
+from render.errors import SettingsError, StageError
+from render.files import write_atomic
+from render.model.edit_history import EditHistory
+from render.shot.edits.shot_files import check_not_own
+from render.stage import quiet_diagnostics
+from usd_schemas import SchemaError, keys
+from usd_schemas.values import usd_value
+
+
+@dataclass(frozen=True)
+class EditsSnapshot:
+    """All that `Edits.back_to` needs to make edits as they were.
+
+    Attributes:
+        text: the state of the layer.
+        history: of the layer.
+    """
+
+    text: str
+    history: EditHistory
+
+
+class Edits:
+    """The edit layer of one opened stage, and the states that it has had.
+
+    Attributes:
+        layer: the anonymous layer that holds the edits.
+        path: of the saved edits that it started from, or None.
+        revision: counts the edits, so that what was found before one is known to be old.
+        history: the states of the layer; its present one is the layer as it is now.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        """Start without edits, or with a copy of saved ones.
+
+        Args:
+            path: a layer that `save` wrote.
+
+        Raises:
+            StageError: the layer is missing or damaged.
+        """
+        self.layer = Sdf.Layer.CreateAnonymous("edits.usda")
+        self.path = path
+        self.revision = 0
+        self._stage: Usd.Stage | None = None
+        self._labels: list[str] | None = None  # of the edits that make up the one that is going on
+        if path is not None:
+            self.layer.TransferContent(_read_layer(path))
+        self.history = EditHistory.beginning_with(self.state())
+
+    def attach(self, stage: Usd.Stage) -> None:
+        """Say which stage is edited.
+
+        A new layer takes over the stage's time codes per second, as USD retimes a sublayer that says otherwise.
+
+        Args:
+            stage: opened with `layer` among its session layer's sublayers.
+        """
+        self._stage = stage
+        if self.layer.empty:
+            self._begin_layer(self.layer)
+
+    @contextmanager
+    def editing(self, label: str = "", gesture: str = "") -> Iterator[None]:
+        """Direct what USD authors to the edit layer; if an error comes out, take back all that was authored.
+
+        It is one step of the history. Edits within an edit are part of it.
+
+        Args:
+            label: what is done; empty takes the labels of the edits within.
+            gesture: names the drag of a hand that the edit is part of: such edits, one after the other, are one step.
+
+        Raises:
+            SettingsError: in place of a `SchemaError`: what was to be authored is not allowed.
+        """
+        outer, self._labels = self._labels, []
+        try:
+            with self._authoring():
+                yield
+            label = label or ", ".join(dict.fromkeys(self._labels)) or "edit"
+        finally:
+            self._labels = outer
+        if outer is None:
+            self.history = self.history.after(self.state(), label, gesture)
+        else:
+            outer.append(label)
+
+    @contextmanager
+    def _authoring(self) -> Iterator[None]:
+        stage = self._attached()
+        before = Sdf.Layer.CreateAnonymous("before.usda")
+        before.TransferContent(self.layer)
+        self.revision += 1
+        try:
+            target = stage.GetEditTargetForLocalLayer(self.layer)
+            with schema_errors_as_settings(), quiet_diagnostics(), Usd.EditContext(stage, target):
+                yield
+        except BaseException:
+            self.revision += 1  # what was read within the edit that failed is old too
+            self.layer.TransferContent(before)
+            raise
+
+    def replace(self, text: str) -> None:
+        """Put other edits in place of all there are. Outside of an edit, their history begins here.
+
+        Args:
+            text: of a usda layer, as `state` gives it; empty for no edits.
+
+        Raises:
+            StageError: it is no usda; the edits there were stay.
+        """
+        if text != self.state():
+            other = Sdf.Layer.CreateAnonymous("other.usda")
+            if text:
+                _import(other, text)
+            else:
+                self._begin_layer(other)
+            self.revision += 1
+            self.layer.TransferContent(other)
+        if self._labels is None:
+            self.history = EditHistory.beginning_with(self.state())
+
+    def undo(self) -> None:
+        """Take back the last step.
+
+        Raises:
+            EndOfHistoryError: there is none.
+        """
+        self._show(self.history.undone())
+
+    def redo(self) -> None:
+        """Do again the step that was undone last.
+
+        Raises:
+            EndOfHistoryError: there is none.
+        """
+        self._show(self.history.redone())
+
+    def snapshot(self) -> EditsSnapshot:
+        """The edits as they are, to come back to."""
+        return EditsSnapshot(self.state(), self.history)
+
+    def back_to(self, snapshot: EditsSnapshot) -> None:
+        """Make the edits and their history what they were.
+
+        Args:
+            snapshot: as `snapshot` gave it.
+        """
+        self.replace(snapshot.text)
+        self.history = snapshot.history
+
+    def state(self) -> str:
+        """The edit layer as usda text; empty where it says nothing of the stage."""
+        return self.export() if self.layer.rootPrims or self.layer.subLayerPaths else ""
+
+    def export(self) -> str:
+        """The edit layer as usda text."""
+        with quiet_diagnostics():
+            return str(self.layer.ExportToString())
+
+    def save(self, path: Path) -> None:
+        """Write the edit layer as a whole, or not at all.
+
+        Args:
+            path: of a .usda file; a file that the shot itself is made of is refused.
+
+        Raises:
+            SettingsError: it is not named .usda, or the shot is made of that file.
+            OutputError: it cannot be written.
+        """
+        if path.suffix != ".usda":
+            raise SettingsError(f"edits are saved as a .usda file, not as {path}", path=str(path))
+        check_not_own(self._attached(), path)
+        write_atomic(path, self.export().encode())
+
+    def said_of(self, prim: Sdf.Path, chosen: Callable[[str], bool]) -> tuple[str, ...]:
+        """What the edit layer says of properties of a prim, as usda text, in order of their names.
+
+        Args:
+            prim: its path.
+            chosen: whether a property of that name is asked for.
+        """
+        spec = self.layer.GetPrimAtPath(prim)
+        properties = sorted((spec.properties if spec else ()), key=lambda said: str(said.name))
+        return tuple(said.GetAsText() for said in properties if chosen(said.name))
+
+    def _show(self, history: EditHistory) -> None:
+        self.replace(history.present.text)
+        self.history = history
+
+    def _begin_layer(self, layer: Sdf.Layer) -> None:
+        # This may compose the stage anew, which would repeat USD's warnings about it on the terminal.
+        with quiet_diagnostics():
+            layer.timeCodesPerSecond = self._attached().GetTimeCodesPerSecond()
+        layer.comment = "Edits made in Pullfocus: sublayer this over the shot."
+
+    def _attached(self) -> Usd.Stage:
+        if self._stage is None:
+            raise RuntimeError("Edits.attach must say which stage is edited before anything is")
+        return self._stage
+
+
+@contextmanager
+def schema_errors_as_settings() -> Iterator[None]:
+    """Say in this package's own error that a value, a name or a time is not allowed.
+
+    Raises:
+        SettingsError: in place of a `SchemaError`.
+    """
+    try:
+        yield
+    except SchemaError as error:
+        raise SettingsError(str(error), code="bad_value") from error
+
+
+def set_value(attribute: Usd.Attribute, value: Any, time: float | None) -> None:
+    """Give an attribute a value for all time, or a key at one time, in the stage's edit target.
+
+    Args:
+        attribute: what to set.
+        value: in the attribute's own unit.
+        time: USD time code of the key; None drops the keys there and holds the value for all time.
+
+    Raises:
+        SchemaError: the value or the time is not allowed.
+    """
+    if time is not None:
+        keys.set_key(attribute, time, value, keys.following_interpolation(attribute, time))
+        return
+    checked = usd_value(attribute, value)
+    attribute.Clear()
+    attribute.Set(checked)
+
+
+def _import(layer: Sdf.Layer, text: str) -> None:
+    try:
+        read = layer.ImportFromString(text)
+    except Tf.ErrorException:
+        read = False
+    if not read:
+        raise StageError("the given edits are no readable USD layer", code="bad_edits")
+
+
+def _read_layer(path: Path) -> Sdf.Layer:
+    if not path.is_file():
+        raise StageError(f"there is no layer of saved edits at {path}", code="missing_edits", path=str(path))
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path))
+    except Tf.ErrorException:
+        layer = None
+    if layer is None:
+        raise StageError(f"the saved edits at {path} are no readable USD layer", code="bad_edits", path=str(path))
+    return layer

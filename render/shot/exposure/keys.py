@@ -1,0 +1,114 @@
+"""A metered exposure as plain keys of the attribute ``exposure``: a layer over the shot, or specs in the stage's edit target."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd
+
+from render.errors import InputError
+from render.optics.photometry.metering import one_key
+from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
+from render.shot.exposure.light_meter import Metered
+from render.stage import quiet_diagnostics
+from usd_schemas import LensCamera, curves
+
+DoubleArray = NDArray[np.float64]
+
+EXPOSURE = "exposure"
+TOLERANCE_STOPS = 0.005
+"""How far splines may be from the frames: no eye tells a picture that is so much brighter."""
+
+
+def keyed_stops(said: Sequence[Metered], *, held: bool = False) -> DoubleArray:
+    """The compensation of each frame; those at which all was black are bridged.
+
+    Args:
+        said: by the meter, in order of time.
+        held: one for all of them.
+
+    Returns:
+        ``(n,)`` stops.
+
+    Raises:
+        InputError: every frame is black.
+    """
+    stops = np.array([one.compensation_stops for one in said])
+    lit = np.isfinite(stops)
+    if not lit.any():
+        raise InputError(
+            "there is nothing to meter: every frame is black where the meter looks", code="nothing_to_meter"
+        )
+    if held:
+        return np.full(len(said), one_key(stops))
+    times = np.array([one.time for one in said])
+    return np.asarray(np.interp(times, times[lit], stops[lit]))
+
+
+def exposure_layer(
+    stage: Usd.Stage, camera_path: str, times: Sequence[float], stops: DoubleArray, *, baked: bool
+) -> str:
+    """A layer that exposes a camera as metered, to be sublayered over the shot by any tool.
+
+    It sets ``film:metering:mode`` to manual where the shot asks for a meter, so that a tool which has one does not use it too.
+
+    Args:
+        stage: the shot; it is not changed.
+        camera_path: of a camera.
+        times: rising USD time codes.
+        stops: ``(n,)`` compensation at each.
+        baked: time samples, for tools that read no splines, in place of native splines.
+
+    Returns:
+        usda text.
+
+    Raises:
+        SettingsError: it is no camera, or the times do not rise.
+    """
+    with schema_errors_as_settings(), quiet_diagnostics():
+        form: Literal["spline", "samples"] = "samples" if baked else "spline"
+        layer = curves.camera_layer(
+            stage, camera_path, times, {EXPOSURE: stops}, form, {EXPOSURE: np.float64(TOLERANCE_STOPS)}
+        )
+        spec = layer.GetPrimAtPath(camera_path)
+        if _is_one(stops):
+            for key in ("spline", "timeSamples"):
+                spec.attributes[EXPOSURE].ClearInfo(key)
+            spec.attributes[EXPOSURE].default = float(stops[0])
+        layer.comment = f"Exposure of {camera_path}, metered by Pullfocus: sublayer this over the shot."
+        if LensCamera(stage.GetPrimAtPath(camera_path)).film.read().metering.mode != "manual":
+            mode = Sdf.AttributeSpec(spec, "film:metering:mode", Sdf.ValueTypeNames.Token, Sdf.VariabilityUniform)
+            mode.default = "manual"
+        return str(layer.ExportToString())
+
+
+def author_exposure(camera: LensCamera, times: Sequence[float], stops: DoubleArray, *, baked: bool = False) -> None:
+    """Expose a camera as metered in the stage's edit target, from now on by hand.
+
+    Args:
+        camera: the camera.
+        times: rising USD time codes.
+        stops: ``(n,)`` compensation at each.
+        baked: time samples in place of native splines.
+
+    Raises:
+        SchemaError: the times do not rise.
+    """
+    stage, path = camera.prim.GetStage(), str(camera.prim.GetPath())
+    if _is_one(stops):
+        set_value(camera.prim.GetAttribute(EXPOSURE), float(stops[0]), None)
+    elif baked:
+        curves.author_samples(stage, path, times, {EXPOSURE: stops})
+    else:
+        curves.author_splines(stage, path, times, {EXPOSURE: stops}, {EXPOSURE: TOLERANCE_STOPS})
+    film = camera.film.read()
+    if film.metering.mode != "manual":
+        camera.film.author(replace(film, metering=replace(film.metering, mode="manual")))
+
+
+def _is_one(stops: DoubleArray) -> bool:
+    return bool((stops == stops[0]).all())

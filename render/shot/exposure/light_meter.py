@@ -1,0 +1,310 @@
+"""The light meter of a shot: what it reads at a time, and the compensation that it asks for.
+
+It looks at a small picture of the scene, all of it sharp and from outside of the lens: blur moves light about and leaves its mean
+alone. What a shot asks of it is `Metering`: spot, centre or average, where, how much brighter, and how slowly.
+
+So that a frame is exposed alike whichever frames are asked for, readings are taken at times that are the shot's own, even steps
+from time code 0 within its range of frames, as far on either side as the smoothing looks. Their logarithms are smoothed, and
+made up for with what the camera is set to at the frame itself: a stop that is pulled within the shot is met at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast, get_args
+
+import numpy as np
+
+from render.errors import CameraError, SettingsError
+from render.model.frame_settings import FrameSettings
+from render.model.lens import Lens
+from render.model.scene import Camera, FloatArray
+from render.near_names import hint
+from render.optics.distortion import seen_at, shown_at
+from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS, ExposureSettings
+from render.optics.photometry.metering import SPOT_ANGLE_RAD, MeterMode, Reading, meter, smoothed_keys
+from render.optics.view import PinholeView
+from render.shot.exposure.readout import ExposureReadout
+from render.shot.view import ShotView
+from render.stage import quiet_diagnostics, read_camera
+from usd_schemas import LensCamera, Metering, SchemaError
+
+if TYPE_CHECKING:  # so that a process without GL can import the shot
+    from render.frame import FrameRenderer
+
+PICTURE_PX = 96
+SPOT_PX = 12
+_QUICK = FrameSettings(PICTURE_PX, 1, engine="pinhole", rays=4, layers=1)
+_REACH = 4.0  # standard deviations of the bell, beyond which nothing counts
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _Spot:
+    """Where a spot is in the picture, and where it would be through a lens without distortion."""
+
+    shown: Place
+    straight: Place
+
+
+@dataclass(frozen=True)
+class Metered:
+    """What the meter says at a time.
+
+    Attributes:
+        time: USD time code.
+        mode: what it looks at.
+        place: in the picture, of a spot: (0, 0) is its top left corner and (1, 1) the bottom right one; None where the
+            spot is not in it, and for the other modes.
+        reading: of that very time, with the exposure as it is set.
+        exposure: as it is set.
+        compensation_stops: in place of the present one: what makes the metered light middle grey, and as much brighter as is
+            asked for, smoothed over time. NaN where all is black.
+    """
+
+    time: float
+    mode: MeterMode
+    place: Place | None
+    reading: Reading
+    exposure: ExposureReadout
+    compensation_stops: float
+
+    @property
+    def lux_on_film(self) -> float:
+        """Illuminance of the film by what was metered."""
+        return float(self.exposure.lux_on_film(self.reading.luminance_nits))
+
+    @property
+    def exposed(self) -> ExposureReadout:
+        """The exposure with the meter's compensation; as it is set where all is black."""
+        if math.isnan(self.compensation_stops):
+            return self.exposure
+        settings = replace(self.exposure.settings, compensation_stops=self.compensation_stops)
+        return replace(self.exposure, settings=settings)
+
+
+class LightMeter:
+    """Meters one camera of a shot. What it has read is kept for as long as the scene stays as it is."""
+
+    def __init__(
+        self,
+        renderer: FrameRenderer,
+        shot: ShotView,
+        camera_path: str | None,
+        shading: str = "lit",
+        **asked: Any,
+    ) -> None:
+        """Look through a camera.
+
+        Args:
+            renderer: of the calling thread.
+            shot: the shot.
+            camera_path: prim path; None for the shot's default camera.
+            shading: of the picture that is looked at.
+            asked: of the meter, by the names of the fields of `Metering`, in place of what the shot asks.
+
+        Raises:
+            CameraError: there is no such camera.
+            SettingsError: what is asked has no meaning.
+        """
+        choice = shot.default_camera() if camera_path is None else None
+        path = choice.path if choice else camera_path
+        if path is None:
+            raise CameraError("a light meter needs a camera, and the stage has none to prefer", code="no_camera")
+        _check(Metering(**asked))
+        self._renderer, self._shot, self._path, self._changes = renderer, shot, path, asked
+        self._settings = replace(_QUICK, shading=shading)
+
+    def asked(self, time: float) -> Metering:
+        """What is asked of the meter at a time.
+
+        Raises:
+            CameraError: the shot asks what has no meaning.
+        """
+        return replace(metering_of(self._shot, self._path, time), **self._changes)
+
+    def metered(self, time: float) -> Metered:
+        """What the meter says at a time.
+
+        Args:
+            time: USD time code.
+
+        Raises:
+            SettingsError: the mode is manual, or the camera has no such focus point.
+            CameraError: the camera has impossible numbers.
+            GraphicsError: the device refuses.
+        """
+        asked = self.asked(time)
+        if asked.mode == "manual":
+            raise SettingsError("a meter looks at a spot, the center or the average of the picture, got manual")
+        exposure = self._shot.exposure(self._path, time)
+        seen = self._luminance(time)
+        spot = self._spot(time, asked)
+        return Metered(
+            time=time,
+            mode=asked.mode,
+            place=spot.shown if spot else None,
+            reading=exposure.reading(0.0 if math.isnan(seen) else seen),
+            exposure=exposure,
+            compensation_stops=self._compensation(time, asked, exposure),
+        )
+
+    def _compensation(self, time: float, asked: Metering, exposure: ExposureReadout) -> float:
+        times = self._times(time, asked.smoothing)
+        seen = np.array([self._luminance(at) for at in times])
+        lit = seen > 0
+        if not lit.any():
+            return math.nan
+        stops = np.log2(seen, where=lit, out=np.full(len(seen), math.nan))
+        rate = self._shot.stage.GetTimeCodesPerSecond()
+        light = float(smoothed_keys(np.array(times) / rate, stops, asked.smoothing, at_s=[time / rate])[0])
+        made_up = exposure.settings.compensation_stops - exposure.reading(2**light).stops
+        return float(np.clip(made_up + asked.compensation, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS))
+
+    def _times(self, time: float, smoothing_s: float) -> list[float]:
+        """When readings are taken that count at a time: an odd number of time codes apart, against what flickers by twos."""
+        sigma = smoothing_s / 4 * self._shot.stage.GetTimeCodesPerSecond()
+        step = max(1, (int(sigma) - 1) // 2 * 2 + 1)
+        frames = self._shot.frame_range
+        first = max(time - _REACH * sigma, min(frames.start, time))
+        last = min(time + _REACH * sigma, max(frames.end, time))
+        return [float(step * n) for n in range(math.ceil(first / step), math.floor(last / step) + 1)] or [time]
+
+    def _luminance(self, time: float) -> float:
+        """What the meter reads; NaN where its spot is not in the picture."""
+        asked = self.asked(time)
+        mode = cast(MeterMode, asked.mode)
+        camera = replace(read_camera(self._shot.stage, self._path, time), lens=Lens(), f_stop=0.0)
+        width = PICTURE_PX
+        if asked.mode == "spot":
+            spot = self._spot(time, asked)
+            if spot is None:
+                return math.nan
+            camera, width = _towards(camera, spot.straight), SPOT_PX
+        height = max(1, round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm))
+        settings = replace(self._settings, width=width, height=height)
+        kept, key = self._shot.readings, (time, asked.mode, settings, _eye(camera))
+        if key not in kept:
+            picture = self._renderer.render(self._shot.scene_at(time), camera, settings).color
+            kept[key] = _mean(picture, mode)
+        return kept[key]
+
+    def _spot(self, time: float, asked: Metering) -> _Spot | None:
+        """Where the spot is; None where it is not in the picture, or the meter has none."""
+        if asked.mode != "spot":
+            return None
+        camera = read_camera(self._shot.stage, self._path, time)
+        view = PinholeView.from_camera(camera, 1, 1)
+        if asked.focus_point:
+            straight = self._point(time, asked.focus_point, view)
+            shown = shown_at(view, camera, np.array([straight]))[0].tolist()
+        else:
+            straight, shown = seen_at(view, camera, *asked.spot), list(asked.spot)
+        return _Spot((shown[0], shown[1]), straight) if all(0 <= side <= 1 for side in shown) else None
+
+    def _point(self, time: float, name: str, view: PinholeView) -> Place:
+        points = {placed.point.name: placed for placed in self._shot.focus_points(self._path, time)}
+        if name not in points:
+            raise SettingsError(f"no focus point to meter is named {name!r}: {hint(name, points)}", code="bad_meter")
+        position_m = points[name].position_m
+        places, _ = view.project(np.array([position_m if position_m is not None else [math.nan] * 3]))
+        return float(places[0, 0]), float(places[0, 1])
+
+
+def metering_of(shot: ShotView, camera_path: str, time: float) -> Metering:
+    """What a camera asks of a meter.
+
+    Args:
+        shot: the shot.
+        camera_path: of the camera.
+        time: USD time code.
+
+    Raises:
+        CameraError: it is no camera, or says what has no meaning.
+    """
+    prim = shot.stage.GetPrimAtPath(camera_path)
+    try:
+        with quiet_diagnostics():
+            asked = LensCamera(prim).film.read(time).metering
+    except SchemaError as error:
+        raise CameraError(str(error), path=camera_path) from error
+    try:
+        _check(asked)
+    except SettingsError as error:  # the numbers are the shot's, not the caller's
+        raise CameraError(f"camera {camera_path}: {error.detail}", code=error.code, path=camera_path) from error
+    return asked
+
+
+def auto_exposed(renderer: FrameRenderer, shot: ShotView, camera: Camera, time: float, shading: str = "lit") -> Camera:
+    """A camera whose exposure is the meter's, where it asks for one; else as it is.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        camera: as the shot has it at that time.
+        time: USD time code.
+        shading: of the picture.
+
+    Raises:
+        CameraError: what it asks for has no meaning.
+        GraphicsError: the device refuses.
+    """
+    if not camera.path:
+        return camera
+    asked = metering_of(shot, camera.path, time)
+    if asked.mode == "manual":
+        return camera
+    try:
+        said = LightMeter(renderer, shot, camera.path, shading).metered(time)
+    except SettingsError as error:  # what is asked is the shot's fault, not the caller's
+        raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
+    return replace(camera, exposure_scale=said.exposed.exposure_scale)
+
+
+def _check(asked: Metering) -> None:
+    """Raise `SettingsError` for what no meter can do."""
+    if asked.mode not in ("manual", *get_args(MeterMode)):
+        raise SettingsError(
+            f"metering must be one of manual, {', '.join(get_args(MeterMode))}, got {asked.mode}", code="bad_meter"
+        )
+    if not (asked.smoothing > 0 and math.isfinite(asked.smoothing)):
+        raise SettingsError(f"the smoothing of metering must be above 0 s, got {asked.smoothing:g}", code="bad_meter")
+    if not abs(asked.compensation) <= MAX_COMPENSATION_STOPS:
+        limits = f"from -{MAX_COMPENSATION_STOPS} to {MAX_COMPENSATION_STOPS} stops"
+        raise SettingsError(
+            f"the compensation of metering must be {limits}, got {asked.compensation:g}", code="bad_meter"
+        )
+    if not all(map(math.isfinite, asked.spot)):
+        raise SettingsError(f"the spot to meter must be two finite numbers, got {asked.spot}", code="bad_meter")
+
+
+def _mean(picture: FloatArray, mode: MeterMode) -> float:
+    """Mean luminance by a mode; of a spot the disc that fills the picture."""
+    height, width = picture.shape[:2]
+    middle = width / 2, height / 2
+    return meter(picture, ExposureSettings(), mode, spot_px=middle, spot_radius_px=width / 2).luminance_nits
+
+
+def _eye(camera: Camera) -> tuple[Hashable, ...]:
+    """All of a pinhole that its picture depends on."""
+    gate = camera.horizontal_aperture_mm, camera.vertical_aperture_mm, camera.focal_length_mm
+    offsets = camera.horizontal_offset_mm, camera.vertical_offset_mm
+    breathes = camera.focus_distance_m if camera.breathing else None
+    return camera.world_from_camera.tobytes(), gate, offsets, camera.near_m, camera.far_m, breathes
+
+
+def _towards(camera: Camera, place: Place) -> Camera:
+    """A camera that sees what a spot meter does: its gate cut down to a degree around a place."""
+    view = PinholeView.from_camera(camera, 1, 1)
+    right, up = (place[0] - view.cx) / view.fx, (view.cy - place[1]) / view.fy
+    side_mm = 2 * math.tan(SPOT_ANGLE_RAD / 2) * camera.focal_length_mm
+    return replace(
+        camera,
+        horizontal_aperture_mm=side_mm,
+        vertical_aperture_mm=side_mm,
+        horizontal_offset_mm=right * camera.focal_length_mm,
+        vertical_offset_mm=up * camera.focal_length_mm,
+        breathing=False,
+    )

@@ -1,0 +1,217 @@
+"""What the cameras and lights of a shot ask for that is not honoured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from pxr import Usd
+
+from render.errors import PullfocusError
+from render.layers.lights import MAX_LIGHTS, chosen_lights
+from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
+from render.model.scene import Light
+from render.near_names import hint
+from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
+from render.shot.findings.topology_findings import topology_findings
+from render.shot.focus.focused import Focused
+from render.stage import Finding
+from usd_schemas import (
+    AberrationScales,
+    ApertureData,
+    CharacteristicCurve,
+    DataSheet,
+    GradeData,
+    Grain,
+    Halation,
+    HeightField,
+    LensCamera,
+    Metering,
+    Prescription,
+    PrintCurve,
+    Seidel,
+    Sensor,
+    Shutter,
+    SplitDiopter,
+)
+from usd_schemas.binding import property_names
+from usd_schemas.validation.key_rules import counting, two_drivers
+
+_HONOURED_WHOLE = (
+    Prescription,
+    Seidel,
+    HeightField,
+    DataSheet,
+    AberrationScales,
+    ApertureData,
+    SplitDiopter,
+    CharacteristicCurve,
+    PrintCurve,
+    Grain,
+    Halation,
+    Sensor,
+    Shutter,
+    Metering,
+    GradeData,
+)
+_WHOLE = frozenset(name for kind in _HONOURED_WHOLE for name in property_names(kind))
+_HONOURED = _WHOLE | frozenset(
+    {
+        "lens:model",
+        "lens:breathing",
+        "lens:name",
+        "lens:manufacturer",
+        "lens:serialNumber",
+        "lens:transmittance",
+        "lens:neutralDensity",
+        "lens:stopMarking",
+        "lens:naturalVignetting",
+        "lens:pupilMagnification",
+        "film:exposure:stop",
+        "lens:squeeze",
+        "lens:closeFocus",
+        "lens:fStopRange",
+        "focus:mode",
+        "focus:circleOfConfusion",
+        "focus:nearPriority",
+        "focus:offScreen",
+        "focus:occluded",
+        "focus:solveStop",
+        "focus:smoothing",
+        "focus:lag",
+        "focus:deadZone",
+        "focus:maxSpeed",
+        "focus:surfaceExponent",
+        "focus:expressive",
+        "focus:fieldOffsets",
+        "tiltShift:tilt",
+        "tiltShift:swing",
+        "tiltShift:rise",
+        "tiltShift:shift",
+        "tiltShift:fromFocusPoints",
+        "tiltShift:maxAngle",
+        "lens:focusThrow",
+        "film:process",
+        "film:stock",
+        "film:printStock",
+        "film:speed",
+        "film:push",
+        "film:whiteBalance",
+        "film:tint",
+        "film:body",
+        "film:resolution",
+        "lens:expressive:pupilPower",
+        "lens:expressive:blend",
+        "lens:flare:ghosts",
+        "lens:flare:star",
+    }
+)
+"""Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""
+
+_HONOURED_OF_POINTS = frozenset(
+    {
+        "face",
+        "fanTriangle",
+        "barycentric",
+        "instance",
+        "offset",
+        "kind",
+        "blur",
+        "surfaceOffset",
+        "weight",
+        "enabled",
+        "falloff",
+        "extent",
+        "topology",
+    }
+)
+
+
+def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Finding]:
+    """One finding for each schema property that a camera sets and that is not honoured.
+
+    Args:
+        stage: the stage.
+        camera_paths: of its cameras.
+    """
+    return [finding for path in camera_paths for finding in _of_camera(LensCamera(stage.GetPrimAtPath(path)), path)]
+
+
+def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
+    """One finding for each light beyond the renderer's room for lights and for their shadows."""
+    drawn = chosen_lights(lights)
+    dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
+    many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
+    full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere needs six)"
+    found = [Finding("too_many_lights", path, f"light {path} {many}") for path in dropped]
+    return found + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
+
+
+def lost_point_findings(focused: Focused) -> list[Finding]:
+    """One finding for each focus point that should count, but whose target is missing or whose numbers have no meaning.
+
+    Args:
+        focused: a camera, its focus solved.
+    """
+    kept = focused.solution.source == "camera"
+    codes = ("lost_focus_point", "bad_focus_point")
+    so = "the camera's own focus distance is kept" if kept else "the other points decide the focus"
+    return [
+        Finding(codes[point.name in focused.at_fault], focused.camera.path, f"{focused.problems[point.name]}, so {so}")
+        for point, state in zip(focused.points, focused.solution.states, strict=True)
+        if state == "lost"
+    ]
+
+
+def unmet_findings(focused: Focused) -> list[Finding]:
+    """A finding where a lens or its focal surface could not be set as its focus points ask.
+
+    Args:
+        focused: a camera, its focus solved.
+    """
+    path = focused.camera.path
+    return [Finding("focus_not_as_asked", path, f"{path}: {focused.note}")] if focused.note else []
+
+
+def close_focus_findings(focused: Focused) -> list[Finding]:
+    """A finding where a camera is focused nearer than its lens is marked for: it is drawn so, as with an extension tube.
+
+    A focus that its glass cannot reach is no finding, but an error when it is drawn.
+    """
+    camera = focused.camera
+    try:
+        nearer = nearer_than_marked(camera)
+    except PullfocusError:
+        return []
+    where = f"nearer than the {camera.lens.close_focus_m:g} m before the film that its lens is marked for"
+    how = "it is drawn as if the lens stood on an extension tube"
+    return [Finding("close_focus", camera.path, f"{camera.path} is focused {where}: {how}")] if nearer else []
+
+
+def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
+    mode = camera.focus.read().mode
+    if mode == "manual" and camera.focus_points():
+        yield Finding(
+            "focus_points_unused", path, f"{path} has focus points but is focused by hand, as its focus:mode is manual"
+        )
+    metering, points = camera.film.read().metering, [point.name for point in camera.focus_points()]
+    if metering.mode == "spot" and metering.focus_point not in ("", *points):
+        which = f"meters the focus point {metering.focus_point!r}, which it does not have"
+        yield Finding("metering_point", path, f"{path} {which}: {hint(metering.focus_point, points)}")
+    lens = camera.lens.read()
+    if lens.flare_ghosts > 0 and lens.model not in PRESCRIBED:
+        yield Finding(
+            "no_ghosts", path, f"{path} asks for ghosts, but its {lens.model} lens has no surfaces that could reflect"
+        )
+    yield from topology_findings(camera)
+    for rule in (two_drivers, counting):
+        for fault in rule(camera.prim):
+            yield Finding("contradictory_keys", str(fault.path), fault.message)
+    for name in camera.authored():
+        if not _is_honoured(name):
+            yield Finding("unsupported_camera_property", f"{path}.{name}", f"{name} of {path} is not honoured")
+
+
+def _is_honoured(name: str) -> bool:
+    if name.startswith("focusPoint:"):
+        return name.rsplit(":", 1)[1] in _HONOURED_OF_POINTS
+    return name in _HONOURED

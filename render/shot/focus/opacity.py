@@ -1,0 +1,51 @@
+"""How opaque surfaces are where a line meets them: numpy alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.model.scene import Batch, DoubleArray, Image, Wrap
+
+
+def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: DoubleArray) -> DoubleArray:
+    """``(n,)`` opacity from 0 to 1 at places of triangles, given by vertex indices ``(n, 3)``, as they are drawn.
+
+    Args:
+        batch: whose triangles.
+        corners: the triangles' vertices.
+        u: ``(n,)`` barycentric coordinate of the second one.
+        v: ``(n,)`` and of the third.
+    """
+    material, geometry = batch.material, batch.geometry
+    shares = np.stack([1 - u - v, u, v], axis=1)[..., None]
+    opacity = np.full(len(u), material.opacity)
+    lookup = material.lookups.get("opacity")
+    if lookup is not None:
+        uv = np.zeros((len(u), 2)) if geometry.uvs is None else np.sum(shares * geometry.uvs[corners], axis=1)
+        places = np.asarray(np.concatenate([uv, np.ones((len(uv), 1))], axis=1) @ lookup.uv_transform.T, np.float64)
+        channel = max(lookup.channel, 0)
+        texels = _nearest_texels(lookup.image, places, (lookup.wrap_s, lookup.wrap_t))[:, channel]
+        opacity = texels * lookup.scale[channel] + lookup.bias[channel]
+    if material.uses_display_color and geometry.colors is not None:
+        opacity = opacity * np.sum(shares[..., 0] * geometry.colors[corners, 3], axis=1)
+    if material.opacity_threshold > 0:
+        opacity = (opacity >= material.opacity_threshold).astype(np.float64)
+    return np.asarray(np.clip(opacity, 0.0, 1.0), np.float64)
+
+
+def _nearest_texels(image: Image, places: DoubleArray, wraps: tuple[Wrap, Wrap]) -> DoubleArray:
+    """``(n, 4)`` texels at texture coordinates ``(n, 2)``, without filtering."""
+    height, width = image.pixels.shape[:2]
+    index, inside = [], np.ones(len(places), bool)
+    for place, count, wrap in zip((places[:, 0], 1 - places[:, 1]), (width, height), wraps, strict=True):
+        texel = np.floor(place * count).astype(np.int64)
+        if wrap == "black":
+            inside &= (texel >= 0) & (texel < count)
+        elif wrap == "repeat":
+            texel = texel % count
+        elif wrap == "mirror":
+            texel = texel % (2 * count)
+            texel = np.minimum(texel, 2 * count - 1 - texel)
+        index.append(np.clip(texel, 0, count - 1))
+    return np.asarray(image.pixels[index[1], index[0]] * inside[:, None], np.float64)

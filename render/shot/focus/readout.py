@@ -1,0 +1,143 @@
+"""What is told of a solved focus: the lens in numbers, and its focus points as they stand in the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.focus.solve import PointState
+from render.model.scene import Camera
+from render.shot.focus.focus_curve import lens_angles
+from render.shot.focus.focus_reading import see
+from render.shot.focus.focused import Focused
+from usd_schemas import FocusPoint
+
+DoubleArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PlacedPoint:
+    """A focus point at one time, as the camera sees it.
+
+    Attributes:
+        point: what is authored, at that time.
+        state: whether it counts for the focus, or why not.
+        share: its share of the weight that decides the focus, 0 to 1.
+        position_m: in the world, metres, +Y up; None where its target is missing.
+        depth_m: along the view axis, negative behind the camera; NaN where its target is missing.
+        screen: place in the picture: (0, 0) is the top left corner and (1, 1) the bottom right one, and a point outside
+            the picture lies outside these; None where it is not in front of the camera.
+        visible_in_frame: whether it lies inside the picture and the clipping range (something may still hide it).
+        coc_mm: diameter on the film of its circle of confusion; NaN where it is not in front of the camera.
+        problem: why it has no place, or empty.
+    """
+
+    point: FocusPoint
+    state: PointState
+    share: float
+    position_m: tuple[float, float, float] | None
+    depth_m: float
+    screen: tuple[float, float] | None
+    visible_in_frame: bool
+    coc_mm: float
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Readout:
+    """The lens at one time.
+
+    Attributes:
+        camera: prim path of the camera, empty for a framing camera, which is no prim.
+        focus_mode: manual, points, tiltPlane or surface.
+        focus_distance_m: depth of the plane of focus; may be infinite.
+        f_stop: f-number; 0 is a pinhole.
+        focal_length_mm: focal length.
+        near_m: nearest depth that counts as sharp.
+        far_m: farthest; may be infinite.
+        hyperfocal_m: the focus from which on the far limit is infinite.
+        coc_limit_mm: largest diameter on the film of a circle of confusion that counts as sharp.
+        source: whether ``points`` decided the focus or the ``camera``'s own distance was kept.
+        reason: one sentence that says why.
+        note: what could not be done as asked, in a sentence; or empty.
+        tilt_rad: turn of the lens, positive looks up.
+        swing_rad: turn of the lens before the tilt, positive looks left.
+        lens_name: what is engraved on the lens; empty where it has no name.
+        lens_model: how light passes it: pinhole, thin, seidel, spherical, heightField or prescription.
+    """
+
+    camera: str
+    focus_mode: str
+    focus_distance_m: float
+    f_stop: float
+    focal_length_mm: float
+    near_m: float
+    far_m: float
+    hyperfocal_m: float
+    coc_limit_mm: float
+    source: str
+    reason: str
+    note: str = ""
+    tilt_rad: float = 0.0
+    swing_rad: float = 0.0
+    lens_name: str = ""
+    lens_model: str = "thin"
+
+
+def place_points(focused: Focused, picture: Camera) -> list[PlacedPoint]:
+    """The focus points as they stand in a picture.
+
+    Args:
+        focused: the solved camera.
+        picture: the same camera, its gate conformed to the picture's shape.
+    """
+    seen = see(picture, focused.positions_m)
+    return [
+        PlacedPoint(
+            point=point,
+            state=focused.solution.states[i],
+            share=focused.solution.shares[i],
+            position_m=None if point.name in focused.problems else _triple(focused.positions_m[i]),
+            depth_m=float(seen.depths_m[i]),
+            screen=(float(seen.screens[i, 0]), float(seen.screens[i, 1])) if seen.depths_m[i] > 0 else None,
+            visible_in_frame=bool(seen.inside[i]),
+            coc_mm=focused.coc_mm(float(seen.depths_m[i]), (float(seen.slopes[i, 0]), float(seen.slopes[i, 1]))),
+            problem=focused.problems.get(point.name, ""),
+        )
+        for i, point in enumerate(focused.points)
+    ]
+
+
+def read_out(focused: Focused) -> Readout:
+    """The solved lens in numbers.
+
+    Args:
+        focused: the solved camera.
+    """
+    field, camera = focused.depth_of_field, focused.camera
+    tilt_rad, swing_rad = lens_angles(focused)
+    return Readout(
+        camera=camera.path,
+        focus_mode=focused.focus.mode,
+        focus_distance_m=camera.focus_distance_m,
+        f_stop=camera.f_stop,
+        focal_length_mm=camera.focal_length_mm,
+        near_m=field.near_m,
+        far_m=field.far_m,
+        hyperfocal_m=field.hyperfocal_m,
+        coc_limit_mm=focused.coc_limit_mm,
+        source=focused.solution.source,
+        reason=focused.solution.reason,
+        note=focused.note,
+        tilt_rad=tilt_rad,
+        swing_rad=swing_rad,
+        lens_name=camera.lens.name,
+        lens_model=camera.lens.model,
+    )
+
+
+def _triple(values: DoubleArray) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return x, y, z

@@ -1,0 +1,149 @@
+"""A lens on its own, on a camera that has nothing else: to be measured and drawn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from render.errors import SettingsError
+from render.model.lens import IrisShape, Lens
+from render.model.scene import Camera
+from render.optics.lens_files import MeasuredLens, is_data_sheet, read_lens_file, read_measured_lens
+from render.optics.prescription.completion import completed
+from render.optics.prescription.mounting import PRESCRIBED
+from render.optics.prescription.paraxial import first_order
+from render.shot.lens.lens_choice import is_lens_file, library_entry
+from render.stage.camera.lenses import iris_of, lens_of
+
+FULL_FRAME_MM = (36.0, 24.0)
+DEFAULT_F_STOP = 2.8
+"""Of a lens whose data sheet says none."""
+_NEAREST_M, _FARTHEST_M = 1e-6, 1e9  # nearer is as good as 0, farther is infinity
+
+
+@dataclass(frozen=True, eq=False)
+class LensAlone:
+    """A lens of the library or of a file.
+
+    Attributes:
+        name: in the library, or the file's without its suffix.
+        title: what is engraved on it.
+        description: one line; empty for a file's.
+        f_stop: wide open; 0 for a pinhole.
+        camera: the lens as it is set, wide open and focused at infinity, before a full frame.
+    """
+
+    name: str
+    title: str
+    description: str
+    f_stop: float
+    camera: Camera
+
+    def set_to(self, f_stop: float | None, focus_distance_m: float | None, gate_mm: tuple[float, float]) -> Camera:
+        """The camera with the lens set otherwise.
+
+        Args:
+            f_stop: None leaves it wide open.
+            focus_distance_m: None, infinity and what is as good as that leave it at infinity.
+            gate_mm: width and height of the film gate.
+
+        Raises:
+            SettingsError: a number is out of range, or a pinhole is to have an f-number.
+        """
+        if f_stop is not None and not 0 < f_stop < math.inf:
+            raise SettingsError(f"an f-number must be above 0, got {f_stop:g}")
+        if f_stop is not None and self.f_stop == 0:
+            raise SettingsError(f"{self.title} is a pinhole: it has no f-number to set, got {f_stop:g}")
+        distance_m = math.inf if focus_distance_m is None else focus_distance_m
+        if not distance_m >= _NEAREST_M:
+            raise SettingsError(f"a focus distance must be above 0 m, got {distance_m:g}")
+        if not all(0.1 <= side <= 1000 for side in gate_mm):
+            raise SettingsError(f"a film gate's sides must be from 0.1 to 1000 mm, got {gate_mm[0]:g} x {gate_mm[1]:g}")
+        return replace(
+            self.camera,
+            f_stop=self.camera.f_stop if f_stop is None else f_stop,
+            focus_distance_m=distance_m if distance_m <= _FARTHEST_M else math.inf,
+            horizontal_aperture_mm=gate_mm[0],
+            vertical_aperture_mm=gate_mm[1],
+        )
+
+
+def lens_alone(name_or_file: str) -> LensAlone:
+    """The lens that is meant: a file where it has a lens file's suffix or names a folder, else a lens of the library.
+
+    Raises:
+        NotFoundError: the library has no such lens; the message has the nearest names.
+        InputError: the file cannot be read, or is no lens.
+    """
+    if not is_lens_file(name_or_file):
+        return library_lens_alone(name_or_file)
+    if is_data_sheet(name_or_file):
+        return _measured(Path(name_or_file).stem, read_measured_lens(name_or_file))
+    prescription = read_lens_file(name_or_file)
+    lens = Lens("prescription", prescription.name, prescription)
+    return _alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
+
+
+def _measured(name: str, measured: MeasuredLens) -> LensAlone:
+    wide_open = measured.f_stops[0] or measured.sheet.f_stop or DEFAULT_F_STOP
+    lens = Lens("dataSheet", measured.name, data_sheet=measured.sheet, close_focus_m=measured.close_focus_m)
+    return _alone(
+        name,
+        measured.name,
+        " ".join(measured.sources),
+        lens,
+        IrisShape(),
+        focal_length_mm=measured.focal_length_mm,
+        f_stop=wide_open,
+    )
+
+
+def library_lens_alone(name: str) -> LensAlone:
+    """A lens of the library.
+
+    Raises:
+        NotFoundError: there is none of that name; the message has the nearest names.
+    """
+    entry = library_entry(name)
+    iris = iris_of(entry.aperture, entry.name) if entry.aperture else IrisShape()
+    lens = lens_of(entry.lens, entry.name)
+    return _alone(
+        entry.name,
+        entry.lens.name,
+        entry.description,
+        lens,
+        iris,
+        focal_length_mm=entry.focal_length_mm,
+        f_stop=entry.f_stop,
+    )
+
+
+def _alone(
+    name: str,
+    title: str,
+    description: str,
+    lens: Lens,
+    iris: IrisShape,
+    *,
+    focal_length_mm: float = 0.0,
+    f_stop: float = 0.0,
+) -> LensAlone:
+    """Surfaces tell focal length and f-number better than a label does."""
+    if lens.model in PRESCRIBED and lens.prescription is not None:
+        whole = completed(lens.prescription)
+        focal_length_mm, f_stop = first_order(whole).focal_length_mm, whole.f_stop
+    camera = Camera(
+        np.eye(4),
+        focal_length_mm=focal_length_mm,
+        horizontal_aperture_mm=FULL_FRAME_MM[0],
+        vertical_aperture_mm=FULL_FRAME_MM[1],
+        f_stop=f_stop,
+        focus_distance_m=math.inf,
+        iris=iris,
+        lens=lens,
+        path=title,
+    )
+    return LensAlone(name, title, description, f_stop, camera)

@@ -1,0 +1,123 @@
+"""A lens to put on a camera: of the library by its name, or of a file."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from render.errors import NotFoundError
+from render.model.lens import Prescription
+from render.optics.lens_files import (
+    LENS_FILE_SUFFIXES,
+    MeasuredLens,
+    is_data_sheet,
+    parse_lens_file,
+    parse_measured_lens,
+    read_lens_file,
+    read_measured_lens,
+)
+from render.optics.prescription.completion import completed
+from render.optics.prescription.paraxial import first_order
+from render.stage.camera.lens_data import lens_data, measured_lens_data
+from usd_schemas import ApertureData, LensData, LibraryLens, SchemaError, library_lens
+
+
+@dataclass(frozen=True)
+class LensChoice:
+    """A lens that can be mounted.
+
+    Attributes:
+        name: of the lens, for people.
+        lens: what LensAPI shall say.
+        focal_length_mm: of the lens; None where it has none of its own.
+        f_stop: wide open; 0 where any f-number goes.
+        aperture: the lens's own iris; None keeps the camera's.
+        notes: what was approximated or solved for, one sentence each.
+    """
+
+    name: str
+    lens: LensData
+    focal_length_mm: float | None = None
+    f_stop: float = 0.0
+    aperture: ApertureData | None = None
+    notes: tuple[str, ...] = ()
+
+
+THIN = LensChoice("the thin lens", LensData())
+"""The ideal lens of whatever focal length and f-number the camera has."""
+
+
+def choose_lens(name_or_file: str) -> LensChoice:
+    """The lens that is meant: a file where it has a lens file's suffix or names a folder, else a lens of the library.
+
+    Raises:
+        NotFoundError: the library has no such lens; the message has the nearest names.
+        InputError: the file cannot be read, or is no lens.
+    """
+    if is_data_sheet(name_or_file):
+        return measured_choice(read_measured_lens(name_or_file))
+    if is_lens_file(name_or_file):
+        return lens_of_prescription(read_lens_file(name_or_file))
+    return library_choice(name_or_file)
+
+
+def is_lens_file(name_or_file: str) -> bool:
+    """Whether a file is meant, and not a lens of the library."""
+    return Path(name_or_file).suffix.lower() in LENS_FILE_SUFFIXES or os.sep in name_or_file
+
+
+def library_entry(name: str) -> LibraryLens:
+    """A lens of the library.
+
+    Raises:
+        NotFoundError: there is none of that name; the message has the nearest names.
+    """
+    try:
+        return library_lens(name)
+    except SchemaError as error:
+        raise NotFoundError(str(error), code="no_such_lens", path=name) from error
+
+
+def library_choice(name: str) -> LensChoice:
+    """A lens of the library, to be mounted.
+
+    Raises:
+        NotFoundError: there is none of that name; the message has the nearest names.
+    """
+    entry = library_entry(name)
+    return LensChoice(entry.lens.name, entry.lens, entry.focal_length_mm, entry.f_stop, entry.aperture)
+
+
+def file_choice(data: bytes, name: str) -> LensChoice:
+    """The lens of a lens file in memory.
+
+    Raises:
+        InputError: it is no lens file, or no lens.
+    """
+    if is_data_sheet(name):
+        return measured_choice(parse_measured_lens(data, name))
+    return lens_of_prescription(parse_lens_file(data, name))
+
+
+def measured_choice(lens: MeasuredLens) -> LensChoice:
+    """A lens by its data sheet, to be mounted."""
+    return LensChoice(lens.name, measured_lens_data(lens), lens.focal_length_mm, lens.f_stops[0], None, lens.sources)
+
+
+def lens_of_prescription(prescription: Prescription) -> LensChoice:
+    """A lens as its file has it, proven to be one: what is missing is solved for whenever it is looked through.
+
+    Raises:
+        InputError: no light comes through it to a film; the message names the surface.
+    """
+    whole = completed(prescription)
+    return LensChoice(
+        prescription.name,
+        lens_data(prescription),
+        round(first_order(whole).focal_length_mm, 3),
+        # Wide open is where the file's own rounding ends: 2.0, and not 1.998.
+        round(whole.f_stop, 2),
+        None,
+        whole.notes,
+    )

@@ -1,0 +1,82 @@
+"""Where the triangles are that focus points are anchored to: of large surfaces, little is read."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom, Vt
+
+from render.errors import NotFoundError
+from render.stage.findings import FindingLog
+from render.stage.geometry.implicit import is_implicit, shape_varies
+from render.stage.geometry.polygons import IntArray, LongArray
+from render.stage.geometry.skinning import Skeletons
+from render.stage.materials.surface import faces_vary, is_drawable, mesh_faces, mesh_points, resting_points, surface_of
+from render.stage.world import DoubleArray
+from usd_schemas import FocusPoint
+
+
+class AnchorSurface:
+    """The surface of one prim, whose faces and points are read once where they do not change.
+
+    Args:
+        prim: any prim with a place.
+        skeletons: bend meshes.
+        log: for findings.
+    """
+
+    def __init__(self, prim: Usd.Prim, skeletons: Skeletons, log: FindingLog) -> None:
+        self._prim, self._skeletons, self._log = prim, skeletons, log
+        self._implicit = is_implicit(prim)
+        self._reshapes = shape_varies(prim) if self._implicit else faces_vary(prim)
+        self._faces: tuple[IntArray, IntArray, LongArray] | None = None
+        self._points: DoubleArray | None = None  # of an implicit prim
+        self._resting: tuple[Usd.TimeCode, Vt.Vec3fArray] | None = None
+        self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
+
+    def triangle(self, point: FocusPoint, time: Usd.TimeCode) -> LongArray | None:
+        """``(3,)`` which of the surface's points a focus point's triangle has; None where it is on no face.
+
+        Raises:
+            NotFoundError: there is no such triangle.
+            BadGeometry: the faces contradict themselves.
+        """
+        if point.face == -1 or not is_drawable(self._prim):
+            return None
+        if self._faces is None or self._reshapes:
+            self._faces = self._faces_at(time)
+        counts, corners, starts = self._faces
+        face, fan = point.face, point.fan_triangle
+        if not 0 <= face < len(counts) or not 0 <= fan < counts[face] - 2:
+            raise NotFoundError(
+                f"focus point {point.name} is on triangle {fan} of face {face}, which {point.target[-1]} does not have",
+                code="anchor_not_found",
+                path=point.target[-1],
+            )
+        return np.asarray(corners[starts[face] + np.array([0, fan + 1, fan + 2])], np.int64)
+
+    def points(self, rows: LongArray, time: Usd.TimeCode) -> DoubleArray:
+        """``(n, 3)`` where some of the surface's points are at a time, in the prim's own space and units.
+
+        Args:
+            rows: ``(n,)`` which, of those that `triangle` gave for this time.
+            time: when.
+
+        Raises:
+            BadGeometry: they are not there, or not finite.
+        """
+        if self._points is not None:
+            return self._points[rows]
+        if self._resting is None or (self._moves and self._resting[0] != time):
+            self._resting = (time, resting_points(self._prim, time))
+        found = mesh_points(self._prim, self._resting[1], rows, time, self._skeletons, self._log)
+        return found.astype(np.float64)
+
+    def _faces_at(self, time: Usd.TimeCode) -> tuple[IntArray, IntArray, LongArray]:
+        if self._implicit:
+            polygons = surface_of(self._prim, time, self._skeletons, self._log)
+            counts, corners = polygons.counts, polygons.corners
+            self._points = polygons.points.astype(np.float64)
+        else:
+            counts, corners = mesh_faces(self._prim, time)
+        sizes = counts.astype(np.int64)
+        return counts, corners, np.cumsum(sizes) - sizes

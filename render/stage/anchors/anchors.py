@@ -1,0 +1,253 @@
+"""Where a focus point is in the world at a time: it sticks to its face, whatever moves, bends or multiplies that face."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom
+
+from render.errors import InputError, NotFoundError, StageError
+from render.stage.anchors.anchor_surfaces import AnchorSurface
+from render.stage.findings import FindingLog
+from render.stage.geometry.polygons import BadGeometry
+from render.stage.geometry.poses import InstanceReader, pose_of_instance, world_pose
+from render.stage.geometry.skinning import Skeletons
+from render.stage.inventory import InstancerLink
+from render.stage.opening import reading
+from render.stage.world import DoubleArray, world_from_stage
+from usd_schemas import FocusPoint
+
+
+def anchor_position(stage: Usd.Stage, focus_point: FocusPoint, time: float) -> DoubleArray:
+    """Where a focus point is at a time.
+
+    It follows transforms, point animation, skeletons and blend shapes, native instances and point instancers.
+
+    Args:
+        stage: the stage.
+        focus_point: its target is one path (a mesh, an implicit prim, or any xformable prim, whose origin is meant), or two (a
+            point instancer and the prototype's mesh, of which ``instance`` says the number).
+        time: USD time code.
+
+    Returns:
+        ``(3,)`` float64 metres in the world, Y-up.
+
+    Raises:
+        NotFoundError: the target, its face or its instance does not exist at this time.
+        StageError: a transform is not finite.
+    """
+    return AnchorReader(stage).position(focus_point, time)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchored:
+    """Where focus points are over some times.
+
+    Attributes:
+        positions_m: ``(n, k, 3)`` float64 metres in the world, Y-up, of k points at n times; NaN where a point has no place.
+        problems: for each time, why points have no place, by name.
+    """
+
+    positions_m: DoubleArray
+    problems: tuple[dict[str, str], ...]
+
+
+class AnchorReader:
+    """Finds focus points on one stage; faster than :func:`anchor_position` for many times, since skeletons are kept.
+
+    Args:
+        stage: the stage.
+    """
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self._stage = stage
+        self._skeletons = Skeletons(stage)
+        self._log = FindingLog()
+
+    def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
+        """As :func:`anchor_position`."""
+        with reading(self._stage):
+            moment = _Moment(_Sources(self._stage, self._skeletons, self._log), time)
+            return moment.world(focus_point, moment.local(focus_point))
+
+    def positions(self, focus_points: Sequence[FocusPoint], times: Sequence[float]) -> DoubleArray:
+        """Where focus points that say the same at all times are over some times.
+
+        Args:
+            focus_points: k points.
+            times: n USD time codes.
+
+        Returns:
+            ``(n, k, 3)`` float64 metres in the world, Y-up; NaN where a point has no place. `anchored` says why.
+        """
+        positions_m = self.anchored([focus_points] * len(times), times).positions_m
+        return positions_m.reshape(len(times), len(focus_points), 3)
+
+    def anchored(self, focus_points: Sequence[Sequence[FocusPoint]], times: Sequence[float]) -> Anchored:
+        """Where focus points are over some times; one that has no place keeps none of the others from theirs.
+
+        Faces that do not change and transforms that do not move are read once for all times, and of a mesh's points only those
+        that are asked for are bent.
+
+        Args:
+            focus_points: for each time the same number of points, as they are at that time.
+            times: USD time codes.
+        """
+        sources = _Sources(self._stage, self._skeletons, self._log)
+        rows = [self._at(_Moment(sources, time), points) for points, time in zip(focus_points, times, strict=True)]
+        count = len(focus_points[0]) if focus_points else 0
+        positions_m = np.array([positions for positions, _ in rows], np.float64).reshape(len(rows), count, 3)
+        return Anchored(positions_m, tuple(problems for _, problems in rows))
+
+    def _at(self, moment: _Moment, points: Sequence[FocusPoint]) -> tuple[DoubleArray, dict[str, str]]:
+        """``(k, 3)`` places at one time, and why some have none."""
+        positions_m, problems = np.full((len(points), 3), np.nan), {}
+        for number, point in enumerate(points):
+            try:
+                with reading(self._stage):
+                    position_m = moment.world(point, moment.local(point))
+            except InputError as error:
+                problems[point.name] = error.detail
+                continue
+            if np.isfinite(position_m).all():
+                positions_m[number] = position_m
+            else:
+                problems[point.name] = f"focus point {point.name} has no finite place: {position_m}"
+        return positions_m, problems
+
+
+class _Sources:
+    """What holds at all times that are asked for at once."""
+
+    def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog) -> None:
+        self.stage, self.skeletons, self.log = stage, skeletons, log
+        self.world = world_from_stage(stage)
+        self.still_poses: dict[Hashable, DoubleArray] = {}
+        self._surfaces: dict[str, AnchorSurface] = {}
+        self._chains: dict[tuple[str, str], list[tuple[InstancerLink, ...]]] = {}
+
+    def prim(self, focus_point: FocusPoint) -> Usd.Prim:
+        """What a focus point is on.
+
+        Raises:
+            NotFoundError: it is no prim with a place.
+        """
+        path = focus_point.target[-1] if focus_point.target else ""
+        prim = self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+        if not prim or not prim.IsActive() or not UsdGeom.Xformable(prim):
+            why = "deactivated" if prim and not prim.IsActive() else "no prim with a place in the world"
+            raise NotFoundError(
+                f"focus point {focus_point.name} is on {path or 'nothing'}, which is {why}",
+                code="anchor_not_found",
+                path=path or None,
+            )
+        return prim
+
+    def surface(self, prim: Usd.Prim) -> AnchorSurface:
+        """The prim's surface."""
+        path = str(prim.GetPath())
+        if path not in self._surfaces:
+            self._surfaces[path] = AnchorSurface(prim, self.skeletons, self.log)
+        return self._surfaces[path]
+
+    def chains(self, instancer: str, prim: Usd.Prim) -> list[tuple[InstancerLink, ...]]:
+        """The ways from an instancer to a prim below its prototypes; none where it is no instancer."""
+        key = (instancer, str(prim.GetPath()))
+        if key not in self._chains:
+            found = self.stage.GetPrimAtPath(instancer) if Sdf.Path.IsValidPathString(instancer) else None
+            self._chains[key] = _chains(found, prim) if found and found.IsA(UsdGeom.PointInstancer) else []
+        return self._chains[key]
+
+
+class _Moment:
+    """Where focus points are at one time."""
+
+    def __init__(self, sources: _Sources, time: float) -> None:
+        self._sources = sources
+        self._time = Usd.TimeCode(time)
+        self._transforms = UsdGeom.XformCache(self._time)
+        self._instances = InstanceReader(self._time, FindingLog())
+        self._poses: dict[Hashable, DoubleArray] = {}
+
+    def local(self, focus_point: FocusPoint) -> DoubleArray:
+        """``(3,)`` the place in the target's own space and units: on its triangle, or its origin where no face is named.
+
+        Raises:
+            NotFoundError: the target or its triangle does not exist.
+            StageError: the target's polygons cannot be used.
+        """
+        prim = self._sources.prim(focus_point)
+        surface = self._sources.surface(prim)
+        try:
+            rows = surface.triangle(focus_point, self._time)
+            corners = np.zeros((3, 3)) if rows is None else surface.points(rows, self._time)
+        except BadGeometry as problem:
+            raise StageError(f"focus point {focus_point.name} is on {prim.GetPath()}, but {problem}") from problem
+        return np.array(focus_point.barycentric, np.float64) @ corners + np.array(focus_point.offset, np.float64)
+
+    def world(self, focus_point: FocusPoint, local: DoubleArray) -> DoubleArray:
+        """``(3,)`` metres: a place in the target's own space, brought to the world.
+
+        Raises:
+            NotFoundError: the instance does not exist.
+            StageError: a transform is not finite.
+        """
+        pose = self._pose(focus_point)
+        return np.asarray(pose[:3, :3] @ local + pose[:3, 3])
+
+    def _pose(self, focus_point: FocusPoint) -> DoubleArray:
+        key = (focus_point.target, focus_point.instance)
+        known = self._sources.still_poses.get(key, self._poses.get(key))
+        if known is None:
+            prim = self._sources.prim(focus_point)
+            if len(focus_point.target) > 1:
+                known = self._poses[key] = self._instance_pose(focus_point, prim)
+            else:
+                known = world_pose(prim, self._transforms, self._sources.world)
+                (self._poses if _moves(prim) else self._sources.still_poses)[key] = known
+        return known
+
+    def _instance_pose(self, focus_point: FocusPoint, prim: Usd.Prim) -> DoubleArray:
+        for chain in self._sources.chains(focus_point.target[0], prim):
+            pose = pose_of_instance(
+                chain, focus_point.instance, prim, self._transforms, self._sources.world, self._instances
+            )
+            if pose is not None:
+                return pose
+        raise NotFoundError(
+            f"focus point {focus_point.name} is on instance {focus_point.instance} of {focus_point.target[0]}, "
+            f"which does not exist at time {self._time.GetValue():g}",
+            code="anchor_not_found",
+            path=focus_point.target[0],
+        )
+
+
+def _moves(prim: Usd.Prim) -> bool:
+    """Whether a prim's place in the world may change over time."""
+    while prim and not prim.IsPseudoRoot():
+        xformable = UsdGeom.Xformable(prim)
+        if xformable and xformable.TransformMightBeTimeVarying():
+            return True
+        prim = prim.GetParent()
+    return False
+
+
+def _chains(
+    instancer: Usd.Prim, prim: Usd.Prim, before: tuple[InstancerLink, ...] = ()
+) -> list[tuple[InstancerLink, ...]]:
+    """The ways from an instancer to a prim below its prototypes, through instancers nested in them."""
+    found: list[tuple[InstancerLink, ...]] = []
+    stage = instancer.GetStage()
+    for number, target in enumerate(UsdGeom.PointInstancer(instancer).GetPrototypesRel().GetForwardedTargets()):
+        root = stage.GetPrimAtPath(target)
+        if not root or any(link.instancer == instancer for link in before):
+            continue
+        chain = (*before, InstancerLink(instancer, number, root))
+        if prim.GetPath().HasPrefix(target):
+            found.append(chain)
+        for nested in Usd.PrimRange(root, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
+            if nested.IsA(UsdGeom.PointInstancer):
+                found.extend(_chains(nested, prim, chain))
+    return found

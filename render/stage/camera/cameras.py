@@ -1,0 +1,304 @@
+"""Cameras of a stage as the renderer has them: metres, millimetres, Y-up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
+
+from render.errors import CameraError, SettingsError, StageError
+from render.model.scene import Camera
+from render.model.shutter import Shutter
+from render.stage.camera.camera_exposure import camera_number, exposure_scale
+from render.stage.camera.camera_list import list_cameras
+from render.stage.camera.lenses import iris_of, lens_of
+from render.stage.geometry.poses import world_pose
+from render.stage.opening import confinement, reading
+from render.stage.values import shown
+from render.stage.world import rigid_frame, world_from_stage
+from usd_schemas import LensCamera
+from usd_schemas import Shutter as ShutterData
+from usd_schemas.units import metres_from_units, mm_from_tenths
+
+Conform = Literal[
+    "expandAperture", "cropAperture", "adjustApertureWidth", "adjustApertureHeight", "adjustPixelAspectRatio"
+]
+# The nearest depth that is drawn, where a camera says 0 or less: nothing can be projected at the pinhole itself.
+_NEAREST_M = 1e-4
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """Which camera to look through.
+
+    Attributes:
+        path: of a camera on the stage, or None where there is none to prefer.
+        reason: why this one, in words that follow a camera's name.
+        framing: where path is None, a camera that has everything in view.
+    """
+
+    path: str | None
+    reason: str
+    framing: Camera | None = None
+
+
+def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float | None = None) -> CameraChoice:
+    """The camera that is meant where none is named.
+
+    The one that the stage's render settings name, else one called ``main_cam``, else the only one; else a camera that frames
+    the stage as usdrecord's does.
+
+    Args:
+        stage: the stage.
+        time: the time code to frame at, where framing is needed; by default the stage's first.
+        aspect: width over height of the picture, for the framing camera.
+
+    Raises:
+        StageError: there is no camera and nothing to frame; code ``empty_stage``.
+    """
+    cameras = list_cameras(stage)
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    with reading(stage):
+        targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
+    if targets and str(targets[0]) in cameras:
+        return CameraChoice(str(targets[0]), f"the render settings {settings.GetPath()} name it")
+    main = str(UsdUtils.GetPrimaryCameraName())
+    named = [path for path in cameras if Sdf.Path(path).name == main]
+    if named:
+        return CameraChoice(named[0], f"it is called {main}")
+    if len(cameras) == 1:
+        return CameraChoice(cameras[0], "it is the only one")
+    why = f"none of the {len(cameras)} cameras is called {main}" if cameras else "the stage has no camera"
+    framing = framing_camera(stage, stage.GetStartTimeCode() if time is None else time)
+    return CameraChoice(None, f"{why}, so the whole stage is framed", conformed(framing, aspect))
+
+
+def read_camera(
+    stage: Usd.Stage, path: str, time: float, *, aspect: float | None = None, conform: str | None = None
+) -> Camera:
+    """The camera at a prim path, at a time.
+
+    Args:
+        stage: the stage.
+        path: of a Camera or LensCamera prim.
+        time: USD time code.
+        aspect: width over height of the picture; None keeps the film gate as it is.
+        conform: how the gate becomes the picture's shape: a token of UsdRenderSettings' aspectRatioConformPolicy; by
+            default what the stage's own render settings say, else ``expandAperture``.
+
+    Raises:
+        CameraError: there is no camera at the path, or its numbers are impossible.
+        StageError: its transform is not finite, or the render settings' conform policy is none.
+    """
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdGeom.Camera):
+        raise _no_camera(stage, path, prim)
+    with reading(stage):
+        camera = _read(UsdGeom.Camera(prim), stage, Usd.TimeCode(time))
+    _check(camera)
+    return conformed(camera, aspect, conform or _stage_policy(stage))
+
+
+def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
+    path = str(usd.GetPath())
+    if usd.GetProjectionAttr().Get(code) != UsdGeom.Tokens.perspective:
+        raise CameraError(
+            f"camera {path} must be a perspective camera, and is orthographic", code="orthographic", path=path
+        )
+    return _with_lens(_gate(usd, stage, code), usd, stage, code)
+
+
+def conformed(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
+    """A camera whose film gate has the picture's shape, by one of UsdRenderSettings' policies.
+
+    ``expandAperture`` shows more than the gate, ``cropAperture`` less; the width or the height alone may be adjusted; with
+    ``adjustPixelAspectRatio`` the gate stays and pixels are not square.
+
+    Raises:
+        SettingsError: the policy is not known, or the aspect is no positive number.
+    """
+    if conform not in get_args(Conform):
+        raise SettingsError(f"the conform policy must be one of {', '.join(get_args(Conform))}, got {conform}")
+    if aspect is None or conform == "adjustPixelAspectRatio":
+        return camera
+    if not (math.isfinite(aspect) and aspect > 0):
+        raise SettingsError(f"the picture's aspect ratio must be a positive number, got {aspect}")
+    width, height = camera.horizontal_aperture_mm, camera.vertical_aperture_mm
+    is_wider = aspect > width / height
+    adjusts_width = {
+        "expandAperture": is_wider,
+        "cropAperture": not is_wider,
+        "adjustApertureWidth": True,
+        "adjustApertureHeight": False,
+    }[conform]
+    if adjusts_width:
+        return replace(camera, horizontal_aperture_mm=height * aspect)
+    return replace(camera, vertical_aperture_mm=width / aspect)
+
+
+def framing_camera(stage: Usd.Stage, time: float) -> Camera:
+    """A camera that has the whole stage in view, placed as usdrecord (UsdAppUtils' frame recorder) places it.
+
+    Raises:
+        StageError: there is nothing to frame; code ``empty_stage``.
+    """
+    purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
+    boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), purposes, useExtentsHint=True)
+    with reading(stage):
+        box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
+    if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
+        name = stage.GetRootLayer().GetDisplayName()
+        raise StageError(f"{name} has no camera, and nothing that a camera could frame", code="empty_stage")
+    world = world_from_stage(stage)
+    corners = [(world @ [*box.GetCorner(i), 1.0])[:3] for i in range(8)]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    size = high - low
+    camera = Camera(np.eye(4), 50.0, 20.955, 15.2908)  # GfCamera's own defaults
+    half_view = camera.horizontal_aperture_mm / 2 / camera.focal_length_mm
+    # A stage of a single point still needs to be looked at from somewhere.
+    distance = (float(np.hypot(size[0], size[1])) / 2 / half_view or 1.0) + float(size[2]) / 2
+    pose = np.eye(4)
+    pose[:3, 3] = (low + high) / 2 + [0, 0, distance]
+    return replace(camera, world_from_camera=pose, focus_distance_m=distance, near_m=distance * 1e-3)
+
+
+def _stage_policy(stage: Usd.Stage) -> str:
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    policy = str(settings.GetAspectRatioConformPolicyAttr().Get()) if settings else "expandAperture"
+    if policy not in get_args(Conform):
+        path = str(settings.GetPath())
+        raise StageError(
+            f"aspectRatioConformPolicy of {path} must be one of {', '.join(get_args(Conform))}, got {policy}", path=path
+        )
+    return policy
+
+
+def _no_camera(stage: Usd.Stage, path: str, prim: Usd.Prim | None) -> CameraError:
+    cameras = list_cameras(stage)
+    known = f"the cameras are {', '.join(cameras)}" if cameras else "the stage has no camera"
+    if prim:
+        return CameraError(
+            f"{path} is a {prim.GetTypeName() or 'prim without a type'}, not a camera: {known}", path=path
+        )
+    return CameraError(f"there is no camera at {path}: {known}", code="no_such_camera", path=path)
+
+
+def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
+    """Where the camera stands, and its film gate."""
+    transforms = UsdGeom.XformCache(time)
+
+    def mm(attribute: Usd.Attribute) -> float:
+        return mm_from_tenths(camera_number(attribute, time), stage)
+
+    near, far = _clipping(usd, time)
+    return Camera(
+        world_from_camera=rigid_frame(world_pose(usd.GetPrim(), transforms, world_from_stage(stage))),
+        focal_length_mm=mm(usd.GetFocalLengthAttr()),
+        horizontal_aperture_mm=mm(usd.GetHorizontalApertureAttr()),
+        vertical_aperture_mm=mm(usd.GetVerticalApertureAttr()),
+        horizontal_offset_mm=mm(usd.GetHorizontalApertureOffsetAttr()),
+        vertical_offset_mm=mm(usd.GetVerticalApertureOffsetAttr()),
+        near_m=max(metres_from_units(near, stage), _NEAREST_M),
+        far_m=metres_from_units(far, stage),
+        path=str(usd.GetPath()),
+    )
+
+
+def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
+    """The nearest and the farthest depth, in stage units."""
+    value = usd.GetClippingRangeAttr().Get(time)
+    if not isinstance(value, Gf.Vec2f | Gf.Vec2d | Gf.Vec2h | Gf.Vec2i):
+        path = str(usd.GetPath())
+        raise CameraError(f"clippingRange of camera {path} must be two numbers, got {shown(value)}", path=path)
+    return float(value[0]), float(value[1])
+
+
+def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
+    """The camera with its focus, iris, shutter and exposure, its lens moved up and aside against the film."""
+    lens = LensCamera(usd.GetPrim())
+    focus = camera_number(usd.GetFocusDistanceAttr(), time)
+    at = time.GetValue()
+    aperture, glass, moved = lens.aperture.read(at), lens.lens.read(at), lens.tilt_shift.read(at)
+    shutter = lens.film.read(at).shutter
+    confined_to = confinement(stage)
+    return replace(
+        camera,
+        horizontal_offset_mm=camera.horizontal_offset_mm + moved.shift,
+        vertical_offset_mm=camera.vertical_offset_mm + moved.rise,
+        f_stop=0.0 if glass.model == "pinhole" else camera_number(usd.GetFStopAttr(), time),
+        focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
+        exposure_scale=exposure_scale(usd, time),
+        iris=iris_of(aperture, camera.path, confined_to),
+        lens=lens_of(glass, camera.path, confined_to),
+        shutter_open=camera_number(usd.GetShutterOpenAttr(), time),
+        shutter_close=camera_number(usd.GetShutterCloseAttr(), time),
+        shutter=_shutter(shutter, stage, camera.path),
+        breathing=glass.breathing,
+    )
+
+
+def _shutter(said: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
+    if not 0 <= said.travel_time < math.inf:
+        raise CameraError(
+            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {said.travel_time:g} s",
+            code="bad_shutter",
+            path=path,
+        )
+    travel = said.travel_time * stage.GetTimeCodesPerSecond()
+    try:
+        return Shutter(said.type, said.direction, travel, tuple(said.efficiency))
+    except SettingsError as error:  # the numbers are the shot's, not the caller's
+        raise CameraError(f"camera {path}: {error.detail}", code="bad_shutter", path=path) from error
+
+
+def _check(camera: Camera) -> None:
+    """Raise CameraError for numbers that no camera can have."""
+    lengths = {
+        "focalLength": camera.focal_length_mm,
+        "horizontalAperture": camera.horizontal_aperture_mm,
+        "verticalAperture": camera.vertical_aperture_mm,
+    }
+    for name, value in lengths.items():
+        _require(camera, math.isfinite(value) and value > 0, name, "a positive number", f"{value:g} mm")
+    settings = {
+        "fStop": camera.f_stop,
+        "focusDistance": camera.focus_distance_m,
+        "clippingRange": camera.near_m,
+    }
+    for name, value in settings.items():
+        _require(camera, math.isfinite(value) and value >= 0, name, "0 or more", f"{value:g}")
+    finite = {
+        "shutter:open": camera.shutter_open,
+        "shutter:close": camera.shutter_close,
+    }
+    for name, value in finite.items():
+        _require(camera, math.isfinite(value), name, "a finite number of frames", f"{value:g}", code="bad_shutter")
+    offsets = {
+        "horizontalApertureOffset": camera.horizontal_offset_mm,
+        "verticalApertureOffset": camera.vertical_offset_mm,
+    }
+    for name, value in offsets.items():
+        _require(camera, math.isfinite(value), name, "a finite number", f"{value:g} mm")
+    _require(
+        camera,
+        camera.far_m > camera.near_m,
+        "clippingRange",
+        "near before far",
+        f"{camera.near_m:g} m to {camera.far_m:g} m",
+    )
+    rotation = camera.world_from_camera[:3, :3]
+    _require(
+        camera,
+        abs(np.linalg.det(rotation)) > 0.5,
+        "transform",
+        "one that turns and scales by more than 0",
+        "a flat one",
+    )
+
+
+def _require(camera: Camera, holds: bool, name: str, expected: str, got: str, code: str = "bad_camera") -> None:
+    if not holds:
+        raise CameraError(f"{name} of camera {camera.path} must be {expected}, got {got}", code=code, path=camera.path)

@@ -1,0 +1,87 @@
+"""A prescription or a data sheet as LensAPI has it: the way back from `render.stage.camera.lenses`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from render.errors import InputError
+from render.model.lens import Prescription
+from render.optics.lens_files import MeasuredLens
+from usd_schemas import DataSheet, LensData
+from usd_schemas import Prescription as PrescriptionData
+
+ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
+"""Fields of the schema's prescription that hold the coefficients of r⁴, r⁶, ... r²⁰."""
+
+
+def lens_data(prescription: Prescription, name: str = "") -> LensData:
+    """What LensAPI says of a prescription.
+
+    Args:
+        prescription: as a file has it; what is missing stays so.
+        name: of the lens; by default the prescription's own.
+
+    Raises:
+        InputError: it has terms that the schema has no place for.
+    """
+    surfaces = prescription.surfaces
+    longest = max(len(surface.aspheric) for surface in surfaces)
+    if longest > len(ASPHERIC):
+        raise InputError(f"{prescription.name} has a term of r^{2 * longest + 2}, USD has them up to r^20")
+    stops = [index for index, surface in enumerate(surfaces) if surface.is_stop]
+    has_sellmeier = any(surface.glass.sellmeier_b for surface in surfaces)
+    nothing = (0.0, 0.0, 0.0)
+    data = PrescriptionData(
+        radius=tuple(surface.radius_mm for surface in surfaces),
+        thickness=tuple(surface.thickness_mm for surface in surfaces),
+        index=tuple(surface.glass.index for surface in surfaces),
+        abbe=_unless_zero(surface.glass.abbe for surface in surfaces),
+        sellmeier_b=tuple(s.glass.sellmeier_b or nothing for s in surfaces) if has_sellmeier else (),
+        sellmeier_c=tuple(s.glass.sellmeier_c or nothing for s in surfaces) if has_sellmeier else (),
+        glass=tuple(s.glass.name for s in surfaces) if any(s.glass.name for s in surfaces) else (),
+        clear_diameter=_unless_zero(2 * surface.semi_diameter_mm for surface in surfaces),
+        conic=_unless_zero(surface.conic for surface in surfaces),
+        coating_wavelength=_unless_zero(surface.coating_nm for surface in surfaces),
+        stop_surface=stops[0] if stops else -1,
+        focus_group=prescription.focus_group or (-1, -1),
+        **{
+            field: _unless_zero(s.aspheric[place] if place < len(s.aspheric) else 0.0 for s in surfaces)
+            for place, field in enumerate(ASPHERIC)
+        },
+    )
+    return LensData(
+        model="prescription",
+        name=name or prescription.name,
+        f_stop_range=(prescription.f_stop, 0.0),
+        prescription=data,
+    )
+
+
+def measured_lens_data(lens: MeasuredLens) -> LensData:
+    """What LensAPI says of a lens by its data sheet."""
+    sheet = lens.sheet
+    return LensData(
+        model="dataSheet",
+        name=lens.name,
+        close_focus=1000 * lens.close_focus_m,
+        f_stop_range=lens.f_stops,
+        data_sheet=DataSheet(
+            height=sheet.heights_mm,
+            distortion=sheet.distortion,
+            vignetting=sheet.light,
+            sagittal_blur=sheet.sagittal_blur_mm,
+            tangential_blur=sheet.tangential_blur_mm,
+            spherical_aberration=sheet.spherical,
+            coma=sheet.coma_mm,
+            field_curvature=sheet.field_curvature_mm,
+            lateral_color=sheet.lateral_color_mm,
+            axial_color=sheet.axial_color_mm,
+            f_stop=sheet.f_stop,
+        ),
+    )
+
+
+def _unless_zero(values: Iterable[float]) -> tuple[float, ...]:
+    """The values, or none where all are 0: the schema's way to leave an array out."""
+    kept = tuple(values)
+    return kept if any(kept) else ()

@@ -1,0 +1,295 @@
+"""The lens and the iris that a camera's schemas say, as the renderer has them. The way back is
+`render.stage.camera.lens_data`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from render.errors import CameraError, SettingsError
+from render.model.lens import (
+    AIR,
+    AberrationScales,
+    DataSheet,
+    DoubleArray,
+    Glass,
+    HeightField,
+    IrisShape,
+    Lens,
+    LensModel,
+    Prescription,
+    SeidelErrors,
+    Surface,
+)
+from render.optics.glass import D_LINE_NM, refractive_index
+from render.stage.camera.lens_data import ASPHERIC
+from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
+from render.stage.geometry.planes import read_plane, turned
+from render.stage.materials.textures import TextureError
+from usd_schemas import ApertureData, Asset, LensData
+from usd_schemas import Prescription as PrescriptionData
+from usd_schemas import Seidel as SeidelData
+
+_SURFACES = {"spherical": 2, "heightField": 2}
+_SQUEEZES = 0.1, 10.0  # as the schema has it; lenses that are made squeeze by 1.25 to 2
+
+
+def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
+    """The lens in front of the film.
+
+    Args:
+        data: what LensAPI says.
+        camera: prim path, for messages.
+        confined_to: the folder that height fields must lie in, or None.
+
+    Raises:
+        CameraError: no lens has such numbers, or a height field cannot be read.
+    """
+    for name, value in _numbers(data):
+        if not math.isfinite(value):
+            raise _error(camera, f"lens:{name}", "a finite number", f"{value}")
+    least, most = _SQUEEZES
+    if not least <= data.squeeze <= most:
+        raise _error(camera, "lens:squeeze", f"from {least:g} to {most:g}", f"{data.squeeze:g}")
+    if not (0 <= data.transmittance <= 1 and data.neutral_density >= 0):
+        got = f"{data.transmittance:g} and {data.neutral_density:g}"
+        raise _error(camera, "lens:transmittance (0 to 1) and lens:neutralDensity (0 or more)", "in range", got)
+    if not all(power > 0 for power in data.pupil_power):
+        raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _shown(data.pupil_power))
+    widest, closed = data.f_stop_range
+    if min(widest, closed) < 0 or 0 < closed < widest:
+        expected = "from wide open to closed down, 0 for an end that is unknown"
+        raise _error(camera, "lens:fStopRange", expected, f"{widest:g} and {closed:g}")
+    if not 0 <= data.expressive_blend <= 1:
+        raise _error(camera, "lens:expressive:blend", "from 0 to 1", f"{data.expressive_blend:g}")
+    if not min(data.flare_ghosts, data.flare_star) >= 0:
+        got = f"{data.flare_ghosts:g} and {data.flare_star:g}"
+        raise _error(camera, "lens:flare:ghosts and lens:flare:star", "0 or more", got)
+    model: LensModel = data.model
+    surfaces = _prescription(data, camera) if model in ("prescription", *_SURFACES) else None
+    return Lens(
+        model=model,
+        name=data.name,
+        prescription=surfaces,
+        seidel=_seidel(data.seidel, camera) if model == "seidel" else None,
+        data_sheet=_data_sheet(data, camera) if model == "dataSheet" else None,
+        height_field=_height_field(data, camera, confined_to) if model == "heightField" else None,
+        scales=AberrationScales(*(getattr(data.aberration, item.name) for item in fields(AberrationScales))),
+        squeeze=data.squeeze,
+        transmittance=data.transmittance * 10**-data.neutral_density,
+        pupil_magnification=data.pupil_magnification,
+        natural_vignetting=data.natural_vignetting,
+        close_focus_m=data.close_focus / 1000,
+        pupil_power=data.pupil_power,
+        expressive_blend=data.expressive_blend,
+        ghosts=data.flare_ghosts,
+        star=data.flare_star,
+    )
+
+
+def iris_of(data: ApertureData, camera: str, confined_to: Path | None = None) -> IrisShape:
+    """The opening of the iris; the same numbers and files give the same object.
+
+    Args:
+        data: what ApertureAPI says.
+        camera: prim path, for messages.
+        confined_to: the folder that a mask must lie in, or None.
+
+    Raises:
+        CameraError: no iris has such numbers, or the mask cannot be read or lets no light through.
+    """
+    weights = data.radial_weights
+    if weights and not (all(0 <= weight < math.inf for weight in weights) and max(weights) > 0):
+        raise _error(camera, "aperture:radialWeights", "0 or more, and one of them above 0", f"{_shown(weights)}")
+    if not math.isfinite(data.rotation):
+        raise _error(camera, "aperture:rotation", "a finite number", f"{data.rotation:g}")
+    mask = _plane(data.mask, "aperture:mask", camera, confined_to)
+    if mask is not None and not (mask.min() >= 0 and mask.max() > 0):
+        raise _error(camera, "aperture:mask", "an image of 0 or more that lets light through somewhere", data.mask.path)
+    try:
+        return _iris(data.blades, data.roundness, math.radians(data.rotation), _Same(mask), weights)
+    except SettingsError as error:
+        raise CameraError(f"aperture of camera {camera}: {error.detail}", path=camera) from error
+
+
+def _prescription(data: LensData, camera: str) -> Prescription:
+    rows = data.prescription
+    count = len(rows.radius)
+    wanted = _SURFACES.get(data.model)
+    if count == 0 or (wanted and count != wanted):
+        expected = f"{wanted or 'at least one'} entries for lens:model {data.model}"
+        raise _error(camera, "lens:prescription:radius", f"an array of {expected}", f"{count}")
+    columns = {field: _column(rows, field, count, camera) for field in _COLUMNS}
+    glasses = [_glass(columns, i) for i in range(count)]
+    if not -1 <= rows.stop_surface < count:
+        raise _error(camera, "lens:prescription:stopSurface", f"from -1 to {count - 1}", f"{rows.stop_surface}")
+    group = rows.focus_group
+    if group != (-1, -1) and not 0 <= group[0] <= group[1] < count:
+        raise _error(
+            camera, "lens:prescription:focusGroup", f"(-1, -1), or rising from 0 to {count - 1}", f"{tuple(group)}"
+        )
+    return Prescription(
+        tuple(
+            Surface(
+                columns["radius"][i],
+                columns["thickness"][i],
+                glasses[i],
+                columns["clear_diameter"][i] / 2,
+                columns["conic"][i],
+                _terms([columns[field][i] for field in ASPHERIC]),
+                i == rows.stop_surface,
+                columns["coating_wavelength"][i],
+            )
+            for i in range(count)
+        ),
+        focus_group=None if group == (-1, -1) else (group[0], group[1]),
+        f_stop=max(data.f_stop_range[0], 0.0),
+        name=data.name or f"the lens of {camera}",
+    )
+
+
+_NOTHING: dict[str, Any] = {
+    "sellmeier_b": (0.0, 0.0, 0.0),
+    "sellmeier_c": (0.0, 0.0, 0.0),
+    "glass": "",
+    "index": 1.0,
+}
+_COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_wavelength", *_NOTHING, *ASPHERIC)
+
+
+def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:
+    """One value for each surface; an array that is left out has none to say."""
+    values: Sequence[Any] = getattr(rows, field)
+    if values and len(values) != count:
+        name = rows.__dataclass_fields__[field].metadata["usd"]
+        raise _error(camera, name, f"{count} entries, like lens:prescription:radius", f"{len(values)}")
+    return values or [_NOTHING.get(field, 0.0)] * count
+
+
+def _glass(columns: dict[str, Sequence[Any]], i: int) -> Glass:
+    index, abbe, b, c = (columns[field][i] for field in ("index", "abbe", "sellmeier_b", "sellmeier_c"))
+    if not any(b):
+        return AIR if index == 1 and abbe == 0 else Glass(index, abbe, name=columns["glass"][i])
+    glass = Glass(index, abbe, tuple(b), tuple(c), columns["glass"][i])
+    # Sellmeier's equation wins; the number is for those who ask for the index at the d line alone.
+    return Glass(refractive_index(glass, D_LINE_NM), abbe, glass.sellmeier_b, glass.sellmeier_c, glass.name)
+
+
+def _terms(values: list[float]) -> tuple[float, ...]:
+    """Without zeros behind the last term."""
+    while values and values[-1] == 0:
+        values.pop()
+    return tuple(values)
+
+
+def _seidel(data: SeidelData, camera: str) -> SeidelErrors:
+    if not (data.reference_f_stop > 0 and data.reference_height > 0):
+        got = f"{data.reference_f_stop:g} and {data.reference_height:g}"
+        raise _error(camera, "lens:seidel:referenceFStop and referenceHeight", "above 0", got)
+    return SeidelErrors(
+        w040=data.w040,
+        w131=data.w131,
+        w222=data.w222,
+        w220=data.w220,
+        w311=data.w311,
+        axial_color_mm=axial_color_mm(data.axial_color, data.reference_f_stop),
+        lateral_color_mm=lateral_color_mm(data.lateral_color, data.reference_f_stop),
+        reference_f_stop=data.reference_f_stop,
+        reference_height_mm=data.reference_height,
+    )
+
+
+def _data_sheet(data: LensData, camera: str) -> DataSheet:
+    table = data.data_sheet
+    try:
+        return DataSheet(
+            heights_mm=table.height,
+            distortion=table.distortion,
+            light=table.vignetting,
+            sagittal_blur_mm=table.sagittal_blur,
+            tangential_blur_mm=table.tangential_blur,
+            spherical=table.spherical_aberration,
+            coma_mm=table.coma,
+            field_curvature_mm=table.field_curvature,
+            lateral_color_mm=table.lateral_color,
+            axial_color_mm=table.axial_color,
+            f_stop=table.f_stop or max(data.f_stop_range[0], 0.0),
+        )
+    except SettingsError as error:
+        raise CameraError(f"lens:table of camera {camera}: {error.detail}", path=camera) from error
+
+
+def _height_field(data: LensData, camera: str, confined_to: Path | None) -> HeightField:
+    front = _plane(data.height_field.front, "lens:heightField:front", camera, confined_to)
+    back = _plane(data.height_field.back, "lens:heightField:back", camera, confined_to)
+    return _scaled_heights(_Same(front), _Same(back), tuple(data.height_field.scale))
+
+
+class _Same:
+    """An array as the key of a cache: equal where it is the same object, which `read_plane` gives for the same file."""
+
+    def __init__(self, array: DoubleArray | None) -> None:
+        self.array = array
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.array is other.array
+
+    def __hash__(self) -> int:
+        return id(self.array)
+
+
+@lru_cache(maxsize=16)
+def _scaled_heights(front: _Same, back: _Same, scale_mm: tuple[float, float]) -> HeightField:
+    """The same object for the same files and scales, so that what is made of it for the GPU is kept."""
+    return HeightField(
+        None if front.array is None or scale_mm[0] == 0 else front.array * scale_mm[0],
+        None if back.array is None or scale_mm[1] == 0 else back.array * scale_mm[1],
+    )
+
+
+@lru_cache(maxsize=16)
+def _iris(blades: int, roundness: float, rotation_rad: float, mask: _Same, weights: tuple[float, ...]) -> IrisShape:
+    if mask.array is None:
+        return IrisShape(blades, roundness, rotation_rad, None, weights)
+    return IrisShape(mask=turned(mask.array, rotation_rad), radial_weights=weights)  # it takes the place of the blades
+
+
+def _plane(asset: Asset, name: str, camera: str, confined_to: Path | None) -> DoubleArray | None:
+    if not asset.path:
+        return None
+    try:
+        return read_plane(asset.resolved, confined_to)
+    except TextureError as problem:
+        raise CameraError(f"{name} of camera {camera}: {asset.path} {problem}", path=camera) from problem
+
+
+def _numbers(data: Any) -> Iterator[tuple[str, float]]:
+    """Each number of a schema and of its groups, with its property's name."""
+    for item in fields(data):
+        value = getattr(data, item.name)
+        if "group" in item.metadata:
+            yield from _numbers(value)
+        elif "usd" in item.metadata:
+            name = item.metadata["usd"].removeprefix("lens:")
+            yield from ((name, number) for number in _floats(value))
+
+
+def _floats(value: Any) -> Iterator[float]:
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _floats(item)
+
+
+def _shown(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values[:8]) + (", …" if len(values) > 8 else "")
+
+
+def _error(camera: str, name: str, expected: str, got: str) -> CameraError:
+    return CameraError(f"{name} of camera {camera} must be {expected}, got {got}", path=camera)

@@ -1,0 +1,198 @@
+"""Surfaces gathered into few draws, each of which remembers what it made and remakes only what time changes.
+
+Surfaces that stand still against each other and share a material become one geometry, in the space of whatever carries
+them. Surfaces that occur many times, or that bend, keep a geometry of their own and a pose for each place.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from render.model.scene import Batch, Geometry, IntArray, Material
+from render.stage.camera.distances import is_placeable
+from render.stage.drawing import joined, placed
+from render.stage.findings import FindingLog
+from render.stage.geometry.pieces import Piece, ShapeReader
+from render.stage.geometry.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
+from render.stage.geometry.shape import Shape
+from render.stage.materials.material import Look
+from render.stage.world import DoubleArray
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """What a group needs to draw at a time.
+
+    Attributes:
+        transforms: transforms at that time.
+        world: world from stage.
+        scale: metres in a stage unit.
+        look: the look of a material path at that time.
+        shapes: reads the triangles of pieces at that time.
+        instances: reads point instancers at that time.
+        prim_id: the number of a prim path in ``Scene.prim_paths``.
+        log: notes surfaces too far away to be placed well.
+    """
+
+    transforms: UsdGeom.XformCache
+    world: DoubleArray
+    scale: float
+    look: Callable[[str], Look]
+    shapes: ShapeReader
+    instances: InstanceReader
+    prim_id: Callable[[str], int]
+    log: FindingLog
+
+    @property
+    def time(self) -> Usd.TimeCode:
+        """When."""
+        return self.transforms.GetTime()
+
+
+class Group(ABC):
+    """Pieces with one material that are drawn together."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        self._pieces = list(pieces)
+        self._batches: tuple[Batch, ...] = ()
+        self._made_of: tuple[object, ...] = ()
+
+    @abstractmethod
+    def batches(self, moment: Moment) -> tuple[Batch, ...]:
+        """What is drawn at a time; the same objects as before where nothing has changed."""
+
+    def _drawn(
+        self,
+        geometry: Geometry,
+        material: Material,
+        poses: DoubleArray,
+        prim_ids: IntArray | None,
+        numbers: IntArray | None,
+    ) -> tuple[Batch, ...]:
+        """The batch of one geometry; poses that mirror it leave its outside outside (`render.model.scene.Geometry`)."""
+        unchanged = (
+            len(self._made_of) == 5
+            and self._made_of[0] is geometry
+            and self._made_of[1] is material
+            and all(_same(a, b) for a, b in zip(self._made_of[2:], (poses, prim_ids, numbers), strict=True))
+        )
+        if not unchanged:
+            self._made_of = (geometry, material, poses, prim_ids, numbers)
+            self._batches = (Batch(geometry, material, poses, self._pieces[0].double_sided, prim_ids, numbers),)
+        return self._batches
+
+
+class RigidGroup(Group):
+    """Surfaces that stand still against each other: one geometry, one pose."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        super().__init__(pieces)
+        self._geometry: Geometry | None = None
+        self._is_read = False
+
+    def batches(self, moment: Moment) -> tuple[Batch, ...]:
+        first = self._pieces[0].occurrence
+        if is_hidden(first.hiders, moment.time):
+            return ()
+        if not self._is_read:
+            parts = [part for piece in self._pieces if (part := self._placed(piece, moment)) is not None]
+            self._geometry = joined(parts) if parts else None
+            self._is_read = True
+        if self._geometry is None:
+            return ()
+        pose = np.eye(4)
+        if first.mover is not None:
+            pose = world_pose(first.mover, moment.transforms, moment.world) @ _shrink(moment)
+        material = moment.look(self._pieces[0].material).material
+        return self._drawn(self._geometry, material, pose[None], None, None)
+
+    def _placed(self, piece: Piece, moment: Moment) -> Geometry | None:
+        shape = moment.shapes.shape(piece)
+        if shape is None:
+            return None
+        prim, mover = piece.occurrence.prim, piece.occurrence.mover
+        if mover is None:
+            matrix = world_pose(prim, moment.transforms, moment.world)
+        else:
+            matrix = np.diag([*[moment.scale] * 3, 1.0]) @ relative_pose(prim, mover, moment.transforms)
+        if not is_placeable(shape.positions, matrix, piece.occurrence.path, moment.log):
+            return None
+        return placed(shape, moment.prim_id(piece.occurrence.path), matrix)
+
+
+class InstancedGroup(Group):
+    """One surface in many places, or one that bends: its geometry in its own space, and a pose for each place."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        super().__init__(pieces)
+        self._shape: Shape | None = None
+        self._geometry: Geometry | None = None
+        self._is_read = False
+        self._places: tuple[DoubleArray, IntArray, IntArray | None] | None = None
+        self._moves = any(piece.occurrence.moves or piece.occurrence.hiders for piece in pieces)
+
+    def batches(self, moment: Moment) -> tuple[Batch, ...]:
+        geometry = self._geometry_at(moment)
+        if geometry is None:
+            return ()
+        if self._places is None or self._moves:
+            self._places = self._places_at(moment)
+        poses, prim_ids, numbers = self._places
+        if not len(poses):
+            return ()
+        return self._drawn(geometry, moment.look(self._pieces[0].material).material, poses, prim_ids, numbers)
+
+    def _geometry_at(self, moment: Moment) -> Geometry | None:
+        if self._is_read and not self._pieces[0].deforms:
+            return self._geometry
+        shape = moment.shapes.shape(self._pieces[0])
+        if not self._is_read or not _same_shape(shape, self._shape):
+            first_id = moment.prim_id(self._pieces[0].occurrence.path)
+            to_metres = np.diag([*[moment.scale] * 3, 1.0])
+            self._geometry = placed(shape, first_id, to_metres) if shape is not None else None
+            self._shape = shape if self._pieces[0].deforms else None
+        self._is_read = True
+        return self._geometry
+
+    def _places_at(self, moment: Moment) -> tuple[DoubleArray, IntArray, IntArray | None]:
+        """``(k, 4, 4)`` poses of all that is visible, and for each the prim it is picked as and its instance number."""
+        poses, prim_ids, numbers = [np.zeros((0, 4, 4))], [np.zeros(0, np.int32)], [np.zeros(0, np.int32)]
+        for piece in self._pieces:
+            occurrence = piece.occurrence
+            if is_hidden(occurrence.hiders, moment.time):
+                continue
+            if occurrence.chain:
+                here, number = instance_poses(
+                    occurrence.chain, occurrence.prim, moment.transforms, moment.world, moment.instances
+                )
+                picked_as = str(occurrence.chain[0].instancer.GetPath())
+            else:
+                here = world_pose(occurrence.prim, moment.transforms, moment.world)[None]
+                number, picked_as = np.array([-1], np.int32), occurrence.path
+            poses.append(here @ _shrink(moment))
+            numbers.append(number)
+            prim_ids.append(np.full(len(here), moment.prim_id(picked_as), np.int32))
+        instanced = bool(self._pieces[0].occurrence.chain)
+        return np.concatenate(poses), np.concatenate(prim_ids), np.concatenate(numbers) if instanced else None
+
+
+def _shrink(moment: Moment) -> DoubleArray:
+    """Stage units from metres: poses act on geometry that is in metres already."""
+    return np.diag([*[1 / moment.scale] * 3, 1.0])
+
+
+def _same(one: object, other: object) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(np.asarray(one), np.asarray(other))
+
+
+def _same_shape(one: Shape | None, other: Shape | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return all(_same(value, vars(other)[name]) for name, value in vars(one).items())

@@ -1,0 +1,70 @@
+"""Pieces of surfaces, each with one material, and the reading of their triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+from pxr import Usd
+
+from render.stage.findings import FindingLog
+from render.stage.geometry.shape import Shape, Wanted, pick_faces, read_shape
+from render.stage.geometry.skinning import Skeletons
+from render.stage.inventory import Occurrence
+from render.stage.materials.bindings import bound_parts, face_owner
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """The faces of one surface at one place that wear one material.
+
+    Attributes:
+        occurrence: the surface and its place.
+        material: path of the material prim, or empty.
+        part: which of the surface's parts by material this is.
+        part_count: how many such parts it has.
+        double_sided: whether back faces are drawn.
+        deforms: whether the surface's polygons or primvars vary.
+        wanted: the primvars that the material reads.
+        shape_key: the same for pieces whose surfaces have the same triangles and primvars.
+    """
+
+    occurrence: Occurrence
+    material: str
+    part: int
+    part_count: int
+    double_sided: bool
+    deforms: bool
+    wanted: Wanted
+    shape_key: Hashable
+
+
+class ShapeReader:
+    """Reads the triangles of pieces at one time, each surface once.
+
+    Args:
+        skeletons: bend meshes.
+        time: when.
+        log: notes surfaces that cannot be used.
+    """
+
+    def __init__(self, skeletons: Skeletons, time: Usd.TimeCode, log: FindingLog) -> None:
+        self._skeletons, self._time, self._log = skeletons, time, log
+        self._shapes: dict[Hashable, Shape | None] = {}
+
+    def shape(self, piece: Piece) -> Shape | None:
+        """The triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
+        whole = self.whole(piece)
+        if whole is None or piece.part_count == 1:
+            return whole
+        parts = bound_parts(piece.occurrence.prim, self._time, self._log)
+        owner = face_owner(parts, int(whole.face_ids.max(initial=0)) + 1)
+        keep = owner[whole.face_ids] == piece.part
+        return pick_faces(whole, keep) if keep.any() else None
+
+    def whole(self, piece: Piece) -> Shape | None:
+        """The triangles of the whole surface that a piece is part of."""
+        key = piece.shape_key
+        if key not in self._shapes:
+            self._shapes[key] = read_shape(piece.occurrence.prim, self._time, piece.wanted, self._skeletons, self._log)
+        return self._shapes[key]

@@ -1,0 +1,214 @@
+"""One prim's surface as vertices and triangles, with the primvars that its material asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
+
+from render import colour
+from render.stage.findings import FindingLog
+from render.stage.geometry.polygons import (
+    BadGeometry,
+    Fan,
+    FloatArray,
+    IntArray,
+    LongArray,
+    Polygons,
+    Values,
+    check,
+    computed_normals,
+    fan,
+    folded_share,
+    merged_duplicates,
+    unit,
+    value_index_of_corner,
+    weld,
+)
+from render.stage.geometry.primvars import find_primvar
+from render.stage.geometry.skinning import Skeletons
+from render.stage.materials.surface import surface_of
+
+# What Hydra draws where no displayColor is authored.
+FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)
+
+# Slivers of dense meshes fold by rounding; below this share of the area nobody can see it.
+_FOLDS_SHOW_FROM = 0.001
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The primvars that a material reads.
+
+    Attributes:
+        uv: name of the texture coordinates, or None.
+        color: name of the colour that multiplies base_color, or None.
+        opacity: name of the opacity that multiplies the material's, or None.
+        color_fallback: linear Rec. 709 colour where the mesh has no such primvar.
+        opacity_fallback: likewise.
+    """
+
+    uv: str | None = "st"
+    color: str | None = None
+    opacity: str | None = None
+    color_fallback: tuple[float, float, float] = FALLBACK_DISPLAY_COLOR
+    opacity_fallback: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Vertices and triangles of one prim, in its own space and units.
+
+    Attributes:
+        positions: ``(n, 3)`` float32.
+        normals: ``(n, 3)`` float32, unit length.
+        triangles: ``(m, 3)`` int32, counter-clockwise seen from outside.
+        face_ids: ``(m,)`` int32.
+        fan_ids: ``(m,)`` int32.
+        swapped: ``(m,)`` whether a triangle's last two corners stand in the other order than the fan's.
+        uvs: ``(n, 2)`` float32 or None.
+        colors: ``(n, 4)`` float32 in the working space, or None.
+    """
+
+    positions: FloatArray
+    normals: FloatArray
+    triangles: IntArray
+    face_ids: IntArray
+    fan_ids: IntArray
+    swapped: NDArray[np.bool_]
+    uvs: FloatArray | None = None
+    colors: FloatArray | None = None
+
+
+def read_shape(
+    prim: Usd.Prim, time: Usd.TimeCode, wanted: Wanted, skeletons: Skeletons, log: FindingLog
+) -> Shape | None:
+    """Read a drawable prim, or note a finding and return None where its polygons cannot be used."""
+    try:
+        polygons = surface_of(prim, time, skeletons, log)
+        check(polygons)
+    except BadGeometry as problem:
+        log.add("bad_geometry", prim.GetPath(), f"{prim.GetPath()} is not drawn: {problem}")
+        return None
+    fan_ = fan(polygons)
+    if not len(fan_.face_ids):
+        log.add("no_faces", prim.GetPath(), f"{prim.GetPath()} is not drawn: it has no face with three corners or more")
+        return None
+    folded = folded_share(polygons, fan_)
+    if folded > _FOLDS_SHOW_FROM:
+        message = f"{prim.GetPath()} has concave faces, whose fans cover {folded:.1%} of its area too much"
+        log.add("concave_faces", prim.GetPath(), message)
+    return _Builder(prim, time, polygons, fan_, log).build(wanted)
+
+
+def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
+    """The part of a shape whose triangles are marked in ``keep`` (``(m,)`` bool), with only the vertices it uses."""
+    if keep.all():
+        return shape
+    used, triangles = np.unique(shape.triangles[keep], return_inverse=True)
+    return Shape(
+        shape.positions[used],
+        shape.normals[used],
+        triangles.reshape(-1, 3).astype(np.int32),
+        shape.face_ids[keep],
+        shape.fan_ids[keep],
+        shape.swapped[keep],
+        None if shape.uvs is None else shape.uvs[used],
+        None if shape.colors is None else shape.colors[used],
+    )
+
+
+class _Builder:
+    """Gathers a prim's primvars, welds its corners and makes the vertices."""
+
+    def __init__(self, prim: Usd.Prim, time: Usd.TimeCode, polygons: Polygons, fan_: Fan, log: FindingLog) -> None:
+        self._prim, self._time, self._polygons, self._fan, self._log = prim, time, polygons, fan_, log
+
+    def build(self, wanted: Wanted) -> Shape:
+        normals, normal_index = self._normals()
+        uv = self._coordinates(wanted.uv)
+        color = self._primvar(wanted.color, 3) if wanted.color else None
+        opacity = self._primvar(wanted.opacity, 1) if wanted.opacity else None
+        read = [(normals, normal_index), *(p for p in (uv, color, opacity) if p)]
+        splitting = [index for values, index in read if values.interpolation in ("uniform", "faceVarying")]
+        corner, vertex_of_corner = weld(self._polygons, splitting)
+        triangles = vertex_of_corner[self._fan.corners].astype(np.int32)
+        left_handed = self._polygons.left_handed
+        return Shape(
+            positions=self._polygons.points[self._polygons.corners[corner]],
+            normals=unit(normals.values[normal_index[corner]]),
+            triangles=triangles[:, [0, 2, 1]] if left_handed else triangles,
+            face_ids=self._fan.face_ids,
+            fan_ids=self._fan.fan_ids,
+            swapped=np.full(len(triangles), left_handed),
+            uvs=np.nan_to_num(uv[0].values[uv[1][corner]]) if uv else None,
+            colors=self._colors(wanted, color, opacity, corner),
+        )
+
+    def _normals(self) -> tuple[Values, LongArray]:
+        authored = self._polygons.normals
+        if authored is not None and np.isfinite(authored.values).all():
+            try:
+                return authored, value_index_of_corner(authored, self._polygons, self._fan)
+            except BadGeometry as problem:
+                path = self._prim.GetPath()
+                self._log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
+        computed = computed_normals(self._polygons, self._fan)
+        return computed, value_index_of_corner(computed, self._polygons, self._fan)
+
+    def _coordinates(self, name: str | None) -> tuple[Values, LongArray] | None:
+        """Texture coordinates, or (0, 0) everywhere for a mesh that lacks them, as UsdPrimvarReader falls back to."""
+        if name is None:
+            return None
+        found = self._primvar(name, 2)
+        if found is None:
+            path = self._prim.GetPath()
+            message = f"{path} has no texture coordinates {name}: its textures are read at one place"
+            self._log.add("no_texture_coordinates", path, message)
+            found = Values(np.zeros((1, 2), np.float32), "constant"), np.zeros(len(self._polygons.corners), np.int64)
+        return found
+
+    def _primvar(self, name: str, width: int) -> tuple[Values, LongArray] | None:
+        found = find_primvar(self._prim, name)
+        if found is None:
+            return None
+        path = self._prim.GetPath()
+        values = found.read(self._time, width)
+        if values is None or not len(values.values):
+            message = f"primvar {name} of {path} is not used: it does not hold {width} numbers for each element"
+            self._log.add(f"bad_primvar_{name}", path, message)
+            return None
+        values = _deduplicated(values)
+        try:
+            return values, value_index_of_corner(values, self._polygons, self._fan)
+        except BadGeometry as problem:
+            self._log.add(f"bad_primvar_{name}", path, f"primvar {name} of {path} is not used: {problem}")
+            return None
+
+    def _colors(
+        self,
+        wanted: Wanted,
+        color: tuple[Values, LongArray] | None,
+        opacity: tuple[Values, LongArray] | None,
+        corner: LongArray,
+    ) -> FloatArray | None:
+        if wanted.color is None and wanted.opacity is None:
+            return None
+        out = np.ones((len(corner), 4), np.float32)
+        if wanted.color is not None:
+            linear = color[0].values if color else np.array([wanted.color_fallback], np.float32)
+            working = colour.to_working(linear)
+            out[:, :3] = working[color[1][corner]] if color else working
+        if wanted.opacity is not None:
+            out[:, 3] = opacity[0].values[opacity[1][corner], 0] if opacity else wanted.opacity_fallback
+        return np.nan_to_num(out)
+
+
+def _deduplicated(values: Values) -> Values:
+    """Merge equal values of a face-varying primvar that has no indices, so that its corners can share vertices."""
+    if values.interpolation != "faceVarying" or values.indices is not None:
+        return values
+    distinct, inverse = merged_duplicates(values.values)
+    return Values(distinct, values.interpolation, inverse.astype(np.int32))

@@ -1,0 +1,203 @@
+"""UsdSkel: meshes bent by skeletons and blend shapes, computed by UsdSkel's own skinning queries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
+
+from render.stage.findings import FindingLog
+from render.stage.geometry.polygons import (
+    BadGeometry,
+    FloatArray,
+    LongArray,
+    Polygons,
+    Values,
+    carried_normals,
+    check,
+    fan,
+)
+from render.stage.world import column_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class _Bound:
+    """What bends a prim.
+
+    Attributes:
+        prim: the skeleton beside the prim; a native instance's own, while the queries speak of the prototype's.
+        skeleton: its joints.
+        skinning: how the prim hangs on them.
+    """
+
+    prim: Usd.Prim
+    skeleton: UsdSkel.SkeletonQuery
+    skinning: UsdSkel.SkinningQuery
+
+
+class Skeletons:
+    """Which prims of a stage a skeleton bends, and how.
+
+    Args:
+        stage: the stage. It is searched for skeletons when first asked about a prim below a SkelRoot.
+    """
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self._stage = stage
+        self._cache = UsdSkel.Cache()
+        self._bound: dict[str, _Bound] = {}
+        self._searched: set[str] = set()
+
+    def bends(self, prim: Usd.Prim) -> bool:
+        """Whether a skeleton or a blend shape moves this prim's points."""
+        return self._query(prim) is not None
+
+    def bend(self, prim: Usd.Prim, polygons: Polygons, time: Usd.TimeCode, log: FindingLog) -> Polygons:
+        """The polygons as the skeleton has them at a time, in the prim's own space; unchanged where none is bound."""
+        if not self.bends(prim):
+            return polygons
+        moved = self.bent_points(prim, Vt.Vec3fArray.FromNumpy(polygons.points), time, log)
+        return replace(polygons, points=moved, normals=_bent_normals(prim, polygons, moved, log))
+
+    def bent_points(
+        self, prim: Usd.Prim, points: Vt.Vec3fArray, time: Usd.TimeCode, log: FindingLog, rows: LongArray | None = None
+    ) -> FloatArray:
+        """Where a prim's points are at a time, in its own space; where they rest if no skeleton is bound or none works.
+
+        Args:
+            prim: a mesh.
+            points: all of its points, at rest.
+            time: when.
+            log: for findings.
+            rows: the indices of the points that are wanted, None for all; few cost less.
+
+        Returns:
+            ``(n, 3)`` or ``(len(rows), 3)``.
+        """
+        found = self._query(prim)
+        resting = points if rows is None else _picked(points, rows)
+        if found is None:
+            return np.array(resting, np.float32)
+        skeleton, skinning = found.skeleton, found.skinning
+        if skinning.HasBlendShapes():
+            points = Vt.Vec3fArray(points)
+            if not _blend(skeleton, skinning, points, time):
+                message = f"the blend shapes of {prim.GetPath()} could not be computed"
+                log.add("blend_shapes_ignored", prim.GetPath(), message)
+        wanted = Vt.Vec3fArray(points) if rows is None else _picked(points, rows)
+        if not skinning.HasJointInfluences():
+            return np.array(wanted, np.float32)
+        joints = skeleton.ComputeSkinningTransforms(time)
+        if not joints or not _skin(found, joints, wanted, rows, len(points), time):
+            message = f"the skinning of {prim.GetPath()} could not be computed: drawn at rest"
+            log.add("skinning_failed", prim.GetPath(), message)
+            return np.array(resting, np.float32)
+        return _in_prim_space(np.array(wanted, np.float32), found.prim, prim, time)
+
+    def _query(self, prim: Usd.Prim) -> _Bound | None:
+        root = UsdSkel.Root.Find(prim)
+        if not root:
+            return None
+        path = str(root.GetPath())
+        if path not in self._searched:
+            self._searched.add(path)
+            self._search(root)
+        return self._bound.get(str(prim.GetPath()))
+
+    def _search(self, root: UsdSkel.Root) -> None:
+        predicate = Usd.TraverseInstanceProxies()
+        self._cache.Populate(root, predicate)
+        for binding in self._cache.ComputeSkelBindings(root, predicate):
+            skeleton = self._cache.GetSkelQuery(binding.GetSkeleton())
+            for target in binding.GetSkinningTargets():
+                if skeleton and (target.HasJointInfluences() or target.HasBlendShapes()):
+                    bound = _Bound(binding.GetSkeleton().GetPrim(), skeleton, target)
+                    self._bound[str(target.GetPrim().GetPath())] = bound
+
+
+def _blend(
+    skeleton: UsdSkel.SkeletonQuery, skinning: UsdSkel.SkinningQuery, points: Vt.Vec3fArray, time: Usd.TimeCode
+) -> bool:
+    """Add the blend shapes' offsets to the points, in place. Returns whether that could be done."""
+    animation = skeleton.GetAnimQuery()
+    mapper = skinning.GetBlendShapeMapper()
+    if not animation or mapper is None:
+        return True  # shapes without an animation rest at weight 0
+    weights = mapper.Remap(animation.ComputeBlendShapeWeights(time))
+    shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(skinning.GetPrim()))
+    sub_weights, shape_indices, sub_indices = shapes.ComputeSubShapeWeights(weights)
+    return bool(
+        shapes.ComputeDeformedPoints(
+            sub_weights,
+            shape_indices,
+            sub_indices,
+            shapes.ComputeBlendShapePointIndices(),
+            shapes.ComputeSubShapePointOffsets(),
+            points,
+        )
+    )
+
+
+def _skin(
+    bound: _Bound,
+    joints: Vt.Matrix4dArray,
+    points: Vt.Vec3fArray,
+    rows: LongArray | None,
+    count: int,
+    time: Usd.TimeCode,
+) -> bool:
+    """Move points with their joints, in place: all ``count`` of a mesh, or those of its ``rows``. Returns whether that worked."""
+    skinning = bound.skinning
+    if rows is None:
+        return bool(skinning.ComputeSkinnedPoints(joints, points, time))
+    influences = skinning.ComputeVaryingJointInfluences(count, time)
+    if not influences:
+        return False
+    each = skinning.GetNumInfluencesPerComponent()
+    of_rows = (rows[:, None] * each + np.arange(each)).ravel()
+    indices, weights = (np.asarray(values)[of_rows] for values in influences)
+    return bool(
+        UsdSkel.SkinPoints(
+            skinning.GetSkinningMethod(),
+            skinning.GetGeomBindTransform(time),
+            _in_order(joints, bound.skeleton.GetJointOrder(), skinning.GetJointOrder()),
+            Vt.IntArray.FromNumpy(indices),
+            Vt.FloatArray.FromNumpy(weights),
+            each,
+            points,
+        )
+    )
+
+
+def _in_order(joints: Vt.Matrix4dArray, given: Vt.TokenArray, wanted: Vt.TokenArray | None) -> Vt.Matrix4dArray:
+    """Joints in a mesh's own order, as USD's mapper has them (in Python it gives nothing back): those that lack stand still."""
+    if wanted is None:
+        return joints
+    place = {name: number for number, name in enumerate(given)}
+    return Vt.Matrix4dArray([joints[place[name]] if name in place else Gf.Matrix4d(1) for name in wanted])
+
+
+def _picked(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:
+    return Vt.Vec3fArray([points[row] for row in rows.tolist()])
+
+
+def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
+    """Points from the skeleton's space to the prim's, so that the prim's transform puts them where the skeleton is."""
+    transforms = UsdGeom.XformCache(time)
+    world_from_skeleton = column_matrix(transforms.GetLocalToWorldTransform(skeleton))
+    world_from_prim = column_matrix(transforms.GetLocalToWorldTransform(prim))
+    matrix = np.linalg.solve(world_from_prim, world_from_skeleton)
+    return np.array(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
+
+
+def _bent_normals(prim: Usd.Prim, polygons: Polygons, moved: FloatArray, log: FindingLog) -> Values | None:
+    if polygons.normals is None:
+        return None
+    check(polygons)
+    try:
+        return carried_normals(polygons, fan(polygons), moved)
+    except BadGeometry as problem:
+        path = prim.GetPath()
+        log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
+        return None

@@ -1,0 +1,79 @@
+"""What a bound material looks like, whatever language it is written in; each material is read once."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import replace
+
+from pxr import Usd, UsdShade
+
+from render.model.scene import TextureLookup
+from render.stage.findings import FindingLog
+from render.stage.materials.material import DEFAULT_LOOK, Look, preview_surface_look
+from render.stage.materials.materialx import MaterialXFiles
+from render.stage.materials.texture_nodes import TextureNodes
+from render.stage.materials.textures import TextureCache
+
+_NO_PATH = ""
+
+
+class LookReader:
+    """Reads the looks of a stage's materials.
+
+    Args:
+        stage: the stage.
+        textures: reads image files.
+        log: notes what is not honoured.
+    """
+
+    def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
+        self._stage, self._log = stage, log
+        self._nodes = TextureNodes(textures, log)
+        self._materialx = MaterialXFiles(stage, textures, log)
+        self._looks: dict[str, Look] = {_NO_PATH: DEFAULT_LOOK}
+        self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
+
+    def look(self, path: str, time: Usd.TimeCode) -> Look:
+        """The look of the material at a path, or the default look for an empty path.
+
+        A material that varies is read anew, and stays the same object where nothing came out differently.
+        """
+        known = self._looks.get(path)
+        if known is not None and not known.varies:
+            return known
+        fresh = self._read(path, time)
+        if known is not None and _signature(known) == _signature(fresh):
+            fresh = replace(fresh, material=known.material)
+        self._looks[path] = fresh
+        return fresh
+
+    def representative(self, path: str, time: Usd.TimeCode) -> str:
+        """The first material path whose look is the same as this one's, so that copies of an asset are drawn together."""
+        look = self.look(path, time)
+        return path if look.varies else self._representatives.setdefault(_signature(look), path)
+
+    def _read(self, path: str, time: Usd.TimeCode) -> Look:
+        material = UsdShade.Material(self._stage.GetPrimAtPath(path))
+        if not material:
+            return self._materialx.look(path) or self._unread(path, "does not exist")
+        shader = material.ComputeSurfaceSource()[0]
+        if shader and self._nodes.kind(shader) == "UsdPreviewSurface":
+            return preview_surface_look(material, shader, time, self._nodes, self._log)
+        kind = self._nodes.kind(shader) if shader else ""
+        return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
+
+    def _unread(self, path: str, why: str) -> Look:
+        message = f"material {path} {why}: only UsdPreviewSurface is honoured, so displayColor is drawn instead"
+        self._log.add("material_unread", path, message)
+        return replace(DEFAULT_LOOK, material=replace(DEFAULT_LOOK.material, name=path))
+
+
+def _signature(look: Look) -> Hashable:
+    """Equal for looks that draw the same and want the same primvars, whatever their names."""
+    constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
+    return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.wanted
+
+
+def _of_lookup(lookup: TextureLookup) -> Hashable:
+    arrays = (lookup.uv_transform.tobytes(), lookup.scale.tobytes(), lookup.bias.tobytes())
+    return id(lookup.image), arrays, lookup.wrap_s, lookup.wrap_t, lookup.channel

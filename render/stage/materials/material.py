@@ -1,0 +1,162 @@
+"""UsdPreviewSurface networks to materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from pxr import Usd, UsdShade
+
+from render import colour
+from render.model.scene import Material, TextureLookup
+from render.stage.findings import FindingLog
+from render.stage.geometry.shape import Wanted
+from render.stage.materials.shading import NetworkReader, Source, as_numbers
+from render.stage.materials.texture_nodes import TextureNodes
+
+WHITE = (1.0, 1.0, 1.0)
+_COLORS = {"base_color": ("diffuseColor", (0.18,) * 3), "emissive": ("emissiveColor", (0.0,) * 3)}
+_SCALARS = {
+    "metallic": ("metallic", 0.0),
+    "roughness": ("roughness", 0.5),
+    "opacity": ("opacity", 1.0),
+    "clearcoat": ("clearcoat", 0.0),
+    "clearcoat_roughness": ("clearcoatRoughness", 0.01),
+    "ior": ("ior", 1.5),
+    "opacity_threshold": ("opacityThreshold", 0.0),
+    "occlusion": ("occlusion", 1.0),
+}
+_TEXTURED_SCALARS = ("metallic", "roughness", "opacity", "occlusion")
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A material, and what it wants from the meshes that wear it.
+
+    Attributes:
+        material: for the renderer.
+        wanted: the primvars it reads.
+        varies: whether it may change over time.
+    """
+
+    material: Material
+    wanted: Wanted = field(default_factory=Wanted)
+    varies: bool = False
+
+
+DEFAULT_LOOK = Look(
+    Material(name="", base_color=WHITE, uses_display_color=True), Wanted(None, "displayColor", "displayOpacity")
+)
+
+
+def preview_surface_look(
+    material: UsdShade.Material, shader: UsdShade.Shader, time: Usd.TimeCode, nodes: TextureNodes, log: FindingLog
+) -> Look:
+    """Read a material whose surface is a UsdPreviewSurface."""
+    return _SurfaceReader(material, shader, time, nodes, log).look()
+
+
+class _SurfaceReader:
+    def __init__(
+        self,
+        material: UsdShade.Material,
+        shader: UsdShade.Shader,
+        time: Usd.TimeCode,
+        nodes: TextureNodes,
+        log: FindingLog,
+    ) -> None:
+        self._path = str(material.GetPath())
+        self._shader, self._nodes, self._log = shader, nodes, log
+        self._network = NetworkReader(time)
+        self._constants: dict[str, float | tuple[float, float, float]] = {}
+        self._lookups: dict[str, TextureLookup] = {}
+        self._uv_names: dict[str, str] = {}
+        self._wanted = Wanted(uv=None)
+
+    def look(self) -> Look:
+        for name, (usd_name, default) in _COLORS.items():
+            self._color(name, usd_name, default)
+        for name, (usd_name, scalar) in _SCALARS.items():
+            self._scalar(name, usd_name, scalar)
+        if self._network.constant(self._shader, "useSpecularWorkflow", 0) == 1:
+            self._color("specular", "specularColor", (0.0,) * 3)
+        self._normal()
+        self._note_ignored()
+        material = Material(
+            name=self._path,
+            uses_display_color=self._wanted.color is not None or self._wanted.opacity is not None,
+            lookups=self._lookups,
+            **{name: value for name, value in self._constants.items() if name != "occlusion"},  # type: ignore[arg-type]
+        )
+        return Look(material, replace(self._wanted, uv=self._uv_name()), self._network.varies)
+
+    def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
+        source = self._network.source(self._shader, usd_name)
+        value = as_numbers(source.value if source else None, default)
+        self._constants[name] = colour.rgb_to_working((value[0], value[1], value[2]))
+        if source is not None and source.shader is not None:
+            self._connected(name, usd_name, source, default, "color")
+
+    def _scalar(self, name: str, usd_name: str, default: float) -> None:
+        source = self._network.source(self._shader, usd_name)
+        self._constants[name] = as_numbers(source.value if source else None, (default,))[0]
+        if source is None or source.shader is None:
+            return
+        if name in _TEXTURED_SCALARS:
+            self._connected(name, usd_name, source, (default,), "data")
+        else:
+            self._ignored(usd_name, f"a connection of {usd_name} is not honoured, {default} is used")
+
+    def _normal(self) -> None:
+        source = self._network.source(self._shader, "normal")
+        if source is not None and source.shader is not None:
+            self._connected("normal", "normal", source, (0.0, 0.0, 1.0), "normal")
+
+    def _connected(self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str) -> None:
+        kind = self._nodes.kind(source.shader)
+        if kind == "UsdUVTexture":
+            self._textured(name, usd_name, source, default, purpose)
+        elif kind.startswith("UsdPrimvarReader") and name in ("base_color", "opacity"):
+            self._from_primvar(name, source, default)
+        else:
+            self._ignored(usd_name, f"{usd_name} is fed by {kind or 'an unknown shader'}, which is not honoured")
+
+    def _textured(self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str) -> None:
+        texture = self._nodes.read(self._network, source, purpose, self._path)
+        if texture.lookup is not None:
+            self._lookups[name] = texture.lookup
+            self._uv_names[name] = texture.uv_name
+        elif purpose == "color":
+            red, green, blue = texture.fallback[:3]
+            self._constants[name] = colour.rgb_to_working((red, green, blue))
+        elif purpose == "data":
+            self._constants[name] = texture.fallback[max(texture.channel, 0)]
+
+    def _from_primvar(self, name: str, source: Source, default: tuple[float, ...]) -> None:
+        """displayColor or another primvar as diffuseColor or opacity: it multiplies white, or 1."""
+        varname = str(self._network.constant(source.shader, "varname", ""))
+        fallback = self._network.numbers(source.shader, "fallback", default)
+        if name == "base_color":
+            self._constants[name] = WHITE
+            rgb = (fallback[0], fallback[1], fallback[2])
+            self._wanted = replace(self._wanted, color=varname, color_fallback=rgb)
+        else:
+            self._constants[name] = 1.0
+            self._wanted = replace(self._wanted, opacity=varname, opacity_fallback=fallback[0])
+
+    def _uv_name(self) -> str | None:
+        """The one set of texture coordinates that a geometry carries: the base colour's if it has one."""
+        names = list(dict.fromkeys(self._uv_names.values()))
+        if not names:
+            return None
+        chosen = self._uv_names.get("base_color", names[0])
+        if len(names) > 1:
+            self._ignored("uv", f"several texture coordinates are used ({', '.join(names)}); only {chosen} is honoured")
+        return chosen
+
+    def _note_ignored(self) -> None:
+        displacement = self._network.source(self._shader, "displacement")
+        if displacement is not None and (displacement.shader is not None or displacement.value != 0.0):
+            self._ignored("displacement", "displacement is not honoured")
+
+    def _ignored(self, what: str, message: str) -> None:
+        self._log.add(f"material_{what}", self._path, f"in material {self._path}, {message}")

@@ -1,0 +1,188 @@
+"""MaterialX files that a stage references, read roughly: usd-core cannot open .mtlx, so the reference itself stays empty.
+
+A ``standard_surface`` gives its base colour, metalness, roughness, normal and emission, as constants or as image files. That
+is enough for a wooden or a painted thing to look like itself; transmission, subsurface scattering, coats and everything
+computed by nodes other than ``image``, ``tiledimage`` and ``normalmap`` are left out, and a finding says so.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf, Usd
+
+from render import colour
+from render.errors import InputError
+from render.model.scene import Material, TextureLookup
+from render.stage.findings import FindingLog
+from render.stage.geometry.shape import Wanted
+from render.stage.materials.material import Look
+from render.stage.materials.textures import TextureCache, TextureError
+
+_RGB_INPUTS = {"base_color": "base_color"}
+_SCALAR_INPUTS = {"metalness": "metallic", "specular_roughness": "roughness"}
+_SCALAR_DEFAULTS = {"metalness": 0.0, "specular_roughness": 0.2}
+_GREY = (0.8, 0.8, 0.8)
+
+
+class MaterialXFiles:
+    """Finds and reads the MaterialX documents behind materials that composition could not bring in.
+
+    Args:
+        stage: the stage.
+        textures: reads the image files.
+        log: notes what is approximated.
+    """
+
+    def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
+        self._stage, self._textures, self._log = stage, textures, log
+        self._documents: dict[str, ET.Element | None] = {}
+
+    def look(self, path: str) -> Look | None:
+        """The look of a material prim that should have come out of a .mtlx reference, or None where there is none."""
+        file = self._file_for(Sdf.Path(path))
+        root = self._document(file) if file else None
+        if file is None or root is None:
+            return None
+        surface = _surface_of(root, Sdf.Path(path).name)
+        if surface is None:
+            return None
+        message = f"MaterialX file {file.name} is approximated: base colour, metalness, roughness, normal and emission are read"
+        self._log.add("materialx_approximated", file.name, message)
+        return _SurfaceReader(root, surface, file, path, self._textures, self._log).look()
+
+    def _file_for(self, path: Sdf.Path) -> Path | None:
+        """The .mtlx file that the nearest existing ancestor of a path references."""
+        prim = self._stage.GetPrimAtPath(path.GetPrimPath())
+        while not prim and path != Sdf.Path.absoluteRootPath:
+            path = path.GetParentPath()
+            prim = self._stage.GetPrimAtPath(path)
+        for spec in prim.GetPrimStack() if prim else []:
+            for reference in spec.referenceList.GetAppliedItems():
+                if reference.assetPath.endswith(".mtlx"):
+                    return Path(spec.layer.ComputeAbsolutePath(reference.assetPath))
+        return None
+
+    def _document(self, file: Path) -> ET.Element | None:
+        key = str(file)
+        if key not in self._documents:
+            try:
+                self._documents[key] = ET.parse(file).getroot()
+            except (OSError, ET.ParseError) as problem:
+                reason = "it is missing" if isinstance(problem, OSError) else str(problem)
+                self._log.add("materialx_unreadable", file.name, f"MaterialX file {file.name} cannot be read: {reason}")
+                self._documents[key] = None
+        return self._documents[key]
+
+
+def _surface_of(root: ET.Element, name: str) -> ET.Element | None:
+    """The standard_surface node of the surfacematerial of that name."""
+    material = root.find(f"surfacematerial[@name='{name}']")
+    link = material.find("input[@name='surfaceshader']") if material is not None else None
+    return root.find(f"standard_surface[@name='{link.get('nodename')}']") if link is not None else None
+
+
+class _SurfaceReader:
+    def __init__(
+        self, root: ET.Element, surface: ET.Element, file: Path, path: str, textures: TextureCache, log: FindingLog
+    ) -> None:
+        self._root, self._surface, self._file, self._path = root, surface, file, path
+        self._textures, self._log = textures, log
+        self._lookups: dict[str, TextureLookup] = {}
+
+    def look(self) -> Look:
+        base = self._weighted_base_color()
+        self._texture("base_color", "base_color", "color")
+        scalars = {ours: self._scalar(theirs, ours) for theirs, ours in _SCALAR_INPUTS.items()}
+        self._texture("normal", "normal", "data")
+        material = Material(
+            name=self._path,
+            base_color=base,
+            emissive=self._emission(),
+            metallic=scalars["metallic"],
+            roughness=scalars["roughness"],
+            lookups=self._lookups,
+        )
+        return Look(material, Wanted(uv="st" if self._lookups else None))
+
+    def _weighted_base_color(self) -> tuple[float, float, float]:
+        """base · base_color, and for glass the colour of what it lets through, which is its look from afar."""
+        color = self._numbers("base_color", _GREY) * self._numbers("base", (1.0,))[0]
+        transmission = self._numbers("transmission", (0.0,))[0]
+        through = self._numbers("transmission_color", (1.0, 1.0, 1.0))
+        return _working(color * (1 - transmission) + through * transmission)
+
+    def _emission(self) -> tuple[float, float, float]:
+        return _working(self._numbers("emission_color", (1.0, 1.0, 1.0)) * self._numbers("emission", (0.0,))[0])
+
+    def _scalar(self, theirs: str, ours: str) -> float:
+        self._texture(theirs, ours, "data")
+        return float(self._numbers(theirs, (_SCALAR_DEFAULTS[theirs],))[0])
+
+    def _numbers(self, name: str, default: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        found = self._surface.find(f"input[@name='{name}']")
+        text = found.get("value") if found is not None else None
+        if text is None:
+            return np.array(default)
+        values = [float(part) for part in re.findall(r"[-+0-9.eE]+", text)]
+        return np.array(values if len(values) == len(default) else default)
+
+    def _texture(self, theirs: str, ours: str, purpose: str) -> None:
+        found = self._surface.find(f"input[@name='{theirs}']")
+        image = self._image_node(found) if found is not None else None
+        file_input = image.find("input[@name='file']") if image is not None else None
+        if file_input is None:
+            if found is not None and found.get("value") is None:
+                message = (
+                    f"in material {self._path}, {theirs} is computed by nodes that are not read; a constant is used"
+                )
+                self._log.add(f"materialx_{theirs}", self._path, message)
+            return
+        space = file_input.get("colorspace") or ("raw" if purpose == "data" else "lin_rec709")
+        name = file_input.get("value") or ""
+        path = str(self._file.parent / name)
+        try:
+            picture = self._textures.image(path, space, purpose)
+        except (TextureError, InputError) as problem:
+            self._log.add(
+                "texture_unreadable", self._path, f"texture {name} {problem}; {self._path} has a constant instead"
+            )
+            return
+        four = np.float32
+        normal = ours == "normal"
+        self._lookups[ours] = TextureLookup(
+            image=picture,
+            scale=np.array([2, 2, 2, 1] if normal else [1] * 4, four),
+            bias=np.array([-1, -1, -1, 0] if normal else [0] * 4, four),
+            channel=-1 if normal or purpose == "color" else 0,
+        )
+
+    def _image_node(self, source: ET.Element) -> ET.Element | None:
+        """Follow an input to the image node that feeds it, through node graph outputs and normal maps."""
+        scope = self._root
+        graph = source.get("nodegraph")
+        if graph is not None:
+            found = self._root.find(f"nodegraph[@name='{graph}']")
+            if found is None:
+                return None
+            scope = found
+            output = scope.find(f"output[@name='{source.get('output')}']")
+            if output is None:
+                return None
+            source = output
+        for _ in range(8):
+            node = scope.find(f"*[@name='{source.get('nodename')}']")
+            if node is None or node.tag in ("image", "tiledimage"):
+                return node
+            inner = node.find("input[@name='in']") if node.tag == "normalmap" else None
+            if inner is None:
+                return None
+            source = inner
+        return None
+
+
+def _working(rgb: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
+    return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))

@@ -1,0 +1,171 @@
+"""The polygons of one prim at one time: a mesh, an implicit shape, or a mesh that a skeleton bends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sized
+from contextlib import contextmanager
+
+import numpy as np
+from pxr import Usd, UsdGeom, Vt
+
+from render.stage.findings import FindingLog
+from render.stage.geometry.implicit import implicit_polygons, is_implicit, shape_varies
+from render.stage.geometry.polygons import (
+    FARTHEST_POINT,
+    BadGeometry,
+    FloatArray,
+    IntArray,
+    LongArray,
+    Polygons,
+    Values,
+    check_counts,
+)
+from render.stage.geometry.primvars import as_rows
+from render.stage.geometry.skinning import Skeletons
+from render.stage.values import UNREADABLE, shown, why_unreadable
+
+_FACES = ("faceVertexCounts", "faceVertexIndices")
+_MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals")
+
+
+def is_drawable(prim: Usd.Prim) -> bool:
+    """Whether :func:`surface_of` can make polygons of this prim."""
+    return is_implicit(prim) or prim.IsA(UsdGeom.Mesh)
+
+
+def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
+    """Whether the prim's polygons may change over time in its own space."""
+    if is_implicit(prim):
+        return shape_varies(prim)
+    if any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _MESH_ATTRIBUTES if prim.HasAttribute(name)):
+        return True
+    return skeletons.bends(prim)
+
+
+def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
+    """The polygons of a mesh or an implicit prim.
+
+    Raises:
+        BadGeometry: the values are of other types than the schema's, or contradict themselves; the message says how.
+    """
+    with _explained():
+        return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
+
+
+def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
+    """How many corners each face of a mesh has, and which point each corner is.
+
+    Raises:
+        BadGeometry: they contradict each other, or are no whole numbers.
+    """
+    mesh = UsdGeom.Mesh(prim)
+    with _explained():
+        counts = _integers(mesh.GetFaceVertexCountsAttr(), time)
+        corners = _integers(mesh.GetFaceVertexIndicesAttr(), time)
+    check_counts(counts, corners)
+    return counts, corners
+
+
+def faces_vary(prim: Usd.Prim) -> bool:
+    """Whether a mesh's faces may change over time."""
+    return any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in _FACES if prim.HasAttribute(name))
+
+
+def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
+    """The points of a mesh in its own space, before a skeleton bends them.
+
+    Raises:
+        BadGeometry: there are none, or they are no points.
+    """
+    attribute = UsdGeom.Mesh(prim).GetPointsAttr()
+    with _explained():
+        value = attribute.Get(time)
+        whole = isinstance(value, Vt.Vec3fArray) and len(value) > 0
+        return value if whole else Vt.Vec3fArray.FromNumpy(_as_points(value))
+
+
+def mesh_points(
+    prim: Usd.Prim, resting: Vt.Vec3fArray, rows: LongArray, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog
+) -> FloatArray:
+    """Where some of a mesh's points are, in its own space, as `surface_of` has them all.
+
+    Args:
+        prim: a mesh.
+        resting: its points, as `resting_points` gives them at the time.
+        rows: ``(n,)`` which of them.
+        time: when.
+        skeletons: bend meshes.
+        log: for findings.
+
+    Returns:
+        ``(n, 3)``.
+
+    Raises:
+        BadGeometry: the mesh does not have them, or they are not finite.
+    """
+    if not 0 <= rows.min() <= rows.max() < len(resting):
+        raise BadGeometry(f"its face has the points {rows.min()} to {rows.max()}, and there are {len(resting)}")
+    found = skeletons.bent_points(prim, resting, time, log, rows)
+    if not (np.abs(found) <= FARTHEST_POINT).all():
+        raise BadGeometry(f"a point of its face is not finite or out of range, {FARTHEST_POINT:g} units")
+    return found
+
+
+@contextmanager
+def _explained() -> Iterator[None]:
+    """What reading raises where values are of other types than the schema's, told as `BadGeometry`."""
+    try:
+        yield
+    except BadGeometry:
+        raise
+    except UNREADABLE as problem:
+        raise BadGeometry(why_unreadable(problem)) from problem
+
+
+def _mesh_polygons(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
+    mesh = UsdGeom.Mesh(prim)
+    polygons = Polygons(
+        points=_as_points(mesh.GetPointsAttr().Get(time)),
+        counts=_integers(mesh.GetFaceVertexCountsAttr(), time),
+        corners=_integers(mesh.GetFaceVertexIndicesAttr(), time),
+        normals=_authored_normals(mesh, time),
+        left_handed=mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded,
+        smooth=_is_subdivided(mesh, time),
+        holes=_integers(mesh.GetHoleIndicesAttr(), time),
+    )
+    return skeletons.bend(prim, polygons, time, log)
+
+
+def _as_points(value: object) -> FloatArray:
+    """``(n, 3)`` the value of a mesh's points."""
+    if value is None or (isinstance(value, Sized) and len(value) == 0):
+        raise BadGeometry("it has no points at this time")
+    points = np.array(value, np.float32)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise BadGeometry(f"its points must be a list of points, got {shown(value)}")
+    return points
+
+
+def _integers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
+    value = attribute.Get(time)
+    if value is None:
+        return np.zeros(0, np.int32)
+    numbers = np.array(value)
+    if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
+        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {shown(value)}")
+    return numbers.astype(np.int32)
+
+
+def _is_subdivided(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> bool:
+    return mesh.GetSubdivisionSchemeAttr().Get(time) in (UsdGeom.Tokens.catmullClark, UsdGeom.Tokens.loop)
+
+
+def _authored_normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> Values | None:
+    """``primvars:normals`` if it is there, else ``normals``, as UsdGeomPointBased prescribes."""
+    primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar("normals")
+    if primvar and primvar.HasAuthoredValue():
+        rows = as_rows(primvar.Get(time), 3)
+        indices = np.array(primvar.GetIndices(time) or [], np.int32) if primvar.IsIndexed() else None
+        return None if rows is None or not len(rows) else Values(rows, str(primvar.GetInterpolation()), indices)
+    rows = as_rows(mesh.GetNormalsAttr().Get(time), 3)
+    return None if rows is None or not len(rows) else Values(rows, str(mesh.GetNormalsInterpolation()))

@@ -1,0 +1,156 @@
+"""UsdUVTexture, UsdTransform2d and UsdPrimvarReader_float2 nodes to texture lookups."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdShade
+
+from render.errors import InputError
+from render.model.scene import Image, TextureLookup, Wrap
+from render.stage.findings import FindingLog
+from render.stage.materials.shading import NetworkReader, Source
+from render.stage.materials.textures import TextureCache, TextureError
+
+_CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": -1}
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """What a UsdUVTexture gives an input.
+
+    Attributes:
+        lookup: how to read the image, or None where there is no image.
+        fallback: ``rgba`` to use instead.
+        channel: which channel a scalar takes, or -1.
+        uv_name: the primvar of its texture coordinates.
+    """
+
+    lookup: TextureLookup | None
+    fallback: tuple[float, ...]
+    channel: int
+    uv_name: str
+
+
+class TextureNodes:
+    """Reads texture nodes.
+
+    Args:
+        cache: reads the image files.
+        log: notes what is not honoured.
+    """
+
+    def __init__(self, cache: TextureCache, log: FindingLog) -> None:
+        self._cache, self._log = cache, log
+
+    def kind(self, shader: UsdShade.Shader | None) -> str:
+        """A shader's identifier, such as ``UsdUVTexture``, or an empty string."""
+        return str(shader.GetIdAttr().Get() or "") if shader is not None else ""
+
+    def read(self, network: NetworkReader, source: Source, purpose: str, material_path: str) -> Texture:
+        """Read a UsdUVTexture.
+
+        Args:
+            network: reads inputs at the asked time.
+            source: the texture shader and which of its outputs is taken.
+            purpose: ``color``, ``data`` for a single channel, or ``normal``.
+            material_path: for findings.
+        """
+        shader = source.shader
+        channel = _CHANNELS.get(source.output, -1)
+        fallback = network.numbers(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+        uv_name, uv_transform = self._coordinates(network, shader, material_path)
+        scale = network.numbers(shader, "scale", (1.0,) * 4)
+        bias = network.numbers(shader, "bias", (0.0,) * 4)
+        # Tinting and the change of primaries do not commute, so a colour's scale and bias go into its image.
+        in_image = purpose == "color" and (len(set(scale[:3])) > 1 or any(bias[:3]))
+        image = self._image(network, shader, purpose, (scale, bias) if in_image else ((1.0,) * 4, (0.0,) * 4))
+        if image is None:
+            return Texture(None, fallback, channel, uv_name)
+        lookup = TextureLookup(
+            image=image,
+            uv_transform=uv_transform,
+            scale=np.array((1.0,) * 4 if in_image else scale, np.float32),
+            bias=np.array((0.0,) * 4 if in_image else bias, np.float32),
+            wrap_s=self._wrap(network, shader, "wrapS"),
+            wrap_t=self._wrap(network, shader, "wrapT"),
+            channel=max(channel, 0) if purpose == "data" else -1,
+        )
+        return Texture(lookup, fallback, channel, uv_name)
+
+    def _image(
+        self, network: NetworkReader, shader: UsdShade.Shader, purpose: str, scale_bias: tuple[tuple[float, ...], ...]
+    ) -> Image | None:
+        asset = network.asset(shader, "file")
+        path = shader.GetPath()
+        if asset is None or not asset.path:
+            self._log.add("texture_missing", path, f"texture {path} names no file; its fallback value is used")
+            return None
+        resolved = self._resolved(asset, shader)
+        space = str(network.constant(shader, "sourceColorSpace", "auto"))
+        if space == "auto":
+            space = network.color_space(shader, "file") or "auto"
+        try:
+            return self._cache.image(resolved, space, "color" if purpose == "color" else "data", *scale_bias)
+        except (TextureError, InputError) as problem:
+            self._log.add("texture_unreadable", path, f"texture {asset.path} {problem}; the fallback of {path} is used")
+            return None
+
+    def _resolved(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
+        """Where the file is; empty where it cannot be found."""
+        if "<UDIM>" not in asset.path:
+            return str(asset.resolvedPath)
+        path = shader.GetPath()
+        self._log.add("udim", path, f"{asset.path} is a set of UDIM tiles; only the first is read, and repeated")
+        for attribute in shader.GetInput("file").GetValueProducingAttributes():
+            for spec in attribute.GetPropertyStack(Usd.TimeCode.EarliestTime()):
+                tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(asset.path, spec.layer)
+                if tiles:
+                    return str(tiles[0][0])
+        return ""
+
+    def _wrap(self, network: NetworkReader, shader: UsdShade.Shader, name: str) -> Wrap:
+        """The wrap mode; ``useMetadata``, the default, means black for files without such metadata."""
+        asset = network.asset(shader, "file")
+        if asset is not None and "<UDIM>" in asset.path:
+            return "repeat"
+        token = str(network.constant(shader, name, "useMetadata"))
+        return cast(Wrap, token) if token in get_args(Wrap) else "black"
+
+    def _coordinates(
+        self, network: NetworkReader, shader: UsdShade.Shader, material_path: str
+    ) -> tuple[str, NDArray[np.float32]]:
+        """The primvar that the lookup starts from, and the ``(2, 3)`` transform that UsdTransform2d nodes make of it."""
+        transform = np.eye(3)
+        source = network.source(shader, "st")
+        while source is not None and source.shader is not None:
+            kind = self.kind(source.shader)
+            if kind == "UsdTransform2d":
+                transform = transform @ _transform_2d(network, source.shader)
+                source = network.source(source.shader, "in")
+                continue
+            if kind == "UsdPrimvarReader_float2":
+                name = str(network.constant(source.shader, "varname", "") or "st")
+                return name, transform[:2].astype(np.float32)
+            message = f"in material {material_path}, texture coordinates from {kind} are not honoured; st is used"
+            self._log.add("material_st", material_path, message)
+            break
+        return "st", transform[:2].astype(np.float32)
+
+
+def _transform_2d(network: NetworkReader, shader: UsdShade.Shader) -> NDArray[np.float64]:
+    """``(3, 3)``: scale, then rotate counter-clockwise, then translate (UsdPreviewSurface specification, Transform2d)."""
+    scale = network.numbers(shader, "scale", (1.0, 1.0))
+    angle = np.radians(network.numbers(shader, "rotation", (0.0,))[0])
+    translation = network.numbers(shader, "translation", (0.0, 0.0))
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array(
+        [
+            [cos * scale[0], -sin * scale[1], translation[0]],
+            [sin * scale[0], cos * scale[1], translation[1]],
+            [0, 0, 1],
+        ]
+    )

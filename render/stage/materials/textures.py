@@ -1,0 +1,196 @@
+"""Texture files to images in the working space, through OpenImageIO and Ar (so also from inside a .usdz)."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+from numpy.typing import NDArray
+from pxr import Ar
+
+from render import colour
+from render.model.scene import Image
+from render.stage.confinement import is_inside
+
+FloatArray = NDArray[np.float32]
+HalfArray = NDArray[np.float16]
+Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
+_MAX_FLOAT16 = 65504.0
+_BAND_ROWS = 256
+_MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before memory is asked for
+
+
+class TextureError(ValueError):
+    """A texture cannot be read; the message says why."""
+
+
+class TextureCache:
+    """Reads each texture once for each way that it is used.
+
+    Args:
+        max_size: width and height that no image exceeds; larger ones are averaged down by a whole factor.
+        confined_to: the folder that every file must lie in, or None.
+    """
+
+    def __init__(self, max_size: int, confined_to: Path | None = None) -> None:
+        self._max_size, self._confined_to = max_size, confined_to
+        self._images: dict[tuple[object, ...], Image] = {}
+
+    def image(
+        self,
+        resolved_path: str,
+        source: str,
+        purpose: Purpose = "color",
+        scale: tuple[float, ...] = (1, 1, 1, 1),
+        bias: tuple[float, ...] = (0, 0, 0, 0),
+    ) -> Image:
+        """The image of a resolved asset path.
+
+        Args:
+            resolved_path: as Ar resolves it; may be inside a package.
+            source: its colour space: a token of :func:`render.colour.to_working` or ``auto``.
+            purpose: ``color`` or ``data``.
+            scale: applied to linear values, before the change of primaries.
+            bias: likewise, after the scale.
+
+        Raises:
+            TextureError: the file is missing, damaged, too large or in an unknown colour space.
+        """
+        key = (resolved_path, source, purpose, scale, bias)
+        if key not in self._images:
+            if self._confined_to is not None and not is_inside(resolved_path, self._confined_to):
+                raise TextureError("lies outside what was given")
+            with as_file(resolved_path) as file:
+                pixels = self._read(file, source, purpose, np.array(scale, np.float32), np.array(bias, np.float32))
+            self._images[key] = Image(pixels, resolved_path)
+        return self._images[key]
+
+    def _read(self, file: str, source: str, purpose: Purpose, scale: FloatArray, bias: FloatArray) -> HalfArray:
+        raw, source = read_pixels(file, source)
+        height, width = raw.shape[:2]
+        factor = -(-max(height, width) // self._max_size)
+        out = np.empty((-(-height // factor), -(-width // factor), 4), np.float16)
+        linear = _Linear(raw.dtype, raw.shape[2], source, scale, bias)
+        if purpose != "color" and factor == 1 and linear.is_table:
+            linear.fill(out, raw)
+            return out
+        rows = _BAND_ROWS * factor
+        for first in range(0, height, rows):
+            band = _averaged(linear(raw[first : first + rows]), factor)
+            if purpose == "color":
+                band = colour.to_working(band)
+            top = first // factor
+            out[top : top + len(band)] = band
+        return out
+
+
+class _Linear:
+    """Makes rows of a file linear ``(h, w, 4)`` float32, scaled and biased; 8-bit files go through a table."""
+
+    def __init__(
+        self, dtype: np.dtype[np.generic], channels: int, source: str, scale: FloatArray, bias: FloatArray
+    ) -> None:
+        self._source, self._scale, self._bias = source, scale, bias
+        self._table: FloatArray | None = None
+        if dtype == np.uint8:
+            ramp = np.repeat(np.arange(256, dtype=np.uint8)[:, None, None], channels, axis=2)
+            self._table = self._computed(ramp)[:, 0]
+
+    @property
+    def is_table(self) -> bool:
+        """Whether each pixel is looked up in a table."""
+        return self._table is not None
+
+    def __call__(self, rows: NDArray[np.generic]) -> FloatArray:
+        if self._table is None:
+            return self._computed(rows)
+        out = np.empty((*rows.shape[:2], 4), np.float32)
+        self.fill(out, rows)
+        return out
+
+    def fill(self, out: FloatArray | HalfArray, rows: NDArray[np.generic]) -> None:
+        """Write rows of an 8-bit file to ``out``, through the table."""
+        assert self._table is not None
+        table = self._table.astype(out.dtype)
+        channels = rows.shape[2]
+        colors = rows[..., :3] if channels >= 3 else rows[..., :1]
+        if (table[:, :3] == table[:, :1]).all():
+            out[..., :3] = table[:, 0][colors]
+        else:
+            for channel in range(3):
+                out[..., channel] = table[:, channel][colors[..., min(channel, colors.shape[2] - 1)]]
+        out[..., 3] = table[:, 3][rows[..., -1]] if channels in (2, 4) else table[0, 3]
+
+    def _computed(self, rows: NDArray[np.generic]) -> FloatArray:
+        linear = colour.linearise(_rgba(rows), self._source) * self._scale + self._bias
+        finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
+        return finite
+
+
+def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
+    """``(height, width, channels)`` pixels in the file's own type, and the colour space that ``auto`` stands for."""
+    request = oiio.ImageSpec()
+    request.attribute("oiio:UnassociatedAlpha", 1)
+    handle = oiio.ImageInput.open(file, request)
+    if handle is None:
+        raise TextureError(f"cannot be read: {oiio.geterror() or 'unknown format'}")
+    try:
+        spec = handle.spec()
+        if spec.width * spec.height > _MAX_PIXELS or spec.depth > 1:
+            raise TextureError(f"is {spec.width} x {spec.height} x {spec.depth} pixels, more than 16384 x 16384")
+        pixels = handle.read_image(0, 0, 0, min(spec.nchannels, 4), oiio.UNKNOWN)
+        if pixels is None:
+            raise TextureError(f"cannot be read: {handle.geterror()}")
+    finally:
+        handle.close()
+    if source == "auto":
+        # UsdPreviewSurface specification: 8-bit images of three or four channels are sRGB, the others linear.
+        source = "sRGB" if pixels.dtype == np.uint8 and pixels.shape[2] >= 3 else "raw"
+    return pixels, source
+
+
+def _rgba(pixels: NDArray[np.generic]) -> FloatArray:
+    """``(h, w, 4)`` float32; integers become 0 to 1, grey is spread over the colours, missing alpha is 1."""
+    values = pixels.astype(np.float32)
+    if pixels.dtype.kind == "u":
+        values /= np.float32(2 ** (8 * pixels.dtype.itemsize) - 1)
+    channels = values.shape[2]
+    out = np.ones((*values.shape[:2], 4), np.float32)
+    out[..., :3] = values[..., :3] if channels >= 3 else values[..., :1]
+    if channels in (2, 4):
+        out[..., 3] = values[..., -1]
+    return out
+
+
+def _averaged(pixels: FloatArray, factor: int) -> FloatArray:
+    """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
+    if factor == 1:
+        return pixels
+    height, width = pixels.shape[:2]
+    padded = np.pad(pixels, ((0, -height % factor), (0, -width % factor), (0, 0)), mode="edge")
+    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor, 4)
+    mean: FloatArray = blocks.mean(axis=(1, 3), dtype=np.float32)
+    return mean
+
+
+@contextlib.contextmanager
+def as_file(resolved_path: str) -> Iterator[str]:
+    """A plain file with the asset's bytes: itself, or a temporary copy of what lies in a package."""
+    if not Ar.IsPackageRelativePath(resolved_path):
+        if not (os.path.isabs(resolved_path) and os.path.isfile(resolved_path)):
+            raise TextureError("is missing")
+        yield resolved_path
+        return
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved_path))
+    if not asset:
+        raise TextureError("is missing from its package")
+    inner = Ar.SplitPackageRelativePathInner(resolved_path)[1]
+    with asset, tempfile.TemporaryDirectory(prefix="pullfocus-") as folder:
+        copy = Path(folder) / f"texture{Path(inner).suffix}"
+        copy.write_bytes(asset.GetBuffer())
+        yield str(copy)

@@ -1,0 +1,159 @@
+"""Archives from strangers: unpacked with every promise in their headers taken as a lie.
+
+A name may not leave the folder (``..``, absolute paths, drive letters), be a link or anything but a file or a folder, or
+come twice. Bytes are counted as they come out, against a limit and against the archive's own size, so that a bomb is
+stopped while it goes off and not believed when it says that it is none. The list of entries is measured before it is
+read: it alone could fill the memory.
+"""
+
+from __future__ import annotations
+
+import stat
+import struct
+import zipfile
+import zlib
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from service.http.errors import ServiceError
+from service.http.settings import MEBIBYTE, Settings
+
+CHUNK_BYTES = MEBIBYTE
+# Text compresses well, and a small archive does no harm: the ratio counts from this size on.
+RATIO_FLOOR_BYTES = 64 * MEBIBYTE
+# What desktop systems put in archives unasked.
+CLUTTER = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
+END_RECORD = struct.Struct(
+    "<4s4H2LH"
+)  # end of central directory; .ZIP File Format Specification 6.3.10, section 4.3.16
+ENTRY_BYTES = 46 + 512  # a central directory entry with a long name
+ENCRYPTED = 0x1
+# What Python's zipfile raises over damaged archives, as found by feeding it some. Not OSError: that is our own disk.
+DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    struct.error,
+    ValueError,
+    RuntimeError,
+    OverflowError,
+)
+
+
+def unpack(file: IO[bytes], name: str, folder: Path, settings: Settings) -> None:
+    """Unpack a zip archive into a folder.
+
+    Args:
+        file: the archive, seekable.
+        name: of the archive, for messages.
+        folder: an empty folder. What a refused archive left in it is the caller's to remove.
+        settings: for their limits.
+
+    Raises:
+        ServiceError: 413 or 422 that names the entry and says what is wrong with it.
+    """
+    archive_bytes = _measure(file, name, settings)
+    budget = _Budget(archive_bytes, name, settings)
+    try:
+        with zipfile.ZipFile(file) as archive:
+            entries = archive.infolist()
+            if len(entries) > settings.max_archive_entries:
+                raise _too_many(name, settings)
+            for entry in entries:
+                _unpack_entry(archive, entry, folder, budget)
+    except DAMAGE as error:
+        raise ServiceError(422, "bad_archive", f"{name} is damaged: {error}.", path=name) from error
+
+
+def _too_many(name: str, settings: Settings) -> ServiceError:
+    detail = f"{name} holds more than {settings.max_archive_entries} entries."
+    return ServiceError(413, "archive_too_large", detail, path=name)
+
+
+def _measure(file: IO[bytes], name: str, settings: Settings) -> int:
+    """The archive's size in bytes, after a look at how long its list of entries is."""
+    size = file.seek(0, 2)
+    tail_start = max(0, size - END_RECORD.size - 0xFFFF - 20)
+    file.seek(tail_start)
+    tail = file.read()
+    at = tail.rfind(b"PK\x05\x06")
+    # The record at the very end counts first, as for Python's zipfile: both must read the same one.
+    if tail[-END_RECORD.size :][:4] == b"PK\x05\x06" and tail[-2:] == b"\0\0":
+        at = len(tail) - END_RECORD.size
+    if at < 0 or at + END_RECORD.size > len(tail):
+        raise ServiceError(422, "bad_archive", f"{name} is no zip archive, or its end is missing.", path=name)
+    if tail[max(0, at - 20) :][:4] == b"PK\x06\x07":
+        detail = f"{name} is a ZIP64 archive; expected a plain one, which holds 4 GiB and 65535 entries."
+        raise ServiceError(422, "bad_archive", detail, path=name)
+    directory_bytes = END_RECORD.unpack_from(tail, at)[5]
+    if directory_bytes > settings.max_archive_entries * ENTRY_BYTES:
+        raise _too_many(name, settings)
+    return size
+
+
+class _Budget:
+    """Counts the bytes that come out of an archive and stops it when they are too many."""
+
+    def __init__(self, archive_bytes: int, name: str, settings: Settings) -> None:
+        self._name = name
+        self._total = 0
+        self._limit = settings.max_unpacked_mb * MEBIBYTE
+        self._ratio_limit = max(RATIO_FLOOR_BYTES, archive_bytes * settings.max_archive_ratio)
+
+    def take(self, count: int, entry: str) -> None:
+        self._total += count
+        if self._total > min(self._limit, self._ratio_limit):
+            reached = min(self._limit, self._ratio_limit) // MEBIBYTE
+            detail = f"{self._name} unpacks to more than the {reached} MiB that it may; stopped at {entry}."
+            raise ServiceError(413, "archive_too_large", detail, path=entry)
+
+
+def _unpack_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, budget: _Budget) -> None:
+    path = safe_path(entry)
+    if path is None:
+        return
+    target = folder / path
+    try:
+        if entry.is_dir():
+            target.mkdir(parents=True, exist_ok=True)
+            return
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with archive.open(entry) as source, target.open("xb") as out:
+            while chunk := source.read(CHUNK_BYTES):
+                budget.take(len(chunk), entry.filename)
+                out.write(chunk)
+    except (FileExistsError, NotADirectoryError, IsADirectoryError) as error:
+        raise _refused(entry, "comes twice, or is a file and a folder") from error
+
+
+def safe_path(entry: zipfile.ZipInfo) -> PurePosixPath | None:
+    """Where an entry belongs, relative to the folder; None for clutter.
+
+    Raises:
+        ServiceError: 422, the entry would leave the folder, is no plain file, or is encrypted.
+    """
+    name = entry.filename.replace("\\", "/")  # as some Windows tools write them
+    parts = [part for part in name.split("/") if part not in ("", ".")]
+    if name.startswith("/") or (parts and ":" in parts[0]):
+        raise _refused(entry, "has an absolute name; expected names inside the archive")
+    if ".." in parts:
+        raise _refused(entry, "leaves the archive's folder by '..'")
+    if any(len(part.encode()) > 255 for part in parts) or len(name.encode()) > 2000:
+        raise _refused(entry, "has a name that is too long")
+    if any(ord(letter) < 32 or ord(letter) == 127 for letter in name):
+        raise _refused(entry, "has control characters in its name")
+    mode = stat.S_IFMT(entry.external_attr >> 16)
+    if mode not in (0, stat.S_IFREG, stat.S_IFDIR):
+        raise _refused(entry, "is a link or a special file; expected files and folders")
+    if entry.flag_bits & ENCRYPTED:
+        raise _refused(entry, "is encrypted")
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise _refused(entry, "is compressed in a way that is not taken; expected 'stored' or 'deflated'")
+    if not parts or parts[0] in CLUTTER or parts[-1] in CLUTTER:
+        return None
+    return PurePosixPath(*parts)
+
+
+def _refused(entry: zipfile.ZipInfo, why: str) -> ServiceError:
+    shown = entry.filename[:200]
+    return ServiceError(422, "unsafe_archive", f"The entry {shown!r} {why}.", path=shown)

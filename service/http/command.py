@@ -1,0 +1,94 @@
+"""`pullfocus serve`: the service and its page on one address."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import logging
+import socket
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import uvicorn
+
+from render.errors import OutputError, SettingsError
+from service.http.app import create_app
+from service.http.settings import Settings, default_data_folder
+from service.storage.store import ShotStore
+
+LOOPBACK_NAMES = ("127.0.0.1", "localhost", "::1")
+
+
+def serve(arguments: Sequence[str]) -> int:
+    """Run the service until it is stopped.
+
+    Args:
+        arguments: as typed after ``pullfocus serve``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        SettingsError: the host is no address of this machine, or the port is none.
+        OutputError: the port or the data folder is in use, or cannot be had.
+    """
+    typed = _parser().parse_args(arguments)
+    listener = _listen(typed.host, typed.port)
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
+    settings = _settings(typed)
+    ShotStore(settings.data).close()  # asked now, a folder that cannot be had is one sentence and no failed start
+    host, port = listener.getsockname()[:2]
+    shown = f"[{host}]" if ":" in host else host
+    logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
+    server = uvicorn.Server(
+        uvicorn.Config(
+            create_app(settings),
+            log_config=None,
+            timeout_graceful_shutdown=5,
+            ws_per_message_deflate=False,  # pictures are packed already
+        )
+    )
+    with suppress(KeyboardInterrupt):  # the way in which people stop it
+        server.run(sockets=[listener])
+    return 0 if server.started else 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="pullfocus serve", description="Serve the page and the REST interface.", allow_abbrev=False
+    )
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s, this machine)")
+    parser.add_argument("--port", type=int, default=8000, help="port to listen on, 0 takes a free one (default: 8000)")
+    parser.add_argument(
+        "--data",
+        metavar="DIR",
+        type=Path,
+        default=default_data_folder(),
+        help="folder that keeps shots and edits (default: %(default)s)",
+    )
+    parser.add_argument("--no-demo", dest="demo", action="store_false", help="do not write the demo shot")
+    return parser
+
+
+def _settings(typed: argparse.Namespace) -> Settings:
+    """The service's settings. Who listens beyond this machine is reached under names that nobody knows here."""
+    settings = Settings(data=typed.data.expanduser().absolute(), demo=typed.demo)
+    return settings if typed.host in LOOPBACK_NAMES else replace(settings, allowed_hosts=())
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """A listening socket, had before anything is started, so that a port in use is one clear sentence."""
+    if not 0 <= port <= 65535:
+        raise SettingsError(f"a port is a number from 0 to 65535, got {port}", code="bad_port")
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        return socket.create_server((host, port), family=family, backlog=2048)
+    except socket.gaierror as error:
+        raise SettingsError(f"{host} is no address to listen on: {error.strerror}", code="bad_host") from error
+    except OSError as error:
+        if error.errno == errno.EADDRNOTAVAIL:
+            raise SettingsError(f"{host} is no address of this machine", code="bad_host") from error
+        said = "is in use; choose another with --port" if error.errno == errno.EADDRINUSE else error.strerror
+        raise OutputError(f"port {port} on {host} {said}", code="port") from error

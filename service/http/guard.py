@@ -1,0 +1,131 @@
+"""The door: who may ask, and how much they may send. A pure ASGI layer in front of everything.
+
+The service has no passwords: on its own machine it trusts whoever can reach 127.0.0.1. A web page from elsewhere runs
+in a browser that can, so three doors stay shut: requests under a host name that is not ours (DNS rebinding), requests
+that change something and come from another site (the browser says so in ``Sec-Fetch-Site``), and WebSockets that a page of
+another site opens: browsers let it read what comes, and say in ``Origin`` whose page it is.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+from fastapi import HTTPException
+from starlette.datastructures import Headers
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from service.http.errors import problem
+from service.http.settings import MEBIBYTE, Settings
+
+SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
+MAX_JSON_BYTES = MEBIBYTE
+MAX_CURVE_BYTES = 32 * MEBIBYTE  # some ten thousand frames as OpenTrackIO samples, focus points and all
+# The multipart wrapping of an upload: boundaries, headers and the small fields.
+WRAPPING_BYTES = 64 * 1024
+TOO_LARGE_CODE = 1009  # RFC 6455, section 7.4.1
+UPLOAD_PATH = "/v1/shots"
+CURVE_PATH = re.compile(r"/v1/shots/[^/]+/focus-curve")
+
+
+class GuardMiddleware:
+    """Refuses foreign hosts, foreign pages and bodies that are too large, in the one shape.
+
+    Args:
+        app: what is guarded.
+        settings: for the allowed hosts and the size of an upload.
+    """
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        self.app = app
+        self._hosts = settings.allowed_hosts
+        self._max_upload_bytes = settings.max_upload_mb * MEBIBYTE + WRAPPING_BYTES
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request, or refuse it."""
+        if scope["type"] == "websocket":
+            await self._watch(scope, receive, send)
+            return
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        limit = self._limit(scope["path"])
+        refusal = self._refusal(scope["method"], Headers(scope=scope), limit)
+        if refusal is not None:
+            await refusal(scope, receive, send)
+            return
+        taken = 0
+
+        async def receive_counted() -> Message:
+            nonlocal taken
+            message = await receive()
+            taken += len(message.get("body", b""))
+            if taken > limit:  # FastAPI passes this one on through its reading of the body
+                raise HTTPException(413, _too_large(limit))
+            return message
+
+        await self.app(scope, receive_counted, send)
+
+    async def _watch(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let one WebSocket in, or refuse it before it is one."""
+        headers = Headers(scope=scope)
+        refusal = self._foreign_host(headers)
+        origin = headers.get("origin")
+        if refusal is None and origin is not None and _host_of(origin) != headers.get("host", "").lower():
+            refusal = problem(403, "cross_site", "A page of another site may not watch here.", path="origin")
+        if refusal is not None:
+            await WebSocket(scope, receive, send).send_denial_response(refusal)
+            return
+
+        async def receive_bounded() -> Message:
+            message = await receive()
+            if _bytes_of(message) <= MAX_JSON_BYTES:
+                return message
+            await send({"type": "websocket.close", "code": TOO_LARGE_CODE, "reason": _too_large(MAX_JSON_BYTES)})
+            return {"type": "websocket.disconnect", "code": TOO_LARGE_CODE}
+
+        await self.app(scope, receive_bounded, send)
+
+    def _limit(self, path: str) -> int:
+        """How many bytes a request may send."""
+        if path == UPLOAD_PATH:
+            return self._max_upload_bytes
+        return MAX_CURVE_BYTES + WRAPPING_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
+
+    def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
+        foreign = self._foreign_host(headers)
+        if foreign is not None:
+            return foreign
+        if method not in SAFE_METHODS and headers.get("sec-fetch-site") == "cross-site":
+            return problem(403, "cross_site", "A page of another site may change nothing here.", path="sec-fetch-site")
+        length = headers.get("content-length", "0")
+        if length.isdecimal() and int(length) > limit:
+            return problem(413, "too_large", _too_large(limit), path="content-length")
+        return None
+
+    def _foreign_host(self, headers: Headers) -> JSONResponse | None:
+        host = re.sub(r":\d+$", "", headers.get("host", "")).lower()
+        if not self._hosts or host in self._hosts:
+            return None
+        detail = f"The service does not answer to the name {host[:80]!r}."
+        return problem(421, "unknown_host", detail, path="host")
+
+
+def _host_of(origin: str) -> str | None:
+    """Of whose page it is; None where the header names nobody, as from a page without an origin or a broken client."""
+    with suppress(ValueError):
+        return urlsplit(origin).netloc.lower() or None
+    return None
+
+
+def _bytes_of(message: Message) -> int:
+    """How long a WebSocket's message is as it travels."""
+    text = message.get("text")
+    return len(message.get("bytes") or b"") if text is None else len(text.encode())
+
+
+def _too_large(limit: int) -> str:
+    return f"The request is larger than the {limit / MEBIBYTE:.4g} MiB that are taken."

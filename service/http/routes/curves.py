@@ -1,0 +1,106 @@
+"""Focus curves: what the lens does over time, for other tools."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, File, Query, Response, UploadFile
+
+from service.http.hub import HubDep
+from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
+from service.models.curve import FocusCurve, ImportedCurve
+from service.stage.curves import ComputeCurve, CurveFileFormat, ImportCurve
+
+router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
+
+CURVE_TYPES: dict[CurveFileFormat, str] = {
+    "json": "application/json",
+    "csv": "text/csv; charset=utf-8",
+    "usda": "text/plain; charset=utf-8",
+    "otio": "application/json",
+    "opentrackio": "application/json",
+}
+FILE_NAMES: dict[CurveFileFormat, str] = {
+    "json": "focus.json",
+    "csv": "focus.csv",
+    "usda": "focus.usda",
+    "otio": "focus.otio",
+    "opentrackio": "focus.opentrackio.json",
+}
+
+
+@router.get(
+    "/shots/{shot}/focus-curve",
+    operation_id="getFocusCurve",
+    response_class=Response,
+    responses={
+        200: {
+            "model": FocusCurve,
+            "content": {
+                "text/csv": {"schema": {"type": "string"}, "example": "frame,time_code,seconds,focus_distance_m\r\n"},
+                "text/plain": {"schema": {"type": "string"}, "example": "#usda 1.0\n"},
+            },
+        }
+    },
+)
+async def get_focus_curve(
+    hub: HubDep,
+    shot: ShotId,
+    camera: CameraQuery = None,
+    format: Annotated[
+        CurveFileFormat,
+        Query(
+            description="What to write: `json` (the model below), `csv` for spreadsheets, `usda` to sublayer over the shot, "
+            "`otio` for editorial (OpenTimelineIO), `opentrackio` for the set (an array of OpenTrackIO samples).",
+            examples=["json"],
+        ),
+    ] = "json",
+    frames: Annotated[
+        str | None,
+        Query(max_length=200, description="Such as 1:96 or 1,5:9x2; the whole shot when left out.", examples=["1:96"]),
+    ] = None,
+    baked: Annotated[bool, Query(description="usda: time samples in place of a spline.", examples=[False])] = False,
+) -> Response:
+    """Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp."""
+    record = hub.store.get(shot)
+    work = ComputeCurve(record, camera, frames, format, baked, hub.settings.max_curve_frames)
+    text = await hub.ask_stage(work)
+    headers = {"Content-Disposition": f'inline; filename="{record.id}-{FILE_NAMES[format]}"'}
+    return Response(text, media_type=CURVE_TYPES[format], headers=headers)
+
+
+@router.put("/shots/{shot}/focus-curve", operation_id="importFocusCurve", responses=problems(412, 413))
+async def import_focus_curve(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    terms: TermsDep,
+    file: Annotated[
+        UploadFile, File(description="A csv, json, OpenTrackIO or OpenTimelineIO file with a focus curve.")
+    ],
+    camera: CameraQuery = None,
+    gaps: Annotated[
+        Literal["refuse", "hold", "interpolate"],
+        Query(description="What becomes of rows that are missing or cannot be used.", examples=["interpolate"]),
+    ] = "refuse",
+    first_frame: Annotated[
+        float | None,
+        Query(
+            alias="firstFrame",
+            ge=-1e9,
+            le=1e9,
+            allow_inf_nan=False,
+            description="Time code where the file's first frame comes to lie. Left out: frame numbers are kept, and what ran "
+            "by timecode begins where the shot does.",
+            examples=[1001],
+        ),
+    ] = None,
+    baked: Annotated[bool, Query(description="Time samples in place of splines.", examples=[False])] = False,
+) -> ImportedCurve:
+    """Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's."""
+    work = ImportCurve(
+        hub.store.get(shot), camera, await file.read(), gaps, first_frame, baked, hub.settings.max_curve_frames, terms
+    )
+    imported = await hub.ask_stage(work)
+    tagged(response, imported.camera.etag)
+    return imported

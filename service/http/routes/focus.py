@@ -1,0 +1,136 @@
+"""Focus points and their keys."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Response
+
+from service.http.hub import HubDep
+from service.http.routes.parameters import (
+    AspectQuery,
+    CameraQuery,
+    PointNameInPath,
+    ShotId,
+    TermsDep,
+    Time,
+    problems,
+    tagged,
+)
+from service.models.focus import (
+    FocusPoint,
+    FocusPointCreate,
+    FocusPointEdit,
+    FocusPointList,
+    KeyedAttribute,
+    KeyEdit,
+)
+from service.stage.focus_points import (
+    AddFocusPoint,
+    EditFocusPoint,
+    ListFocusPoints,
+    ReadFocusPoint,
+    RemoveFocusPoint,
+    RemoveKey,
+    SetKey,
+)
+
+router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
+EDITED = problems(412)
+
+AttributeInPath = Annotated[KeyedAttribute, Path(description="What the key is of.", examples=["weight"])]
+
+
+@router.get("/shots/{shot}/focus-points", operation_id="listFocusPoints")
+async def list_focus_points(
+    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None, aspect: AspectQuery = None
+) -> FocusPointList:
+    """The focus points of a camera, and where they are in the picture at one time."""
+    points = await hub.ask_stage(ListFocusPoints(hub.store.get(shot), camera, time, aspect))
+    tagged(response, points.etag)
+    return points
+
+
+@router.post("/shots/{shot}/focus-points", operation_id="createFocusPoint", status_code=201, responses=EDITED)
+async def create_focus_point(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    point: FocusPointCreate,
+    time: Time,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FocusPoint:
+    """Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag."""
+    placed = await hub.ask_stage(AddFocusPoint(hub.store.get(shot), camera, time, point, terms))
+    tagged(response, placed.etag)
+    return placed
+
+
+@router.get("/shots/{shot}/focus-points/{name}", operation_id="getFocusPoint")
+async def get_focus_point(
+    hub: HubDep, response: Response, shot: ShotId, name: PointNameInPath, time: Time, camera: CameraQuery = None
+) -> FocusPoint:
+    """One focus point at one time. Its `ETag` is made of what is edited on it."""
+    point = await hub.ask_stage(ReadFocusPoint(hub.store.get(shot), camera, time, name))
+    tagged(response, point.etag)
+    return point
+
+
+@router.patch("/shots/{shot}/focus-points/{name}", operation_id="editFocusPoint", responses=EDITED)
+async def edit_focus_point(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    name: PointNameInPath,
+    edit: FocusPointEdit,
+    time: Time,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FocusPoint:
+    """Change a focus point: a value that has keys gets one at `time`, any other is changed for all time."""
+    point = await hub.ask_stage(EditFocusPoint(hub.store.get(shot), camera, time, name, edit, terms))
+    tagged(response, point.etag)
+    return point
+
+
+@router.delete("/shots/{shot}/focus-points/{name}", operation_id="deleteFocusPoint", status_code=204, responses=EDITED)
+async def delete_focus_point(
+    hub: HubDep, shot: ShotId, name: PointNameInPath, terms: TermsDep, camera: CameraQuery = None
+) -> None:
+    """Remove a focus point and its keys."""
+    await hub.ask_stage(RemoveFocusPoint(hub.store.get(shot), camera, name, terms))
+
+
+@router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED)
+async def set_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    name: PointNameInPath,
+    attribute: AttributeInPath,
+    key: KeyEdit,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FocusPoint:
+    """Set a key; one at the same time is replaced. Answers with the point at the key's time; `If-Match` takes its tag."""
+    point = await hub.ask_stage(SetKey(hub.store.get(shot), camera, name, attribute, key, terms))
+    tagged(response, point.etag)
+    return point
+
+
+@router.delete("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="deleteKey", responses=EDITED)
+async def delete_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    name: PointNameInPath,
+    attribute: AttributeInPath,
+    time: Time,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FocusPoint:
+    """Remove the key at `time`. Answers with the point at that time; `If-Match` takes its tag."""
+    point = await hub.ask_stage(RemoveKey(hub.store.get(shot), camera, name, attribute, time, terms))
+    tagged(response, point.etag)
+    return point

@@ -1,0 +1,89 @@
+"""Lenses: what the library has, and a lens file for a shot's camera."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, File, Path, Response, UploadFile
+
+from service.http.hub import HubDep
+from service.http.routes.parameters import (
+    DRAWING_KEPT_S,
+    SHEET,
+    CameraQuery,
+    ShotId,
+    TermsDep,
+    problems,
+    sheet,
+    tagged,
+)
+from service.http.upload import lens_file_name
+from service.models.cameras import CameraState
+from service.models.lenses import Lens, LensList
+from service.stage.lenses import DrawLensSheet, DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
+
+router = APIRouter(tags=["lenses"])
+
+SVG = "image/svg+xml"
+
+LensName = Annotated[str, Path(alias="name", description="A lens's name.", examples=["planar_50"], max_length=80)]
+
+
+@router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
+async def list_lenses(hub: HubDep) -> LensList:
+    """The lens library; its names are what an edit of a camera takes as `lens`."""
+    return await hub.ask_stage(ListLenses())
+
+
+@router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
+async def get_lens(hub: HubDep, name: LensName) -> Lens:
+    """A lens of the library, and what it is made of."""
+    return await hub.ask_stage(ReadLibraryLens(name))
+
+
+@router.get(
+    "/lenses/{name}/section.svg",
+    operation_id="getLensSection",
+    response_class=Response,
+    responses=problems(404, 503, 504)
+    | {200: {"content": {SVG: {"schema": {"type": "string", "format": "binary"}}}, "description": "The picture."}},
+)
+async def get_lens_section(hub: HubDep, name: LensName) -> Response:
+    """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
+    section = await hub.ask_stage(DrawLibraryLens(name))
+    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
+
+
+@router.get(
+    "/lenses/{name}/sheet.png",
+    operation_id="getLensSheet",
+    response_class=Response,
+    responses=problems(404, 503, 504) | SHEET,
+)
+async def get_lens_sheet(hub: HubDep, name: LensName) -> Response:
+    """All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
+    return sheet(await hub.ask_stage(DrawLensSheet(name)))
+
+
+@router.put(
+    "/shots/{shot}/camera/lens",
+    operation_id="mountLensFile",
+    responses=problems(404, 412, 413, 415, 503, 504),
+    tags=["cameras"],
+)
+async def mount_lens_file(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    file: Annotated[
+        UploadFile,
+        File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file."),
+    ],
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> CameraState:
+    """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
+    name = lens_file_name(file.filename)
+    state = await hub.ask_stage(MountLensFile(hub.store.get(shot), camera, name, await file.read(), terms))
+    tagged(response, state.etag)
+    return state

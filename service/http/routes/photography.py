@@ -1,0 +1,144 @@
+"""How a camera exposes, and on what: settings, their keys, and what a picture can be graded by."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Response
+
+from service.http.hub import HubDep
+from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
+from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
+from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
+from service.models.focus import KeyEdit
+from service.stage.photography import (
+    EditExposureSettings,
+    EditFilmSettings,
+    KeyExposure,
+    KeyFilm,
+    ReadExposureSettings,
+    ReadFilmSettings,
+    ReadGradeChoices,
+)
+
+router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
+EDITED = problems(412)
+
+_OF = "What the key is of, in the unit of its name."
+ExposureInPath = Annotated[ExposureKeyed, Path(alias="attribute", description=_OF, examples=["compensationStops"])]
+FilmInPath = Annotated[FilmKeyed, Path(alias="attribute", description=_OF, examples=["push"])]
+
+
+@router.get("/shots/{shot}/camera/exposure", operation_id="getExposureSettings")
+async def get_exposure_settings(
+    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+) -> ExposureSettings:
+    """How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's."""
+    settings = await hub.ask_stage(ReadExposureSettings(hub.store.get(shot), camera, time))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.patch("/shots/{shot}/camera/exposure", operation_id="editExposureSettings", responses=EDITED)
+async def edit_exposure_settings(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    edit: ExposureSettingsEdit,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> ExposureSettings:
+    """Change how a camera exposes: for all time, or as keys at `time`."""
+    settings = await hub.ask_stage(EditExposureSettings(hub.store.get(shot), camera, edit, terms))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.put("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="setExposureKey", responses=EDITED)
+async def set_exposure_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    attribute: ExposureInPath,
+    key: KeyEdit,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> ExposureSettings:
+    """Set a key; one at the same time is replaced."""
+    settings = await hub.ask_stage(KeyExposure(hub.store.get(shot), camera, terms, attribute, key.time, key))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.delete("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="deleteExposureKey", responses=EDITED)
+async def delete_exposure_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    attribute: ExposureInPath,
+    time: Time,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> ExposureSettings:
+    """Remove the key at `time`; after the last one its value stays for all time."""
+    settings = await hub.ask_stage(KeyExposure(hub.store.get(shot), camera, terms, attribute, time))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.get("/shots/{shot}/camera/film", operation_id="getFilmSettings")
+async def get_film_settings(
+    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+) -> FilmSettings:
+    """What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's."""
+    settings = await hub.ask_stage(ReadFilmSettings(hub.store.get(shot), camera, time))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.patch("/shots/{shot}/camera/film", operation_id="editFilmSettings", responses=EDITED)
+async def edit_film_settings(
+    hub: HubDep, response: Response, shot: ShotId, edit: FilmSettingsEdit, terms: TermsDep, camera: CameraQuery = None
+) -> FilmSettings:
+    """Change film and grade: for all time, or as keys at `time`. What makes no picture is refused."""
+    settings = await hub.ask_stage(EditFilmSettings(hub.store.get(shot), camera, edit, terms))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.put("/shots/{shot}/camera/film/keys/{attribute}", operation_id="setFilmKey", responses=EDITED)
+async def set_film_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    attribute: FilmInPath,
+    key: KeyEdit,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FilmSettings:
+    """Set a key; one at the same time is replaced."""
+    settings = await hub.ask_stage(KeyFilm(hub.store.get(shot), camera, terms, attribute, key.time, key))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.delete("/shots/{shot}/camera/film/keys/{attribute}", operation_id="deleteFilmKey", responses=EDITED)
+async def delete_film_key(
+    hub: HubDep,
+    response: Response,
+    shot: ShotId,
+    attribute: FilmInPath,
+    time: Time,
+    terms: TermsDep,
+    camera: CameraQuery = None,
+) -> FilmSettings:
+    """Remove the key at `time`; after the last one its value stays for all time."""
+    settings = await hub.ask_stage(KeyFilm(hub.store.get(shot), camera, terms, attribute, time))
+    tagged(response, settings.etag)
+    return settings
+
+
+@router.get("/shots/{shot}/camera/grades", operation_id="listGrades")
+async def list_grades(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> GradeChoices:
+    """Displays, views and looks of the OpenColorIO configuration that the camera's picture is graded by."""
+    return await hub.ask_stage(ReadGradeChoices(hub.store.get(shot), camera, time))

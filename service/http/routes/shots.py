@@ -1,0 +1,77 @@
+"""Shots: send one, list them, look into one, remove one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, File, Form, Response, UploadFile
+from starlette.concurrency import run_in_threadpool
+
+from service.http.errors import ServiceError
+from service.http.hub import HubDep
+from service.http.routes.parameters import ShotId, problems
+from service.http.upload import file_name, place
+from service.models.inspection import Inspection
+from service.models.shots import Shot, ShotList, ShotSummary
+from service.stage.shots import DescribeShot, InspectShot
+
+router = APIRouter(tags=["shots"])
+
+
+@router.get("/shots", operation_id="listShots")
+async def list_shots(hub: HubDep) -> ShotList:
+    """All stored shots, newest last."""
+    return ShotList(shots=[ShotSummary.model_validate(record) for record in hub.store.list()])
+
+
+@router.post("/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503, 504))
+async def create_shot(
+    hub: HubDep,
+    response: Response,
+    file: Annotated[UploadFile, File(description="A .usda, .usdc, .usd or .usdz file, or a .zip with all it needs.")],
+    root: Annotated[
+        str | None,
+        Form(
+            max_length=1000,
+            description="Which file of a zip is the root layer. Left out: the only stage in its topmost folder with any.",
+            examples=["shots/night.usda"],
+        ),
+    ] = None,
+) -> Shot:
+    """Send a shot. It may refer to nothing outside of what is sent; a refused one leaves nothing behind."""
+    name = file_name(file.filename)
+    begun = hub.store.begin(name)
+    try:
+        placed = await run_in_threadpool(place, file.file, name, root, begun.files, hub.settings)
+        described = await hub.ask_stage(DescribeShot(begun.with_root(placed)))
+        record = await run_in_threadpool(hub.store.accept, begun, placed)
+    except BaseException as error:
+        hub.store.discard(begun)
+        hub.forget(begun.id)
+        if isinstance(error, ServiceError) and error.code == "worker_died":
+            detail = f"{name} is damaged in a way that ended the process which tried to read it."
+            raise ServiceError(422, "stage_unreadable", detail, path=name) from error
+        raise
+    response.headers["Location"] = f"/v1/shots/{record.id}"
+    return described.model_copy(update=ShotSummary.model_validate(record).model_dump())
+
+
+@router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 503, 504))
+async def get_shot(hub: HubDep, shot: ShotId) -> Shot:
+    """A shot, its frame range and its cameras."""
+    return await hub.ask_stage(DescribeShot(hub.store.get(shot)))
+
+
+@router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 503, 504))
+async def inspect_shot(hub: HubDep, shot: ShotId) -> Inspection:
+    """What a shot holds, what of it is not honoured, and what the validators say of its cameras."""
+    return await hub.ask_stage(InspectShot(hub.store.get(shot)))
+
+
+@router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404))
+async def delete_shot(hub: HubDep, shot: ShotId) -> None:
+    """Remove a shot and its edits. The demo shot is there again when the service next starts."""
+    record = hub.store.get(shot)
+    hub.exposures.drop(record.id)
+    await run_in_threadpool(hub.store.remove, record)
+    hub.forget(record.id)

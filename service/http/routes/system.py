@@ -1,0 +1,89 @@
+"""Is it alive, can it work, how is it doing, and which one is it."""
+
+from __future__ import annotations
+
+import asyncio
+from importlib.metadata import PackageNotFoundError, version
+from typing import Literal
+
+from fastapi import APIRouter, Response
+
+from service.http.errors import RETRY_AFTER, ServiceError
+from service.http.hub import HubDep
+from service.http.routes.parameters import problems
+from service.models.base import Model, shown_as
+from service.picture.frames import Warm
+
+router = APIRouter(tags=["system"])
+READY_WITHIN_S = 10.0
+
+
+class Health(Model):
+    """An answer that says yes."""
+
+    model_config = shown_as({"status": "ok"})
+
+    status: Literal["ok"] = "ok"
+
+
+class Version(Model):
+    """Which program this is."""
+
+    model_config = shown_as({"name": "pullfocus", "version": "0.1.0"})
+
+    name: str
+    version: str
+
+
+@router.get("/livez", operation_id="livez")
+async def livez() -> Health:
+    """The process answers."""
+    return Health()
+
+
+@router.get("/readyz", operation_id="readyz", responses=problems(503))
+async def readyz(hub: HubDep) -> Health:
+    """The process that owns GL has a context, and answers or is at work."""
+    if hub.pictures.busy and hub.pictures.worker.proven:
+        return Health()
+    try:
+        async with asyncio.timeout(READY_WITHIN_S):
+            await hub.ask_picture(Warm())
+    except TimeoutError as error:
+        detail = f"The picture worker did not answer within {READY_WITHIN_S:g} s."
+        raise ServiceError(503, "not_ready", detail, headers=RETRY_AFTER) from error
+    return Health()
+
+
+@router.get(
+    "/metrics",
+    operation_id="metrics",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {
+                "text/plain": {
+                    "schema": {"type": "string"},
+                    "example": 'pullfocus_lane_waiting{worker="picture"} 0.0\n',
+                }
+            }
+        }
+    },
+)
+async def metrics(hub: HubDep) -> Response:
+    """Counters in Prometheus' text format."""
+    return Response(hub.metrics.text(), media_type="text/plain; version=0.0.4; charset=utf-8")
+
+
+@router.get("/version", operation_id="version")
+async def get_version() -> Version:
+    """Which program this is."""
+    return Version(name="pullfocus", version=program_version())
+
+
+def program_version() -> str:
+    """The version of the installed distribution."""
+    try:
+        return version("pullfocus")
+    except PackageNotFoundError:
+        return "unpackaged"

@@ -1,0 +1,55 @@
+"""What a service may be told: where it keeps shots and how much it takes on."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+MEBIBYTE = 1024 * 1024
+
+
+def default_data_folder() -> Path:
+    """Where shots are kept when nobody says: ``$XDG_DATA_HOME/pullfocus``, else ``~/.local/share/pullfocus``."""
+    base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(base) / "pullfocus"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Where shots live and the limits that keep one client from taking the whole machine.
+
+    Attributes:
+        data: folder that holds shots and their edits; made when missing.
+        demo: whether the demo shot is written there at start.
+        static: folder of the built page.
+        allowed_hosts: names that the ``Host`` header may hold; empty allows every name. Loopback names alone by
+            default, so that no web page can reach the service by pointing a name of its own at 127.0.0.1.
+        max_upload_mb: bytes of one upload, in MiB.
+        max_unpacked_mb: bytes that an archive may unpack to, in MiB.
+        max_archive_entries: files and folders in an archive.
+        max_archive_ratio: how many times its own size an archive may unpack to.
+        max_picture_px: pixels (width · height) of one picture.
+        max_curve_frames: frames of one focus curve.
+        max_waiting: requests that may wait for each worker process; one more is answered 503.
+        max_viewers: live connections at a time; one more is answered 503.
+        frame_timeout_s: time for one picture or pick, waiting not counted.
+        stage_timeout_s: time for one look into a stage, waiting not counted.
+        frame_cache_mb: encoded pictures kept, in MiB.
+    """
+
+    data: Path = field(default_factory=default_data_folder)
+    demo: bool = True
+    static: Path = Path(__file__).parents[1] / "static"
+    allowed_hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
+    max_upload_mb: int = 512
+    max_unpacked_mb: int = 2048
+    max_archive_entries: int = 10_000
+    max_archive_ratio: int = 200
+    max_picture_px: int = 4096 * 2304
+    max_curve_frames: int = 20_000
+    max_waiting: int = 32
+    max_viewers: int = 32
+    frame_timeout_s: float = 300.0
+    stage_timeout_s: float = 120.0
+    frame_cache_mb: int = 256

@@ -1,0 +1,127 @@
+"""Shots that a worker process holds open, so that the next request need not open them again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+from render.errors import NotFoundError, PullfocusError
+from service.storage.edit_files import load_history, save_history
+from service.storage.store import ShotRecord
+from service.terms import ANY_TERMS, Terms
+
+if TYPE_CHECKING:
+    from render.shot import Shot
+
+MAX_OPEN = 4
+
+
+class OpenedShots:
+    """The shots that were used last, by id. Lives in a worker process.
+
+    USD is imported when the first shot is opened: the process that speaks HTTP imports this module, and no USD.
+    """
+
+    def __init__(self) -> None:
+        self._shots: OrderedDict[str, Shot] = OrderedDict()
+
+    @contextmanager
+    def use(self, record: ShotRecord, edit_text: str | None = None) -> Iterator[Shot]:
+        """Work with a shot. Errors that come out name files as they were sent, not as they lie on this machine.
+
+        Args:
+            record: which shot.
+            edit_text: its edit layer, empty for no edits; None takes the one that it has, or else the saved one.
+
+        Raises:
+            NotFoundError: it was removed in the meantime.
+            StageError: it is no stage, or refers to what was not sent with it.
+        """
+        try:
+            shot = self._get(record)
+            if edit_text is not None and edit_text != shot.history.present.text:
+                shot.replace_edits(edit_text)
+            yield shot
+        except PullfocusError as error:
+            raise _error_as_sent(error, record) from error
+
+    @contextmanager
+    def edit(self, record: ShotRecord, terms: Terms = ANY_TERMS, label: str = "") -> Iterator[Shot]:
+        """Change a shot, in one step of its history. What was changed is on disk when this ends, or it never was.
+
+        Args:
+            record: which shot.
+            terms: its gesture; the tag is for the caller to check, who knows what is edited.
+            label: what is done; empty takes what the shot says of its edits.
+        """
+        with self.change(record) as shot, shot.one_edit(label, terms.gesture):
+            yield shot
+
+    @contextmanager
+    def change(self, record: ShotRecord) -> Iterator[Shot]:
+        """Edit a shot, or walk along its history. What was changed is on disk when this ends, or it never was.
+
+        Args:
+            record: which shot.
+        """
+        with self.use(record) as shot:
+            before = shot.snapshot_edits()
+            try:
+                yield shot
+                if shot.history != before.history:
+                    _save(record, shot)
+            except BaseException:
+                if shot.history != before.history:
+                    shot.back_to(before)
+                    _save_history_again(record, shot)
+                raise
+
+    def forget(self, shot_id: str) -> None:
+        """Close a shot, if it is open."""
+        self._shots.pop(shot_id, None)
+
+    def _get(self, record: ShotRecord) -> Shot:
+        from render.shot import Shot
+
+        if record.id not in self._shots:
+            if not record.root_path.is_file():
+                raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
+            edits = record.edits if record.edits.is_file() else None
+            shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
+            kept = load_history(record.history)
+            if kept is not None:
+                shot.go_on_from(kept)
+            self._shots[record.id] = shot
+            if len(self._shots) > MAX_OPEN:
+                self._shots.popitem(last=False)
+        self._shots.move_to_end(record.id)
+        return self._shots[record.id]
+
+
+def _save(record: ShotRecord, shot: Shot) -> None:
+    """Write the history, then the edits: these say which of its states is the present one if only one gets written."""
+    save_history(record.history, shot.history)
+    if shot.history.present.text:
+        shot.save_edits(record.edits)
+    else:
+        record.edits.unlink(missing_ok=True)
+
+
+def _save_history_again(record: ShotRecord, shot: Shot) -> None:
+    """Take an edit that failed out of the history on disk; where that fails too, `Shot.go_on_from` sorts it out."""
+    with suppress(PullfocusError):
+        save_history(record.history, shot.history)
+
+
+def as_sent(text: str, record: ShotRecord) -> str:
+    """A text with paths relative to what was sent: where this machine keeps it is nobody's business."""
+    for folder in (record.files, record.files.resolve()):
+        text = text.replace(f"{folder}/", "").replace(str(folder), "the shot's folder")
+    return text
+
+
+def _error_as_sent(error: PullfocusError, record: ShotRecord) -> PullfocusError:
+    path = as_sent(error.path, record) if error.path else None
+    return type(error)(as_sent(error.detail, record), code=error.code, path=path)

@@ -1,0 +1,86 @@
+"""The history of a shot's edits on disk: a file for each state, which anyone can open, and an index that is written last.
+
+::
+
+    DATA/shots/ID/history/REVISION.usda      a state of the edit layer, as a whole
+    DATA/shots/ID/history/index.json         their order, what made them, and which is the present one
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import zlib
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+
+from render.files import write_atomic
+from render.model.edit_history import EditHistory, EditState, revision_of
+
+log = logging.getLogger("pullfocus.service")
+
+INDEX = "index.json"
+
+
+def save_history(folder: Path, history: EditHistory) -> None:
+    """Write what is not there yet, and remove the states that are no longer kept.
+
+    Args:
+        folder: made when missing.
+        history: what to keep.
+
+    Raises:
+        OutputError: it cannot be written; the index that was there still holds.
+    """
+    with suppress(OSError):  # what cannot be made cannot be written to either, and that is told
+        folder.mkdir(exist_ok=True)
+    for state in history.states:
+        if not _file(folder, state.revision).is_file():
+            write_atomic(_file(folder, state.revision), state.text.encode())
+    write_atomic(folder / INDEX, json.dumps(_index(history), indent=1).encode())
+    kept = {state.revision for state in history.states}
+    for file in folder.glob("*.usda"):
+        if file.stem not in kept:
+            file.unlink(missing_ok=True)
+
+
+def load_history(folder: Path) -> EditHistory | None:
+    """The history as it was saved; None where there is none, or it is damaged, which is logged.
+
+    Args:
+        folder: as `save_history` wrote it.
+    """
+    try:
+        index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+        history = EditHistory(tuple(_state(folder, said) for said in index["states"]), int(index["now"]))
+        if not 0 <= history.now < len(history.states):
+            raise ValueError(f"state {history.now} of {len(history.states)}")
+    except FileNotFoundError as error:
+        if (folder / INDEX).exists():
+            log.error("the history of edits in %s lacks a state and begins anew: %s", folder, error)
+        return None
+    except (OSError, ValueError, KeyError, TypeError) as error:  # somebody's hand was in it: the edits are what counts
+        log.error("the history of edits in %s cannot be read and begins anew: %r", folder, error)
+        return None
+    return history
+
+
+def _index(history: EditHistory) -> dict[str, object]:
+    states = [
+        {"revision": s.revision, "label": s.label, "madeAt": s.made_at.isoformat(), "gesture": s.gesture}
+        for s in history.states
+    ]
+    return {"now": history.now, "states": states}
+
+
+def _state(folder: Path, said: dict[str, str]) -> EditState:
+    text = _file(folder, said["revision"]).read_text(encoding="utf-8")
+    if revision_of(text) != said["revision"]:
+        raise ValueError(f"{said['revision']}.usda is not what was written")
+    made_at = datetime.fromisoformat(said["madeAt"])
+    return EditState(zlib.compress(text.encode()), said["revision"], said["label"], made_at, said["gesture"])
+
+
+def _file(folder: Path, revision: str) -> Path:
+    return folder / f"{revision}.usda"

@@ -1,0 +1,246 @@
+"""A worker process: it answers one request at a time, and a fresh one takes its place when it dies.
+
+Work that can take the process down with it (a graphics driver, a parser fed with a stranger's file) runs here, so that
+the process that speaks HTTP never does. A request is an object with a ``run(state)`` method; it is pickled to the
+worker, and what ``run`` returns or raises is pickled back. ``state`` is made once in the worker and lives as long as it.
+A streamed request (`service.workers.streaming`) has a ``stream(state, is_stale)`` method in its place, and many answers.
+"""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import pickle
+import signal
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+from render.errors import InputError, PullfocusError, SettingsError
+from service.workers.streaming import Patience, Signals, Streamed
+
+log = logging.getLogger("pullfocus.service")
+
+State_contra = TypeVar("State_contra", contravariant=True)
+State = TypeVar("State")
+Reply_co = TypeVar("Reply_co", covariant=True)
+Reply = TypeVar("Reply")
+Item = TypeVar("Item")
+
+
+class Request(Protocol[State_contra, Reply_co]):
+    """Work that can be sent to a worker: picklable, and run there."""
+
+    def run(self, state: State_contra, /) -> Reply_co:
+        """Do the work in the worker process."""
+
+
+class WorkerDiedError(Exception):
+    """The worker process ended while it worked on a request."""
+
+
+class WorkerTimeoutError(Exception):
+    """The worker did not answer in time and was ended."""
+
+
+class WorkerFailedError(Exception):
+    """The request raised something that is nobody's bad input: a fault of the program. The worker lives on."""
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What comes back over the pipe: a value, an error that was raised on purpose, or the traceback of a fault."""
+
+    value: object = None
+    error: PullfocusError | None = None
+    fault: str = ""
+    is_last: bool = True
+
+    @property
+    def is_value(self) -> bool:
+        """Whether the request did what it was to do."""
+        return self.error is None and not self.fault
+
+
+@dataclass(frozen=True)
+class _StreamOrder(Generic[State]):
+    """A streamed request as it goes to the worker."""
+
+    request: Streamed[State, Any]
+    serial: int
+    has_shown: bool
+    patience_s: float
+
+
+class WorkerProcess(Generic[State]):
+    """The parent's side. Not thread-safe: one thread calls it (see ``service.workers.lane``).
+
+    Args:
+        name: of the process, for logs.
+        make_state: called once in the worker; a function of a module, since it is sent by name.
+
+    Attributes:
+        starts: how many workers there have been.
+        proven: whether the present one has done work, and not failed since.
+        signals: what the worker is told while it works; any thread may set them.
+    """
+
+    def __init__(self, name: str, make_state: Callable[[], State]) -> None:
+        self.name = name
+        self.starts = 0
+        self.proven = False
+        self._make_state = make_state
+        # A forked GL context or USD thread pool would be broken.
+        self._context = multiprocessing.get_context("spawn")
+        self.signals = Signals(self._context)
+        self._process: BaseProcess | None = None
+        self._pipe: Connection | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """Process id of the worker, or None before the first request and after a death."""
+        return self._process.pid if self._process is not None and self._process.is_alive() else None
+
+    def call(self, request: Request[State, Reply], timeout_s: float) -> Reply:
+        """Run a request in the worker, starting one when there is none.
+
+        Raises:
+            PullfocusError: the request raised it.
+            WorkerDiedError: the worker died on it; the next call starts another.
+            WorkerTimeoutError: no answer in ``timeout_s``; the worker was ended.
+            WorkerFailedError: the request raised anything else.
+        """
+        value: Reply = self._unpack(next(self._answers(request, timeout_s)))
+        return value
+
+    def stream(
+        self,
+        request: Streamed[State, Item],
+        timeout_s: float,
+        deliver: Callable[[Item], None],
+        *,
+        serial: int,
+        has_shown: bool = False,
+        patience_s: float = 0.0,
+    ) -> bool:
+        """Run a streamed request in the worker, starting one when there is none.
+
+        Args:
+            request: what to do.
+            timeout_s: time for all of it.
+            deliver: called with each answer.
+            serial: names it in `signals`; not 0, and not that of another one.
+            has_shown: as for `service.workers.streaming.Patience`.
+            patience_s: likewise.
+
+        Returns:
+            Whether it came to its end; else it made way for others, or was dropped.
+
+        Raises:
+            PullfocusError: the request raised it; and the other errors of `call`.
+        """
+        for answer in self._answers(_StreamOrder(request, serial, has_shown, patience_s), timeout_s):
+            value = self._unpack(answer)
+            if not answer.is_last:
+                deliver(value)
+        return bool(value)
+
+    def _answers(self, sent: object, timeout_s: float) -> Iterator[_Answer]:
+        """Send something to the worker, starting one when there is none, and hear its answers, to the last."""
+        process, pipe = self._running()
+        until_s = time.monotonic() + timeout_s
+        answer = None
+        try:
+            pipe.send(sent)
+            while answer is None or not answer.is_last:
+                if not wait([pipe, process.sentinel], until_s - time.monotonic()):
+                    self.close()
+                    raise WorkerTimeoutError(f"The {self.name} worker took longer than {timeout_s:g} s and was ended.")
+                # A worker that answered and then died still leaves its answer in the pipe: read that first.
+                answer = pipe.recv()
+                yield answer
+        except (EOFError, OSError) as error:
+            self.close()
+            raise WorkerDiedError(f"The {self.name} worker ended while it worked on this request.") from error
+
+    def _unpack(self, answer: _Answer) -> Any:
+        self.proven = self.proven if isinstance(answer.error, InputError | SettingsError) else answer.is_value
+        if answer.error is not None:
+            raise answer.error
+        if answer.fault:
+            log.error("the %s worker failed:\n%s", self.name, answer.fault)
+            raise WorkerFailedError(f"The {self.name} worker failed on this request; the service's log says why.")
+        return answer.value
+
+    def _running(self) -> tuple[BaseProcess, Connection]:
+        if self._process is None or self._pipe is None or not self._process.is_alive():
+            self.close()
+            here, there = self._context.Pipe()
+            arguments = (there, self._make_state, self.signals)
+            process = self._context.Process(target=_serve, args=arguments, name=f"pullfocus-{self.name}", daemon=True)
+            process.start()
+            there.close()
+            self._process, self._pipe = process, here
+            self.starts += 1
+        return self._process, self._pipe
+
+    def kill(self) -> None:
+        """End the worker under whatever it is doing; the one method that any thread may call."""
+        if self._process is not None and self._process.is_alive():
+            self._process.kill()
+
+    def close(self) -> None:
+        """End the worker and let go of it."""
+        if self._pipe is not None:
+            self._pipe.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._process.close()
+        self._process = self._pipe = None
+        self.proven = False
+
+
+def _serve(pipe: Connection, make_state: Callable[[], State], signals: Signals) -> None:
+    """The worker's side: answer requests until the parent is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the pipe
+    with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
+        Path("/proc/self/oom_score_adj").write_text("500")
+    state = make_state()
+    with suppress(EOFError, BrokenPipeError):  # the parent is gone
+        while True:
+            asked: Request[State, object] | _StreamOrder[State] = pipe.recv()
+            pipe.send_bytes(_answer(asked, state, pipe, signals))
+
+
+def _answer(
+    asked: Request[State, object] | _StreamOrder[State], state: State, pipe: Connection, signals: Signals
+) -> bytes:
+    """Run a request; pickled here, where a reply that cannot be pickled is still an answer and no death."""
+    try:
+        if isinstance(asked, _StreamOrder):
+            return pickle.dumps(_Answer(value=_streamed(asked, state, pipe, signals)))
+        return pickle.dumps(_Answer(value=asked.run(state)))
+    except (EOFError, BrokenPipeError):  # the parent is gone
+        raise
+    except PullfocusError as error:
+        return pickle.dumps(_Answer(error=error))
+    except Exception:
+        return pickle.dumps(_Answer(fault=traceback.format_exc()))
+
+
+def _streamed(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
+    """Send all answers but the last, which says whether the work came to its end."""
+    patience = Patience(signals, order.serial, has_shown=order.has_shown, patience_s=order.patience_s)
+    answers: Any = order.request.stream(state, patience)
+    with closing(answers):
+        for item in answers:
+            pipe.send_bytes(pickle.dumps(_Answer(value=item, is_last=False)))
+            patience.has_shown = True
+    return not patience.has_ended

@@ -1,0 +1,108 @@
+"""`pullfocus inspect` and `pullfocus focus-curve` tell what is in a shot, for people and for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd
+
+from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, write_shot
+
+HAIR = '\n    def BasisCurves "Hair" {}\n'
+BROKEN_CAMERA = CAMERA.replace("main_cam", "broken").replace("focalLength = 0.5", "focalLength = -0.5")
+
+
+@pytest.fixture
+def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
+    """The command."""
+    return Command(capsys)
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Path:
+    """A shot with a camera that works, one that does not, and something that is not honoured."""
+    return write_shot(tmp_path / "shot.usda", SQUARE, HAIR, BROKEN_CAMERA, CAMERA)
+
+
+def test_json_has_all_that_was_found(pullfocus: Command, shot: Path) -> None:
+    ended = pullfocus("inspect", shot, "--json")
+    found = json.loads(ended.out)
+    assert ended.status == 0
+    assert (found["frameRange"]["start"], found["frameRange"]["end"], found["frameRange"]["framesPerSecond"]) == (
+        1,
+        12,
+        24,
+    )
+    assert (found["upAxis"], found["metersPerUnit"]) == ("Y", 1)
+    assert found["cameras"] == ["/World/broken", "/World/main_cam"]
+    assert found["defaultCamera"]["path"] == "/World/main_cam"
+    assert (found["primCount"], found["triangleCount"], found["lightCount"]) == (1, 2, 0)
+    [lens] = found["readouts"]
+    assert (lens["camera"], lens["focalLengthMm"], lens["fStop"]) == ("/World/main_cam", 50, 2)
+    assert lens["focusDistanceM"] == 5
+    assert {note["path"] for note in found["notes"]} == {"/World/Hair", "/World/broken"}
+
+
+def test_people_read_the_same(pullfocus: Command, shot: Path) -> None:
+    ended = pullfocus("inspect", shot)
+    assert ended.status == 0
+    for words in (
+        "1 to 12, 24 a second",
+        "/World/main_cam  50 mm  f/2",
+        "/World/broken  cannot be used",
+        "/World/Hair",
+    ):
+        assert words in ended.out
+
+
+def test_what_the_validators_find_is_listed(pullfocus: Command, tmp_path: Path) -> None:
+    camera = CAMERA.replace(
+        'def Camera "main_cam"\n    {',
+        'def Camera "main_cam" (\n        prepend apiSchemas = ["ApertureAPI"]\n    )\n    {\n        int aperture:blades = 2',
+    )
+    found = json.loads(pullfocus("inspect", write_shot(tmp_path / "iris.usda", SQUARE, camera), "--json").out)
+    [problem] = found["validation"]
+    assert problem["path"].startswith("/World/main_cam")
+    assert "blades" in problem["message"]
+
+
+def test_a_curve_has_every_frame_of_the_shot(pullfocus: Command, shot: Path) -> None:
+    curve = json.loads(pullfocus("focus-curve", shot).out)
+    assert [sample["timeCode"] for sample in curve["samples"]] == list(range(1, 13))
+    assert {sample["focusDistanceM"] for sample in curve["samples"]} == {5}
+
+
+def test_a_curve_of_some_frames_runs_forward(pullfocus: Command, shot: Path) -> None:
+    text = pullfocus("focus-curve", shot, "--format", "csv", "--frames", "9,1:5x2").out
+    assert [float(row["time_code"]) for row in csv.DictReader(io.StringIO(text))] == [1, 3, 5, 9]
+
+
+@pytest.mark.parametrize("baked", [False, True])
+def test_a_curve_as_a_layer_focuses_the_shot(baked: bool, pullfocus: Command, shot: Path) -> None:
+    out = shot.parent / "focus.usda"
+    ended = pullfocus("focus-curve", shot, "--format", "usda", "--out", out, *(["--baked"] if baked else []))
+    assert (ended.status, ended.out) == (0, "")
+    above = Sdf.Layer.CreateAnonymous()
+    above.subLayerPaths = [str(out), str(shot)]
+    stage = Usd.Stage.Open(above)
+    focus = stage.GetAttributeAtPath("/World/main_cam.focusDistance")
+    assert (focus.GetNumTimeSamples() > 0, focus.HasSpline()) == (baked, not baked)
+    assert focus.Get(6) == pytest.approx(5)
+
+
+def test_help_lists_every_command(pullfocus: Command) -> None:
+    ended = pullfocus("--help")
+    assert ended.status == 0
+    for command in ("record", "inspect", "focus-curve", "demo", "serve"):
+        assert command in ended.out
+
+
+@pytest.mark.parametrize("command", ["record", "inspect", "focus-curve", "demo", "serve"])
+def test_each_command_has_its_own_help(command: str, pullfocus: Command) -> None:
+    ended = pullfocus(command, "--help")
+    assert ended.status == 0
+    assert f"pullfocus {command}" in ended.out

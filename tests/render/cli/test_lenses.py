@@ -1,0 +1,217 @@
+"""`pullfocus lenses`: the library as a table, and all that is known of one lens, in numbers and drawn."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import OpenImageIO
+import pytest
+
+from tests.render.kits.cli_shots import Command
+from tests.render.kits.lens_files import FILES
+from usd_schemas import library_lenses
+
+
+@pytest.fixture
+def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
+    """The command."""
+    return Command(capsys)
+
+
+def shown(pullfocus: Command, *arguments: object) -> dict[str, Any]:
+    """What is said of a lens, for programs."""
+    ended = pullfocus("lenses", "show", *arguments, "--json")
+    assert ended.status == 0, ended.err
+    found: dict[str, Any] = json.loads(ended.out)
+    return found
+
+
+def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) -> None:
+    ended = pullfocus("lenses")
+    assert ended.status == 0
+    for entry in library_lenses():
+        [line] = [line for line in ended.out.splitlines() if line.split()[:1] == [entry.name]]
+        assert entry.description in line
+    listed = json.loads(pullfocus("lenses", "--json").out)["lenses"]
+    assert [lens["name"] for lens in listed] == [entry.name for entry in library_lenses()]
+    assert {"name", "title", "model", "focalLengthMm", "fStop", "description"} == set(listed[0])
+
+
+def test_the_numbers_of_a_lens_are_told_with_their_units(pullfocus: Command) -> None:
+    told = pullfocus("lenses", "show", "planar_50").out
+    for words in (
+        "50.00 mm",
+        "f/1.4, wide open",
+        "infinity",
+        "40.2° across",
+        "35.50 mm; film",
+        "24.12 mm behind the front vertex",
+        "65.05 mm before the film",
+        "H 35.73 mm behind the front vertex; H′ 14.50 mm before the rear vertex",
+        "moving the whole lens",
+        "The back focal distance of 35.5 mm was solved for.",
+    ):
+        assert words in told
+
+
+@pytest.mark.parametrize(("lens", "widest"), [("singlet_50", 2.8), ("thin_50", 1.2)])
+def test_the_f_number_as_set_and_as_reached(lens: str, widest: float, pullfocus: Command) -> None:
+    stopped = shown(pullfocus, lens, "--f-stop", "8")
+    assert (stopped["fStopSet"], stopped["fStop"]) == pytest.approx((8, 8))
+    found = shown(pullfocus, lens, "--f-stop", "0.5")
+    assert (found["fStopSet"], found["fStop"]) == pytest.approx((0.5, widest), rel=1e-3)
+    told = pullfocus("lenses", "show", lens, "--f-stop", "0.5").out
+    assert f"f/{widest}: set to f/0.5, and it opens no wider" in told
+
+
+def test_the_gate_decides_the_field(pullfocus: Command) -> None:
+    whole, cropped = (shown(pullfocus, "double_gauss_50", *more) for more in ((), ("--gate", "24.89x18.66")))
+    assert cropped["gateMm"] == [24.89, 18.66]
+    assert cropped["fieldOfViewDeg"]["horizontal"] < whole["fieldOfViewDeg"]["horizontal"]
+    assert cropped["cornerIllumination"] > whole["cornerIllumination"]
+
+
+def test_json_is_asked_for_before_or_after_the_action(pullfocus: Command) -> None:
+    assert json.loads(pullfocus("lenses", "--json", "show", "thin_50").out) == shown(pullfocus, "thin_50")
+
+
+@pytest.mark.filterwarnings("error")
+def test_focus_farther_than_anything_is_infinity_and_nearer_is_refused(pullfocus: Command) -> None:
+    assert shown(pullfocus, "thin_50", "--focus", "1e300") == shown(pullfocus, "thin_50")
+    ended = pullfocus("lenses", "show", "planar_50", "--focus", "1e-320")
+    assert (ended.status, ended.err.count("\n")) == (2, 1)
+    assert "a focus distance must be above 0 m" in ended.err
+
+
+def test_a_lens_file_is_shown_as_one_of_the_library_is(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "achromat.seq"
+    file.write_text(FILES["achromat.seq"])
+    found = shown(pullfocus, file)
+    assert (found["name"], found["title"], found["model"]) == ("achromat", "32327 Achromatic Lens", "prescription")
+    assert found["focalLengthMm"] == pytest.approx(100.03, rel=1e-3)
+    assert found["barrelMm"]["surfaces"] == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "suffix"), [("double_gauss_50", "png"), ("soft_focus_85", "svg"), ("pinhole_35", "svg")]
+)
+def test_a_sheet_is_drawn_in_the_format_that_its_name_asks_for(
+    name: str, suffix: str, pullfocus: Command, tmp_path: Path
+) -> None:
+    file = tmp_path / f"lens.{suffix}"
+    ended = pullfocus("lenses", "show", name, "--out", file)
+    assert ended.status == 0, ended.err
+    assert f"drawn: {file}" in ended.err
+    assert [path.name for path in tmp_path.iterdir()] == [file.name]
+    if suffix == "svg":
+        assert ElementTree.parse(file).getroot().tag.endswith("svg")
+    else:
+        pixels = OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.UINT8)
+        assert pixels.shape[:2] == (1344, 1920)
+        assert (pixels[..., :3].max(axis=-1) < 250).mean() > 0.03  # there is something on it
+
+
+def test_a_folder_takes_sheets_by_their_lenses_names(pullfocus: Command, tmp_path: Path) -> None:
+    assert pullfocus("lenses", "show", "pinhole_35", "--out", tmp_path / "sheets").status == 0
+    assert [path.name for path in (tmp_path / "sheets").iterdir()] == ["pinhole_35.png"]
+
+
+def test_the_same_lens_gives_the_same_sheet_to_the_byte(pullfocus: Command, tmp_path: Path) -> None:
+    files = [tmp_path / "a.svg", tmp_path / "b.svg"]
+    for file in files:
+        pullfocus("lenses", "show", "thin_50", "--focus", "2", "--out", file)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (("planr_50",), 2, "there is no lens named 'planr_50' in the library: did you mean planar_50"),
+        (("nowhere/lens.zmx",), 1, "lens file nowhere/lens.zmx cannot be read: No such file or directory"),
+        (("planar_50", "--focus", "0.03"), 2, "cannot focus at 0.03 m: the nearest that it reaches is 0.0384 m"),
+        (("planar_50", "--focus", "0.03"), 2, "before surface 1"),
+        (("planar_50", "--focus", "-1"), 2, "a focus distance must be above 0 m, got -1"),
+        (("planar_50", "--focus", "nan"), 2, "a focus distance must be above 0 m, got nan"),
+        (("planar_50", "--f-stop", "0"), 2, "an f-number must be above 0, got 0"),
+        (("pinhole_35", "--f-stop", "2"), 2, "Pinhole 35 mm is a pinhole: it has no f-number to set, got 2"),
+        (("planar_50", "--gate", "36"), 2, "--gate takes width x height in mm, such as 24.89x18.66, got 36"),
+        (("planar_50", "--gate", "36x0"), 2, "a film gate's sides must be from 0.1 to 1000 mm, got 36 x 0"),
+        (
+            ("thin_50", "--out", "lens.jpg"),
+            2,
+            "--out takes a folder, or a file that ends in .png or .svg, got lens.jpg",
+        ),
+        (
+            ("thin_50", "--out", "nowhere/lens.png"),
+            1,
+            "cannot write nowhere/lens.png: the folder nowhere does not exist",
+        ),
+    ],
+)
+def test_what_cannot_be_shown_is_refused_by_one_sentence(
+    arguments: tuple[str, ...], status: int, words: str, pullfocus: Command
+) -> None:
+    ended = pullfocus("lenses", "show", *arguments)
+    assert ended.status == status
+    [line] = ended.err.splitlines()
+    assert words in line
+
+
+def test_a_broken_lens_file_names_the_surface(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "broken.dat"
+    file.write_text(FILES["double gauss.dat"].replace("1.67", "-1.67", 1))
+    ended = pullfocus("lenses", "show", file)
+    assert ended.status == 1
+    [line] = ended.err.splitlines()
+    assert "surface 1" in line
+
+
+def test_a_lens_that_does_not_reach_infinity_is_no_wrong_argument(pullfocus: Command, tmp_path: Path) -> None:
+    file = tmp_path / "near.txt"
+    file.write_text(FILES["zoom.txt"])
+    ended = pullfocus("lenses", "show", file)
+    assert (ended.status, ended.err.count("\n")) == (1, 1)
+    assert "An example cannot focus at infinity: the farthest that it reaches is 0.2484 m; --focus sets" in ended.err
+    assert pullfocus("lenses", "show", file, "--focus", "1").status == 2
+    assert 0 < shown(pullfocus, file, "--focus", "0.2")["nearestFocusM"] < 0.2
+
+
+@pytest.mark.parametrize("out", ["kept/lens.svg", "missing/lens.png", "kept"])
+def test_a_sheet_that_cannot_be_written_is_refused_before_anything_is_computed(
+    out: str, pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "kept").touch()
+    monkeypatch.setattr("render.cli.lenses.lens_report", lambda *_: pytest.fail("it was computed"))
+    ended = pullfocus("lenses", "show", "thin_50", "--out", tmp_path / out)
+    assert (ended.status, ended.out, ended.err.count("\n")) == (1, "", 1)
+    assert "cannot " in ended.err
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_tables_that_cannot_be_written_are_refused_likewise(
+    pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("render.cli.lenses.lens_report", lambda *_: pytest.fail("it was computed"))
+    ended = pullfocus("lenses", "show", "thin_50", "--tables", tmp_path / "missing" / "t.lens")
+    assert (ended.status, ended.out) == (1, "")
+    assert "missing does not exist" in ended.err
+
+
+def test_a_full_disk_leaves_the_numbers_and_what_was_there(
+    pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    (tmp_path / "lens.svg").write_text("old")
+    monkeypatch.setattr(os, "fsync", full)
+    ended = pullfocus("lenses", "show", "thin_50", "--out", tmp_path / "lens.svg")
+    assert ended.status == 1
+    assert "the disk is full" in ended.err
+    assert "50.00 mm" in ended.out
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]

@@ -1,0 +1,30 @@
+"""Contexts come and go within one process, as when one command renders after another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.frame import FrameRenderer, FrameSettings
+from render.lab.reference.scenes import spheres_over_checkerboard
+
+
+def test_a_context_can_be_made_again_after_one_was_closed() -> None:
+    names = []
+    for _ in range(2):
+        with FrameRenderer() as renderer:
+            names.append(renderer.graphics.renderer)
+            assert renderer.graphics.ctx.error == "GL_NO_ERROR"
+    assert names[0] == names[1]
+
+
+def test_one_renderer_does_not_disturb_another() -> None:
+    scene, camera = spheres_over_checkerboard()
+    settings = FrameSettings(64, 48, rays=4, supersample=1)
+    with FrameRenderer() as first:
+        alone = first.render(scene, camera, settings).color
+        with FrameRenderer() as second:
+            beside = second.render(scene, camera, settings).color
+            np.testing.assert_array_equal(first.render(scene, camera, settings).color, alone)
+        np.testing.assert_array_equal(first.render(scene, camera, settings).color, alone)
+        assert first.graphics.ctx.error == "GL_NO_ERROR"
+    np.testing.assert_array_equal(beside, alone)

@@ -1,0 +1,301 @@
+"""The progressive driver: soon, then better, then exactly what `record` writes; and nothing is done twice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter, sleep
+
+import numpy as np
+import pytest
+from pxr import Gf, UsdGeom
+
+from render.film import GradeChoice
+from render.frame import FrameRenderer, FrameSettings
+from render.gl.pulse import Interrupted, Pulse
+from render.lab.reference.metrics import psnr_db
+from render.layers.renderer import LayerRenderer
+from render.pictures.live_finisher import LiveFinisher
+from render.pictures.picture import make_picture
+from render.pictures.progressive import Asked, Shown
+from render.pictures.progressive.alike import alike
+from render.pictures.progressive.aside import aside
+from render.pictures.progressive.driver import Progressive
+from render.pictures.progressive.frames import enlarged
+from render.pictures.progressive.pace import ENOUGH_RAYS, GOOD_RAYS, Pace, Plan
+from render.shot import Shot
+from render.shot.film import finish as finishing
+from render.trace.tracer import Tracer
+from tests.render.pictures.test_motion_velocities import add_card, keyed, write_scene
+
+SETTINGS = FrameSettings(160, 90, rays=40, layers=3, supersample=1.5)
+
+
+@pytest.fixture
+def renderer() -> Iterator[FrameRenderer]:
+    with FrameRenderer() as own:
+        yield own
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Shot:
+    """A camera that looks at posts before a wall, and a card that moves."""
+    stage = write_scene(tmp_path / "room.usda")
+    card = add_card(stage, "/card", size=(0.7, 0.8), depth=3.0, colour=(1, 1, 0.2))
+    keyed(card.AddTranslateOp(), Gf.Vec3d(-0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
+    stage.Save()
+    return Shot.open(tmp_path / "room.usda")
+
+
+@pytest.fixture
+def driver(renderer: FrameRenderer, shot: Shot) -> Progressive:
+    return Progressive(renderer, shot, LiveFinisher(renderer))
+
+
+class Counted:
+    """How often a method was called."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, owner: type, name: str) -> None:
+        self.calls = 0
+        plain: Callable[..., object] = getattr(owner, name)
+
+        def counted(*arguments: object, **named: object) -> object:
+            self.calls += 1
+            return plain(*arguments, **named)
+
+        monkeypatch.setattr(owner, name, counted)
+
+    def since(self) -> int:
+        calls, self.calls = self.calls, 0
+        return calls
+
+
+def last(pictures: Iterator[Shown]) -> Shown:
+    return list(pictures)[-1]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"engine": "flag"},
+        {"engine": "scatter"},
+        {"engine": "importance"},
+        {"engine": "linear"},
+        {"engine": "gather", "width": 80, "height": 46},
+        {"engine": "pinhole"},
+        {"engine": "accumulation", "rays": 8},
+        {"rays": 200, "wavelengths": 1},
+        {"motion": 4, "motion_by": "velocities"},
+        {"motion": 3, "aovs": ("color", "depth")},
+        {"aovs": ("color", "coc", "albedo")},
+    ],
+)
+def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, changes: dict[str, object]) -> None:
+    settings = replace(SETTINGS, **changes)  # type: ignore[arg-type]
+    pictures = list(driver.pictures(Asked("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
+    assert pictures[0].stage == "preview"
+    assert [shown.stage for shown in pictures[1:-1]] == ["refining"] * (len(pictures) - 2)
+    final = pictures[-1]
+    with FrameRenderer() as other:
+        plain = make_picture(other, shot, "/cam", 2.0, settings, choice=GradeChoice(view="Raw"))
+    assert final.is_final
+    assert final.picture is not None
+    np.testing.assert_array_equal(final.graded, plain.graded)
+    np.testing.assert_array_equal(final.picture.frame.color, plain.frame.color)
+    assert final.picture.frame.aovs.keys() == plain.frame.aovs.keys()
+    assert alike(final.picture.metadata.settings, plain.metadata.settings)
+
+
+def test_the_first_picture_is_like_the_last(driver: Progressive) -> None:
+    pictures = list(driver.pictures(Asked("/cam", 2.0, SETTINGS, budget_ms=1.0)))
+    assert pictures[0].rays == GOOD_RAYS
+    first, final = pictures[0].graded, pictures[-1].graded
+    assert psnr_db(enlarged(first, 160, 90), final) > 22
+    assert pictures[0].timing.total_ms >= pictures[0].timing.blur_ms > 0
+    better = pictures[1]
+    assert better.rays > pictures[0].rays
+    assert better.graded.shape > first.shape
+    assert psnr_db(enlarged(better.graded, 160, 90), final) > 30
+
+
+def test_what_moves_gets_its_first_picture_alone(driver: Progressive) -> None:
+    pictures = list(driver.pictures(Asked("/cam", 2.0, SETTINGS, is_moving=True)))
+    assert [shown.stage for shown in pictures] == ["preview"]
+
+
+def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
+    driver: Progressive, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
+    shadows = Counted(monkeypatch, LayerRenderer, "draw_shadow")
+    moving = Asked("/cam", 2.0, SETTINGS, is_moving=True)
+    sketched = last(driver.pictures(moving)).graded
+    before = last(driver.pictures(moving)).graded
+    assert sketched.shape < before.shape, "what is new, and may change at once again, is sketched"
+    assert drawn.since() > 0
+    shadows.since()
+    for distance, stop in ((2.0, 0.5), (5.0, 0.5), (5.0, 8.0)):
+        shot.set_camera("/cam", focus_distance_m=distance, f_stop=stop)
+        after = last(driver.pictures(moving)).graded
+        assert np.abs(after - before).max() > 0.05
+        before = after
+    assert (drawn.since(), shadows.since()) == (0, 0)
+    last(driver.pictures(replace(moving, time=3.0)))
+    assert drawn.since() > 0
+
+
+def test_a_change_of_grade_or_film_traces_nothing(
+    driver: Progressive, shot: Shot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    traced = Counted(monkeypatch, Tracer, "passes")
+    developed = Counted(monkeypatch, finishing, "develop_on_film")  # type: ignore[arg-type]
+    asked = Asked("/cam", 2.0, SETTINGS, stock="5219")
+    one = last(driver.pictures(asked))
+    assert traced.since() > 0
+    assert developed.since() == 1
+    raw = last(driver.pictures(replace(asked, choice=GradeChoice(view="Raw"))))
+    assert (traced.since(), developed.since()) == (0, 0)
+    assert np.abs(raw.graded - one.graded).max() > 0.02
+    other = last(driver.pictures(replace(asked, stock="5222")))
+    assert (traced.since(), developed.since()) == (0, 1)
+    assert np.abs(other.graded - one.graded).max() > 0.02
+    shot.set_camera("/cam", f_stop=11.0)
+    last(driver.pictures(asked))
+    assert traced.since() > 0
+
+
+def test_work_that_is_stale_is_left_and_spoils_nothing(driver: Progressive, shot: Shot) -> None:
+    """Left between any two pieces, wherever these are: what is drawn next is right."""
+    asked = Asked("/cam", 2.0, SETTINGS)
+    plain = last(driver.pictures(asked)).graded
+    asks = 0
+
+    def counting() -> bool:
+        nonlocal asks
+        asks += 1
+        return False
+
+    driver.release()
+    last(driver.pictures(replace(asked, time=2.5), is_stale=counting))
+    assert asks > 20, "it is asked often whether anybody still waits"
+    ended = []
+    for until in np.linspace(1, asks, 9).astype(int):
+        left = int(until)
+
+        def is_stale() -> bool:
+            nonlocal left
+            left -= 1
+            return left <= 0
+
+        driver.release()
+        pictures = list(driver.pictures(replace(asked, time=2.0 + 0.1 * until), is_stale=is_stale))
+        ended.append(pictures[-1].is_final)
+        driver.release()
+        np.testing.assert_array_equal(last(driver.pictures(asked)).graded, plain)
+    assert not any(ended[:-2]), "where nobody waits, nothing is finished"
+
+
+def test_who_asks_no_further_leaves_the_work(driver: Progressive) -> None:
+    asked = Asked("/cam", 2.0, SETTINGS)
+    plain = last(driver.pictures(asked)).graded
+    driver.release()
+    for count in (1, 2):
+        work = driver.pictures(replace(asked, time=1.0 + count))
+        for _ in range(count):
+            next(work)
+        work.close()
+    np.testing.assert_array_equal(last(driver.pictures(asked)).graded, plain)
+
+
+def test_pictures_on_the_way_may_be_looked_at_between_pieces(
+    driver: Progressive, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("render.pictures.progressive.driver.REFRESH_MS", 0.0)
+    monkeypatch.setattr("render.gl.pulse.PIECE_MS", 1.0)
+    asked = Asked("/cam", 2.0, replace(SETTINGS, rays=160))
+    pictures = list(driver.pictures(asked))
+    shares = [shown.share for shown in pictures if shown.stage == "refining" and shown.share > 0]
+    assert len(shares) > 3
+    assert shares == sorted(shares)
+    whole = [psnr_db(shown.graded, pictures[-1].graded) for shown in pictures if shown.share > 0]
+    assert whole[-2] > whole[0]
+    driver.release()
+    monkeypatch.setattr("render.pictures.progressive.driver.REFRESH_MS", 1e9)
+    np.testing.assert_array_equal(last(driver.pictures(asked)).graded, pictures[-1].graded)
+
+
+def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
+    asked = Asked("/cam", 2.0, SETTINGS)
+    before = last(driver.pictures(asked)).graded
+    with shot.one_edit("hide the card"):
+        UsdGeom.Imageable(shot.stage.GetPrimAtPath("/card")).MakeInvisible()
+    after = last(driver.pictures(asked)).graded
+    assert np.abs(after - before).max() > 0.2
+
+
+def test_the_pace_follows_the_machine() -> None:
+    pace = Pace(is_software=True)
+    assert pace.largest(960, 540) == (480, 270)
+    assert pace.largest(8, 3) == (8, 3)
+
+    def settled(ms: float) -> Plan:
+        for _ in range(60):
+            plan = pace.plan(960, 540, 60)
+            assert GOOD_RAYS <= plan.rays <= ENOUGH_RAYS
+            pace.learn(plan, ms * plan.work)
+        return plan
+
+    quick = settled(2e-5)
+    assert (quick.width, quick.height) == (480, 270)
+    assert 2e-5 * quick.work == pytest.approx(60, rel=0.1), "the time there is, is used"
+    slow = settled(6e-5)
+    assert slow.width < 480, "few rays make a smaller picture better"
+    assert 6e-5 * slow.work == pytest.approx(60, rel=0.35)
+    assert settled(1e-2) == Plan(160, 90, GOOD_RAYS)
+    assert settled(2e-5).rays == pytest.approx(quick.rays, abs=1)
+    assert settled(1e-9).rays == ENOUGH_RAYS
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 5), (90, 160)])
+def test_enlarging_keeps_what_is_even(shape: tuple[int, int]) -> None:
+    picture = np.full((*shape, 3), 0.3, np.float32)
+    np.testing.assert_allclose(enlarged(picture, 160, 90), np.full((90, 160, 3), 0.3), rtol=1e-6)
+    ramp = np.broadcast_to(np.linspace(0, 1, 40, dtype=np.float32)[None, :, None], (7, 40, 1))
+    assert np.all(np.diff(enlarged(ramp, 160, 20)[:, :, 0], axis=1) >= 0)
+
+
+def test_alike_says_what_equality_cannot() -> None:
+    one = SETTINGS
+    assert alike(one, replace(one))
+    assert not alike(one, replace(one, rays=41))
+    assert alike(one, replace(one, rays=41), but=("rays",))
+    assert alike((np.arange(3.0), {"a": [1]}), (np.arange(3.0), {"a": [1]}))
+    assert not alike(np.arange(3.0), np.arange(4.0))
+    assert not alike({"a": 1}, {"a": 2})
+    assert alike(np.array([np.nan]), np.array([np.nan]))
+    assert not alike(1, 1.0)
+
+
+def test_work_aside_is_left_when_nobody_waits() -> None:
+    began, stale = perf_counter(), False
+    pulse = Pulse(lambda: None)
+    assert aside(lambda: 7, pulse) == 7
+    with pytest.raises(ZeroDivisionError), pulse.watched(lambda: stale):
+        aside(lambda: 1 // 0, pulse)
+    with pytest.raises(Interrupted), pulse.watched(lambda: perf_counter() > began + 0.05):
+        aside(lambda: sleep(3), pulse)
+    assert perf_counter() - began < 2
+
+
+@pytest.mark.parametrize("engine", ["flag", "importance", "gather"])
+def test_engines_that_blur_one_picture_are_previewed_in_their_time(
+    driver: Progressive, monkeypatch: pytest.MonkeyPatch, engine: str
+) -> None:
+    settings = replace(SETTINGS, engine=engine)
+    asked = Asked("/cam", 2.0, settings, is_moving=True)
+    sizes = [last(driver.pictures(asked)).graded.shape[1] for _ in range(2)]
+    assert sizes == [107, 160], "sketched, and then whole"
+    slow = Asked("/cam", 2.0, settings, is_moving=True, budget_ms=1e-3)
+    assert last(driver.pictures(slow)).graded.shape[1] == 107, "where there is no time, it stays a sketch"

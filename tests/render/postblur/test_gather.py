@@ -1,0 +1,134 @@
+"""The naive gather sheds what a point by point blur does, and is what FLAG comes to in far less time."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.gl.held import Held
+from render.gl.pulse import Interrupted, Pulse
+from render.gl.shaders import ProgramCache
+from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.lens import IrisShape
+from render.model.scene import FloatArray
+from render.postblur.blur_shape import blur_shape
+from render.postblur.flag import Flag
+from render.postblur.gather import Gather
+from render.postblur.shed import EVERYTHING, Field, Window
+from tests.render.postblur.test_flag import IRISES, shed
+
+
+@pytest.fixture
+def ctx(renderer: FrameRenderer) -> moderngl.Context:
+    return renderer.graphics.ctx
+
+
+class Stand:
+    """A field on the device, blurred by one engine or another."""
+
+    def __init__(self, ctx: moderngl.Context, held: Held, light: FloatArray, radii: FloatArray) -> None:
+        height, width = radii.shape
+        both = np.stack([0 * radii, radii], axis=-1).astype("f4")
+        self.field = Field(
+            held.keep(ctx.texture((width, height), 4, light.tobytes(), dtype="f4")),
+            held.keep(ctx.texture((width, height), 2, both.tobytes(), dtype="f4")),
+            1,
+        )
+        self.most_px = float(radii.max())
+        self._target = held.keep(ctx.texture((width, height), 4, dtype="f4"))
+
+    def blurred(self, by: Flag | Gather, iris: IrisShape, window: Window = EVERYTHING) -> FloatArray:
+        by.blur(self.field, blur_shape(iris, behind=True), self.most_px, self._target, window)
+        width, height = self._target.size
+        return np.frombuffer(self._target.read(), np.float32).reshape(height, width, 4).copy()
+
+
+def random_field(size: tuple[int, int], most_px: float) -> tuple[FloatArray, FloatArray]:
+    random = np.random.default_rng(11)
+    light = random.random((*size, 4)).astype(np.float32)
+    light[random.random(size) < 0.2] = 0
+    return light, (most_px * random.random(size)).astype(np.float32)
+
+
+@pytest.mark.parametrize("iris", IRISES)
+def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: str) -> None:
+    light, radii = random_field((17, 23), 6.4)
+    shape = blur_shape(IRISES[iris], behind=True)
+    with Held() as held:
+        seen = Stand(ctx, held, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
+    np.testing.assert_allclose(seen, shed(light, radii, shape, shape.areas(8)), atol=2e-5)
+
+
+@pytest.mark.parametrize("window", [EVERYTHING, Window(rise=(2.0, 3.5)), Window(fall=(1.0, 4.0))])
+def test_flag_comes_to_the_same(ctx: moderngl.Context, window: Window) -> None:
+    light, radii = random_field((60, 90), 17.0)
+    programs = ProgramCache(ctx)
+    with Held() as held:
+        stand = Stand(ctx, held, light, radii)
+        gather = stand.blurred(Gather(ctx, programs), IRISES["five, turned"], window)
+        flag = stand.blurred(Flag(ctx, programs), IRISES["five, turned"], window)
+    assert gather.max() > 0.1
+    np.testing.assert_allclose(flag, gather, atol=2e-5)
+
+
+def test_windows_that_share_the_light_share_all_of_it(ctx: moderngl.Context) -> None:
+    light, radii = random_field((30, 40), 8.0)
+    gather = Gather(ctx, ProgramCache(ctx))
+    with Held() as held:
+        stand = Stand(ctx, held, light, radii)
+        parts = [stand.blurred(gather, IrisShape(), window) for window in (Window(rise=(3, 5)), Window(fall=(3, 5)))]
+        np.testing.assert_allclose(parts[0] + parts[1], stand.blurred(gather, IrisShape()), atol=2e-5)
+
+
+@pytest.mark.parametrize("made", [spheres_over_checkerboard, posts_before_wall])
+def test_the_engine_draws_what_flag_does(renderer: FrameRenderer, made: object) -> None:
+    scene, camera = made()  # type: ignore[operator]
+    settings = FrameSettings(160, 120, shading="unlit", supersample=1)
+    gather, flag = (
+        renderer.render(scene, camera, FrameSettings(**{**vars(settings), "engine": engine})).color
+        for engine in ("gather", "flag")
+    )
+    np.testing.assert_allclose(flag, gather, atol=2e-4 * float(gather.max()))
+
+
+def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
+    ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the same picture, and each piece looks at no more pixels than it should."""
+    monkeypatch.setattr("render.postblur.gather.FIRST_LOOKS", 1 << 17)
+    light, radii = random_field((60, 300), 15.0)
+    pulse = Pulse(ctx.finish)
+    beats = []
+
+    def is_stale() -> bool:
+        beats.append(1)
+        return False
+
+    gather = Gather(ctx, ProgramCache(ctx), pulse)
+    monkeypatch.setattr(gather._looks, "learn", lambda units, took_ms: None)
+    with Held() as held:
+        stand = Stand(ctx, held, light, radii)
+        whole = stand.blurred(gather, IrisShape())
+        with pulse.watched(is_stale):
+            pieces = stand.blurred(gather, IrisShape())
+    np.testing.assert_array_equal(pieces, whole)
+    assert len(beats) > 60 * 300 * 31**2 / (1 << 17)
+
+
+@pytest.mark.parametrize("engine", [Gather, Flag])
+def test_it_can_be_called_off(ctx: moderngl.Context, engine: type[Gather] | type[Flag]) -> None:
+    light, radii = random_field((200, 100), 9.0)
+    pulse = Pulse(ctx.finish)
+    beats = []
+
+    def is_stale() -> bool:
+        beats.append(1)
+        return len(beats) > 2
+
+    with Held() as held:
+        stand = Stand(ctx, held, light, radii)
+        with pytest.raises(Interrupted), pulse.watched(is_stale):
+            stand.blurred(engine(ctx, ProgramCache(ctx), pulse), IrisShape())
+    assert len(beats) == 3

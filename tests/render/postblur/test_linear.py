@@ -1,0 +1,164 @@
+"""The linear post-filter: tables that lose no light, and sums that are those of a pixel by pixel spreading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from render.frame import FrameRenderer, FrameSettings
+from render.gl.shaders import ProgramCache
+from render.lab.reference.metrics import psnr_db
+from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.lens import IrisShape
+from render.model.scene import Camera, DoubleArray, FloatArray, Scene
+from render.postblur.linear import CUTOFF_PX, CUTOFF_SHARE, NO_CUTOFF, FieldSpreader, LinearField
+from render.postblur.shed import Field
+from render.postblur.spread_tables import (
+    MAX_RADIUS_PX,
+    WEIGHT_BITS,
+    Gaussian,
+    IrisImage,
+    Spread,
+    radius_of,
+    steps_to,
+    table_of,
+)
+
+SPREADS: dict[str, Spread] = {
+    "gaussian": Gaussian(),
+    "round": IrisImage(IrisShape()),
+    "five, turned": IrisImage(IrisShape(blades=5, rotation_rad=0.4)),
+    "squeezed": IrisImage(IrisShape(blades=6), is_behind=False, squeeze=2.0),
+}
+
+
+@pytest.fixture
+def ctx(renderer: FrameRenderer) -> moderngl.Context:
+    return renderer.graphics.ctx
+
+
+def as_field(ctx: moderngl.Context, light: FloatArray, radii: FloatArray) -> Field:
+    """Light ``(h, w, 4)`` with signed radii ``(h, w)``."""
+    size = light.shape[1], light.shape[0]
+    both = np.stack([radii, radii], axis=-1).astype(np.float32)
+    light_made = ctx.texture(size, 4, np.ascontiguousarray(light, np.float32).tobytes(), dtype="f4")
+    return Field(light_made, ctx.texture(size, 2, both.tobytes(), dtype="f4"), 0)
+
+
+def as_array(texture: moderngl.Texture) -> FloatArray:
+    return np.frombuffer(texture.read(), np.float32).reshape(texture.height, texture.width, 4).copy()
+
+
+def spread_by(
+    ctx: moderngl.Context, light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float = NO_CUTOFF
+) -> FloatArray:
+    """Sums of weighted light and of weights, ``(h, w, 4)``."""
+    field = as_field(ctx, light, radii)
+    linear = LinearField(FieldSpreader(ctx, ProgramCache(ctx), cutoff_px=cutoff_px))
+    sums = as_array(linear.spread(field, 1.0, spread, float(np.abs(radii).max())))
+    for made in (linear, field.light, field.radii):
+        made.release()
+    return sums
+
+
+def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float) -> DoubleArray:
+    """The same, point by point."""
+    height, width = radii.shape
+    steps = np.array([[steps_to(abs(radius)) for radius in row] for row in radii])
+    rounded = np.sign(radii) * np.array([[radius_of(step) for step in row] for row in steps])
+    total = np.zeros((height, width, 4))
+    for y, x in np.argwhere((light != 0).any(axis=-1)):
+        half = int(np.ceil(abs(rounded[y, x]) + 0.5))
+        table = table_of(spread, abs(rounded[y, x]), half)
+        top, left = max(y - half, 0), max(x - half, 0)
+        seen = rounded[top : y + half + 1, left : x + half + 1]
+        rows, columns = seen.shape
+        here = table[top - y + half :, left - x + half :][:rows, :columns] * (
+            rounded[y, x] >= CUTOFF_SHARE * np.minimum(seen, 0) - cutoff_px
+        )
+        total[top : y + half + 1, left : x + half + 1] += here[..., None] * light[y, x]
+    return total
+
+
+@given(step=st.integers(0, 80), name=st.sampled_from(sorted(SPREADS)))
+def test_a_table_is_whole_and_as_wide_as_its_circle(step: int, name: str) -> None:
+    radius = radius_of(step)
+    half = int(np.ceil(radius + 0.5))
+    table = table_of(SPREADS[name], radius, half)
+    assert table.sum() == 1
+    assert (table * 2**WEIGHT_BITS == np.round(table * 2**WEIGHT_BITS)).all()
+    assert (table >= 0).all()
+    offsets = np.arange(-half, half + 1.0)
+    assert np.hypot(offsets[:, None], offsets)[table > 0].max() <= radius + 1
+    if radius > 4:
+        middle = [(table.sum(axis=axis) * offsets).sum() for axis in (0, 1)]
+        assert np.hypot(*middle) < 0.1 * radius
+
+
+def test_an_even_disc_is_the_circle_of_confusion() -> None:
+    table = table_of(IrisImage(IrisShape()), 20.0, 21)
+    y, x = np.mgrid[-21:22, -21:22]
+    inside = np.hypot(x, y) < 19
+    np.testing.assert_allclose(table[inside], 1 / (np.pi * 400), rtol=0.02)
+    assert table[np.hypot(x, y) > 21].max() == 0
+
+
+def test_steps_of_the_radius_are_half_a_pixel_and_then_a_sixty_fourth() -> None:
+    radii = [radius_of(step) for step in range(140)]
+    assert radii[:4] == [0, 0.5, 1, 1.5]
+    assert [steps_to(radius) for radius in radii if radius < MAX_RADIUS_PX] == [
+        step for step, radius in enumerate(radii) if radius < MAX_RADIUS_PX
+    ]
+    assert radii[139] / radii[138] == pytest.approx(1 + 1 / 64, rel=1e-2)
+    assert steps_to(1e9) == steps_to(MAX_RADIUS_PX)
+
+
+@pytest.mark.parametrize("cutoff_px", [NO_CUTOFF, CUTOFF_PX])
+@pytest.mark.parametrize("name", SPREADS)
+def test_pixels_shed_what_points_do(ctx: moderngl.Context, name: str, cutoff_px: float) -> None:
+    random = np.random.default_rng(7)
+    light = random.random((37, 45, 4)).astype(np.float32)
+    light[random.random((37, 45)) < 0.2] = 0
+    radii = (14.6 * random.random((37, 45)) - 7.3).astype(np.float32)
+    seen = spread_by(ctx, light, radii, SPREADS[name], cutoff_px)
+    np.testing.assert_allclose(seen, shed(light, radii, SPREADS[name], cutoff_px), rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1e-5, 1.0, 3e6])
+def test_light_of_any_scale_keeps_its_energy(ctx: moderngl.Context, scale: float) -> None:
+    light = np.zeros((70, 70, 4), np.float32)
+    light[30:40, 30:40] = [scale, 1e-3 * scale, 0, 1]
+    light[35, 35, 0] = np.nan
+    seen = spread_by(ctx, light, np.full((70, 70), -11.3, np.float32), Gaussian())
+    np.testing.assert_allclose(seen.sum(axis=(0, 1)), [99 * scale, 0.1 * scale, 0, 100], rtol=1e-5)
+
+
+def test_what_is_sharp_and_near_gets_nothing_of_a_blur_behind_it(ctx: moderngl.Context) -> None:
+    """A dark sharp post before a bright wall: with the cutoff it stays dark, and the wall beside it even."""
+    light = np.ones((40, 60, 4), np.float32)
+    radii = np.full((40, 60), -9.0, np.float32)
+    light[:, 25:35, :3], radii[:, 25:35] = 0, 0
+    kept, leaks = (spread_by(ctx, light, radii, Gaussian(), cutoff) for cutoff in (CUTOFF_PX, NO_CUTOFF))
+    picture = kept[..., 0] / kept[..., 3]
+    assert picture[:, 25:35].max() == 0
+    np.testing.assert_allclose(picture[:, [24, 35, 10, 50]], 1, atol=1e-6)
+    assert (leaks[..., 0] / leaks[..., 3])[20, 30] > 0.1
+
+
+@pytest.mark.parametrize("made", [spheres_over_checkerboard, posts_before_wall])
+def test_generated_scenes_look_as_by_the_lens(
+    renderer: FrameRenderer, made: Callable[[], tuple[Scene, Camera]]
+) -> None:
+    scene, camera = made()
+    settings = FrameSettings(200, 150, shading="unlit", rays=64)
+    lens, linear, sharp = (
+        renderer.render(scene, camera, replace(settings, engine=engine)).color
+        for engine in ("lens", "linear", "pinhole")
+    )
+    assert psnr_db(lens, linear) > psnr_db(lens, sharp) + 3

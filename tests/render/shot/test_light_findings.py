@@ -1,0 +1,25 @@
+"""What the renderer has no room for is told, not dropped in silence (DESIGN, section 7)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.layers.lights import MAX_LIGHTS, chosen_lights
+from render.model.scene import Light
+from render.shot.findings.camera_findings import light_findings
+
+
+def bulb(number: int, radiance: float = 1.0, *, casts: bool = True) -> Light:
+    return Light("sphere", (radiance,) * 3, np.eye(4), radius_m=0.1, casts_shadow=casts, path=f"/bulb{number}")
+
+
+def test_two_bare_bulbs_have_shadows_and_the_weakest_of_three_has_none() -> None:
+    assert light_findings((bulb(0), bulb(1))) == []
+    found = light_findings((bulb(0, 3.0), bulb(1, 1.0), bulb(2, 2.0), bulb(3, 0.1, casts=False)))
+    assert [(f.code, f.path) for f in found] == [("shadow_maps", "/bulb1")]
+
+
+def test_the_weakest_of_too_many_lights_are_named() -> None:
+    lights = tuple(bulb(i, 1.0 + i, casts=False) for i in range(MAX_LIGHTS + 2))
+    assert len(chosen_lights(lights)) == MAX_LIGHTS
+    assert [f.path for f in light_findings(lights)] == ["/bulb0", "/bulb1"]

@@ -1,0 +1,218 @@
+"""UsdLux lights give the light that UsdLux says, whatever their size and the stage's units."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+
+from render import colour
+from render.model.scene import Light
+from render.stage import StageReader
+from tests.render.kits.stages import codes, new_stage, read, write_picture
+
+
+def light_of(stage: Usd.Stage) -> Light:
+    (light,) = read(stage).lights
+    return light
+
+
+def test_radiance_is_colour_times_intensity_times_exposure() -> None:
+    stage = new_stage()
+    light = UsdLux.SphereLight.Define(stage, "/l")
+    light.CreateIntensityAttr(3.0)
+    light.CreateExposureAttr(2.0)
+    light.CreateColorAttr(Gf.Vec3f(1.0, 0.5, 0.25))
+    light.CreateRadiusAttr(0.2)
+    found = light_of(stage)
+    np.testing.assert_allclose(found.radiance, colour.rgb_to_working((12, 6, 3)), rtol=1e-5)
+    assert (found.kind, found.radius_m) == ("sphere", pytest.approx(0.2))
+
+
+def test_colour_temperature_is_honoured_where_enabled() -> None:
+    stage = new_stage()
+    light = UsdLux.SphereLight.Define(stage, "/l")
+    light.CreateColorTemperatureAttr(3000.0)
+    plain = light_of(stage).radiance
+    assert plain == pytest.approx((1, 1, 1), rel=1e-3)
+    light.CreateEnableColorTemperatureAttr(True)
+    red, green, blue = light_of(stage).radiance
+    assert red > green > blue
+    np.testing.assert_allclose(
+        (red, green, blue), colour.rgb_to_working(tuple(UsdLux.BlackbodyTemperatureAsRgb(3000))), rtol=1e-5
+    )
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0, 4.0])
+@pytest.mark.parametrize("kind", ["SphereLight", "DiskLight", "RectLight"])
+def test_a_normalised_light_keeps_its_power_at_any_size(kind: str, size: float) -> None:
+    stage = new_stage()
+    prim = stage.DefinePrim("/l", kind)
+    prim.GetAttribute("inputs:normalize").Set(True)
+    UsdGeom.Xformable(prim).AddScaleOp().Set(Gf.Vec3f(size))
+    light = light_of(stage)
+    area = {
+        "sphere": 4 * np.pi * light.radius_m**2,
+        "disk": np.pi * light.radius_m**2,
+        "rect": light.width_m * light.height_m,
+    }[light.kind]
+    assert light.radiance[0] * area == pytest.approx(1.0, rel=1e-3)
+
+
+def test_normalising_counts_area_in_scene_units() -> None:
+    """A shot that is converted from metres to centimetres, lights and all, keeps its normalised intensities' meaning."""
+    radiance = []
+    for metres_per_unit in (1.0, 0.01):
+        stage = new_stage(metres_per_unit)
+        light = UsdLux.RectLight.Define(stage, "/l")
+        light.CreateNormalizeAttr(True)
+        light.CreateWidthAttr(3.0)
+        light.CreateHeightAttr(2.0)
+        radiance.append(light_of(stage).radiance[0])
+        assert light_of(stage).width_m == pytest.approx(3 * metres_per_unit)
+    assert radiance == pytest.approx([1 / 6, 1 / 6], rel=1e-3)
+
+
+def test_a_distant_light_gives_irradiance() -> None:
+    stage = new_stage(0.01)
+    light = UsdLux.DistantLight.Define(stage, "/l")
+    light.CreateAngleAttr(2.0)
+    light.CreateIntensityAttr(1000.0)
+    disk = np.pi * np.sin(np.radians(1)) ** 2
+    assert light_of(stage).radiance[0] == pytest.approx(1000 * disk, rel=1e-3)
+    assert light_of(stage).angle_rad == pytest.approx(np.radians(2))
+    light.CreateNormalizeAttr(True)
+    assert light_of(stage).radiance[0] == pytest.approx(1000, rel=1e-3)
+    light.GetAngleAttr().Set(0.0)
+    light.GetNormalizeAttr().Set(False)
+    assert light_of(stage).radiance[0] == pytest.approx(1000, rel=1e-3)
+
+
+def test_a_light_shines_along_its_own_minus_z_on_a_z_up_stage_too() -> None:
+    stage = new_stage(0.01, "Z")
+    light = UsdLux.RectLight.Define(stage, "/l")
+    light.AddTranslateOp().Set(Gf.Vec3d(0, 0, 300))
+    light.AddScaleOp().Set(Gf.Vec3f(200, 100, 50))
+    found = light_of(stage)
+    np.testing.assert_allclose(found.pose[:3, 3], [0, 3, 0], atol=1e-9)
+    np.testing.assert_allclose(-found.pose[:3, 2], [0, -1, 0], atol=1e-9)
+    np.testing.assert_allclose(found.pose[:3, :3].T @ found.pose[:3, :3], np.eye(3), atol=1e-12)
+    assert (found.width_m, found.height_m) == pytest.approx((2, 1))
+
+
+def test_shaping_shadow_and_multipliers() -> None:
+    stage = new_stage()
+    prim = UsdLux.DiskLight.Define(stage, "/l").GetPrim()
+    plain = light_of(stage)
+    assert (plain.cone_angle_rad, plain.casts_shadow) == (pytest.approx(np.pi), True)
+    shaping = UsdLux.ShapingAPI.Apply(prim)
+    shaping.CreateShapingConeAngleAttr(30.0)
+    shaping.CreateShapingConeSoftnessAttr(0.4)
+    UsdLux.ShadowAPI.Apply(prim).CreateShadowEnableAttr(False)
+    UsdLux.LightAPI(prim).CreateDiffuseAttr(0.5)
+    UsdLux.LightAPI(prim).CreateSpecularAttr(0.25)
+    found = light_of(stage)
+    assert found.cone_angle_rad == pytest.approx(np.pi / 6)
+    assert (found.cone_softness, found.diffuse, found.specular) == pytest.approx((0.4, 0.5, 0.25))
+    assert not found.casts_shadow
+
+
+def test_a_point_light_has_its_power_too() -> None:
+    stage = new_stage()
+    light = UsdLux.SphereLight.Define(stage, "/l")
+    light.CreateRadiusAttr(0.0)
+    reader = StageReader(stage)
+    assert reader.read(0).lights == ()
+    assert codes(reader) == {"light_without_area"}
+    light.CreateNormalizeAttr(True)
+    found = light_of(stage)
+    assert found.radiance[0] * 4 * np.pi * found.radius_m**2 == pytest.approx(1, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["SphereLight", "DomeLight"])
+def test_a_light_whose_numbers_are_not_finite_is_off(kind: str) -> None:
+    stage = new_stage()
+    stage.DefinePrim("/l", kind).GetAttribute("inputs:intensity").Set(float("nan"))
+    reader = StageReader(stage)
+    scene = reader.read(0)
+    assert scene.lights == ()
+    assert scene.dome is None or scene.dome.radiance == (0, 0, 0)
+    assert codes(reader) == {"bad_light"}
+
+
+def test_hidden_lights_are_off() -> None:
+    stage = new_stage()
+    light = UsdLux.SphereLight.Define(stage, "/l")
+    light.CreateVisibilityAttr().Set("invisible", 0)
+    light.GetVisibilityAttr().Set("inherited", 10)
+    reader = StageReader(stage)
+    assert len(reader.read(0).lights) == 0
+    assert len(reader.read(10).lights) == 1
+
+
+def test_what_is_not_honoured_is_reported() -> None:
+    stage = new_stage()
+    UsdLux.CylinderLight.Define(stage, "/cylinder")
+    light = UsdLux.SphereLight.Define(stage, "/l")
+    UsdLux.LightFilter.Define(stage, "/filter")
+    light.GetFiltersRel().AddTarget("/filter")
+    shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
+    shaping.CreateShapingFocusAttr(3.0)
+    shaping.CreateShapingIesFileAttr(Sdf.AssetPath("a.ies"))
+    UsdLux.ShadowAPI.Apply(light.GetPrim()).CreateShadowColorAttr(Gf.Vec3f(1, 0, 0))
+    UsdLux.LightAPI(light.GetPrim()).GetLightLinkCollectionAPI().CreateIncludeRootAttr(False)
+    UsdLux.DomeLight.Define(stage, "/dome1")
+    UsdLux.DomeLight.Define(stage, "/dome2")
+    reader = StageReader(stage)
+    scene = reader.read(0)
+    assert len(scene.lights) == 1
+    assert scene.dome is not None
+    assert codes(reader) == {
+        "unsupported_light",
+        "light_filter",
+        "light_shaping_focus",
+        "light_IES_profile",
+        "light_shadow_colour",
+        "light_linking",
+        "second_dome",
+    }
+
+
+def test_a_plain_light_has_no_findings() -> None:
+    stage = new_stage()
+    for kind in ("SphereLight", "DiskLight", "RectLight", "DistantLight", "DomeLight", "DomeLight_1"):
+        prim = UsdLux.LightAPI(stage.DefinePrim(f"/{kind}", kind)).GetPrim()
+        if kind != "DomeLight_1":
+            UsdLux.ShadowAPI.Apply(prim)
+    stage.RemovePrim("/DomeLight")
+    reader = StageReader(stage)
+    assert len(reader.read(0).lights) == 4
+    assert reader.findings == []
+
+
+def test_a_dome_has_its_picture_and_its_turn(tmp_path: Path) -> None:
+    stage = new_stage()
+    pixels = np.zeros((4, 8, 3), np.float32)
+    pixels[0] = 5.0
+    dome = UsdLux.DomeLight.Define(stage, "/dome")
+    dome.CreateTextureFileAttr(write_picture(tmp_path / "sky.exr", pixels))
+    dome.CreateIntensityAttr(2.0)
+    dome.AddRotateYOp().Set(90.0)
+    found = read(stage).dome
+    assert found is not None
+    assert found.image is not None
+    np.testing.assert_allclose(found.image.pixels[0, 0, :3], 5, rtol=2e-3)
+    np.testing.assert_allclose(found.radiance, [2, 2, 2], rtol=1e-3)
+    np.testing.assert_allclose(found.pose[:3, :3] @ [0, 0, 1], [1, 0, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "top"), [("DomeLight", [0, 0, -1]), ("DomeLight_1", [0, 1, 0])])
+def test_the_pole_of_a_dome_on_a_z_up_stage(kind: str, top: list[int]) -> None:
+    """DomeLight's pole is its own +Y, which lies level on a Z-up stage; DomeLight_1's is the stage's up axis."""
+    stage = new_stage(1.0, "Z")
+    stage.DefinePrim("/dome", kind)
+    found = read(stage).dome
+    assert found is not None
+    np.testing.assert_allclose(found.pose[:3, :3] @ [0, 1, 0], top, atol=1e-9)

@@ -22,21 +22,21 @@ from numpy.typing import NDArray
 from render.engines.accumulator import check_thin
 from render.engines.engines import Engines
 from render.errors import GraphicsError, InputError, SettingsError
+from render.gl.cancellation import Cancelled
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
-from render.gl.pulse import Interrupted
 from render.layers.headlight import Headlight
 from render.layers.movement import movements
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
 from render.model.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.model.lens import IrisShape
-from render.model.scene import Camera, FloatArray, Moment, Opening, Scene
+from render.model.scene import Camera, FloatArray, Moment, Scene, ShutterScenes
 from render.optics.distortion import seen_at
 from render.optics.view import PinholeView
 from render.trace.aovs import MEASURED
 from render.trace.rays import RayPattern, ray_pattern
-from render.trace.swept import Look
+from render.trace.swept import ShutterSample
 
 __all__ = ["AOVS", "ENGINES", "SHADINGS", "Frame", "FrameRenderer", "FrameSettings", "Pick"]
 
@@ -193,7 +193,7 @@ class FrameRenderer:
 
     def render_swept(
         self,
-        opening: Opening,
+        opening: ShutterScenes,
         middle: Camera,
         moments: Sequence[Moment],
         settings: FrameSettings,
@@ -243,7 +243,7 @@ class FrameRenderer:
             )
         return Frame(total, aovs, opening.middle.prim_paths)
 
-    def _looks(self, moments: Sequence[Moment], settings: FrameSettings, apart: int) -> list[Look]:
+    def _looks(self, moments: Sequence[Moment], settings: FrameSettings, apart: int) -> list[ShutterSample]:
         """What is looked at in each moment: camera and picture as the engine has them, when, by which rays, in which lines."""
         looks, patterns = [], _Patterns(settings)
         for i, moment in enumerate(moments):
@@ -253,7 +253,7 @@ class FrameRenderer:
             lines = np.flatnonzero(exposed.any(axis=(1, 2)))
             span = (int(lines[0]), int(lines[-1]) + 1) if len(lines) else (0, 0)
             pattern = patterns.of(camera).part(i % apart, apart)
-            looks.append(Look(camera, view, (i + 0.5) / len(moments) - 0.5, pattern, span))
+            looks.append(ShutterSample(camera, view, (i + 0.5) / len(moments) - 0.5, pattern, span))
         return looks
 
     def loaded(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> Camera:
@@ -323,7 +323,7 @@ class FrameRenderer:
         self.graphics.make_current()
         try:
             yield
-        except (SettingsError, InputError, Interrupted):
+        except (SettingsError, InputError, Cancelled):
             raise  # said before anything was drawn, or left where work can be left
         except Exception as error:
             self.graphics.close()

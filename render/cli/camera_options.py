@@ -34,7 +34,7 @@ MAX_SECONDS = 1e6
 
 
 @dataclass(frozen=True)
-class Opening:
+class ShutterTime:
     """How long a shutter is open.
 
     Attributes:
@@ -71,7 +71,7 @@ class AskedCamera:
     body: LibraryBody | None = None
     crop: float | None = None
     f_stop: float | None = None
-    shutter: Opening | None = None
+    shutter: ShutterTime | None = None
     settings: dict[str, Any] = field(default_factory=dict)
     compensation_stops: float | None = None
     guides: tuple[Guide, ...] = ()
@@ -118,7 +118,7 @@ class AskedCamera:
         shot.mount_body(camera, LibraryBody("", said["body"], "", kind, exposed, frame.resolution, squeeze))
         say(f"crop: {exposed[0]:.4g} × {exposed[1]:.4g} mm of {gate.width_mm:.4g} × {gate.height_mm:.4g} mm")
 
-    def _open_shutter(self, shot: Shot, camera: str | None, opening: Opening) -> None:
+    def _open_shutter(self, shot: Shot, camera: str | None, opening: ShutterTime) -> None:
         """Close the shutter later or earlier. A shot that says how long it exposes does so for as long."""
         start, rate = shot.frame_range.start, shot.stage.GetTimeCodesPerSecond()
         seconds = opening.seconds(shot.stage.GetFramesPerSecond())
@@ -256,18 +256,18 @@ def _guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
     return guides_of(names)
 
 
-def _opening(typed: str) -> Opening:
+def _opening(typed: str) -> ShutterTime:
     """An angle in degrees, or seconds."""
     number = typed.strip().removesuffix("°").removesuffix("deg")
     if number == typed.strip():
-        return Opening(time_s=_seconds("--shutter", typed))
+        return ShutterTime(time_s=_seconds("--shutter", typed))
     try:
         degrees = float(number)
     except ValueError:
         degrees = math.nan
     if not 0 < degrees <= 360:
         raise SettingsError(f"--shutter takes an angle above 0 and up to 360 degrees, got {typed!r}")
-    return Opening(angle_rad=math.radians(degrees))
+    return ShutterTime(angle_rad=math.radians(degrees))
 
 
 def _seconds(option: str, typed: str) -> float:

@@ -14,7 +14,7 @@ from render.cli.report import FrameProgress, say
 from render.errors import SettingsError
 from render.film import GradeChoice
 from render.model.frame_settings import FrameSettings
-from render.model.shutter_intervals import MAX_ND_STOPS, Opening, parse_openings
+from render.model.shutter_intervals import MAX_ND_STOPS, ShutterInterval, parse_shutter_intervals
 from render.output import write_frame
 from render.pictures.long_exposure import LongExposure, LongExposureState
 from render.shot import Shot
@@ -31,7 +31,7 @@ class LongExposureWish:
         nd_stops: of a neutral density filter; None for one that keeps the exposure.
     """
 
-    openings: tuple[Opening, ...]
+    openings: tuple[ShutterInterval, ...]
     nd_stops: float | None = None
 
     @property
@@ -78,7 +78,7 @@ def asked_long_exposure(arguments: argparse.Namespace) -> LongExposureWish | Non
         return None
     if arguments.frames is not None:
         raise SettingsError("--long-exposure says itself which frames it takes: leave out --frames")
-    return LongExposureWish(tuple(parse_openings(arguments.long_exposure)), _stops(arguments.nd))
+    return LongExposureWish(tuple(parse_shutter_intervals(arguments.long_exposure)), _stops(arguments.nd))
 
 
 def _stops(typed: str) -> float | None:

@@ -17,7 +17,7 @@ from render.film import GradeChoice
 from render.model.frame_settings import FrameSettings
 from render.output import format_of, write_frame
 from render.output.encode import encode_jpeg, encode_png
-from render.pictures.progressive import Asked, Shown
+from render.pictures.progressive import PreviewRequest, Shown
 from render.shot import Shot
 
 
@@ -80,7 +80,7 @@ def record_progressively(
             progress.begin(file.name)
             pictures = []
             with _kept_unless_final(file):
-                for shown in driver.pictures(Asked(camera, time, settings, stock=stock, choice=grade)):
+                for shown in driver.pictures(PreviewRequest(camera, time, settings, stock=stock, choice=grade)):
                     _write(file, shown, settings, viewed)
                     pictures.append(_record(shown))
                     if not shown.is_final:

@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 
 from render.errors import SettingsError
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
 from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
@@ -72,7 +72,7 @@ class Accumulator:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
         """
         size = (view.width, view.height)
-        with Held() as held:
+        with Resources() as held:
             total, seen = (held.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
             total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):

@@ -28,9 +28,9 @@ class Engines:
     def __init__(self, graphics: GraphicsContext) -> None:
         programs = ProgramCache(graphics.ctx)
         self.peeler = Peeler(graphics, programs)
-        self.lens = LensEngine(graphics.ctx, programs, graphics.pulse)
+        self.lens = LensEngine(graphics.ctx, programs, graphics.cancellation)
         self._accumulator = Accumulator(graphics.ctx, programs)
-        self.post_blur = PostBlurEngine(graphics.ctx, programs, graphics.pulse)
+        self.post_blur = PostBlurEngine(graphics.ctx, programs, graphics.cancellation)
         self.preview = PreviewEngine(graphics, programs, self.post_blur)
 
     def drawn(

@@ -7,8 +7,8 @@ from types import TracebackType
 import moderngl
 
 from render.errors import GraphicsError
+from render.gl.cancellation import CancellationPoint
 from render.gl.compat import make_context, pyrender_egl, release_context
-from render.gl.pulse import Pulse
 
 REQUIRED_VERSION = 450
 
@@ -20,7 +20,7 @@ class GraphicsContext:
         ctx: moderngl's view of the context.
         renderer: the driver's name of the device, such as ``llvmpipe (LLVM 15.0.6, 256 bits)``.
         is_software: whether the device is a CPU rasteriser.
-        pulse: where long work on it can be left.
+        cancellation: where long work on it can be left.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ class GraphicsContext:
             version = self.ctx.info["GL_VERSION"]
             self.close()
             raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
-        self.pulse = Pulse(self.ctx.finish)
+        self.cancellation = CancellationPoint(self.ctx.finish)
         self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
 
     def make_current(self) -> None:

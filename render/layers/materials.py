@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from render.gl.compat import GL, half_float_image, pyrender
-from render.gl.held import Making
+from render.gl.resources import Construction
 from render.model.scene import FloatArray, Image, Material, TextureLookup, Wrap
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
@@ -31,7 +31,7 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
         self.anisotropy = anisotropy
 
     def _add_to_context(self) -> None:
-        with Making() as making:
+        with Construction() as making:
             self._texid = GL.glGenTextures(1)
             making.callback(self.delete)
             GL.glBindTexture(GL.GL_TEXTURE_2D, self._texid)

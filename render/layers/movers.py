@@ -7,7 +7,7 @@ from types import TracebackType
 import moderngl
 import numpy as np
 
-from render.gl.held import Making
+from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.peel import Layers
@@ -41,7 +41,7 @@ class Movers:
         self._ctx, self._programs, self._layers, self._motion = ctx, programs, layers, motion
         self._blocks = blocks_of(layers.view)
         count = self._blocks[0] * self._blocks[1]
-        with Making() as making:
+        with Construction() as making:
             # halves do: they say where to look first
             self._movers = making.keep(ctx.texture_array((*self._blocks, _KINDS * layers.count), 4, dtype="f2"))
             self._movers.filter = (moderngl.NEAREST, moderngl.NEAREST)

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from render.errors import GraphicsError
-from render.gl.held import Making
+from render.gl.resources import Construction
 from render.layers.index import Draw
 from render.layers.movement import Movement
 from render.model.scene import DoubleArray
@@ -36,7 +36,7 @@ class MovingDraws:
     ) -> None:
         self._poses: dict[int, moderngl.Buffer] = {}
         self._positions: dict[int, moderngl.Buffer] = {}
-        with Making() as making:
+        with Construction() as making:
             for draw in draws:
                 movement = moves.get(id(draw.batch))
                 if movement is None:

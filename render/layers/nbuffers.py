@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.gl.held import Making
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import EMPTY_MIN
 from render.layers.movers import Movers, blocks_of
@@ -44,8 +44,10 @@ class NBuffers:
 class NBufferBuilder:
     """Builds N-buffers, keeping the textures for the next layers of the same size."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._ctx, self._pulse = ctx, pulse
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._ctx, self._cancellation = ctx, cancellation
         self._programs = programs
         self._held: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
         self._built: tuple[Layers, NBuffers] | None = None
@@ -92,7 +94,7 @@ class NBufferBuilder:
         texture.bind_to_image(0, read=False, write=True)
         program.run(-(-texture.width // 8), -(-texture.height // 8))
         self._ctx.memory_barrier()
-        self._pulse.beat()
+        self._cancellation.poll()
 
     def _raise(self, shader: str, texture: moderngl.TextureArray) -> None:
         """Build all levels from the first."""
@@ -102,12 +104,12 @@ class NBufferBuilder:
             program["level"] = level
             program.run(-(-texture.width // 8), -(-texture.height // 8))
             self._ctx.memory_barrier()
-            self._pulse.beat()
+            self._cancellation.poll()
 
     def _sized(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
         if self._held is None or self._held[0].size != (width, height, levels):
             self.release()
-            with Making() as making:
+            with Construction() as making:
                 ranges = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="f4"))
                 bins = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="u4"))
             self._held = ranges, bins

@@ -76,7 +76,7 @@ class LayerGroup:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class PeelKey:
     """What was asked of a peeling."""
 
     view: PinholeView
@@ -85,7 +85,7 @@ class _Asked:
     unlit: bool
     sampling: SurfaceSampling
 
-    def is_like(self, other: _Asked) -> bool:
+    def is_like(self, other: PeelKey) -> bool:
         """Whether the same was asked."""
         return self.view.is_like(other.view) and replace(self, view=other.view) == other
 
@@ -97,10 +97,10 @@ class Peeler:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
-        self._renderer = LayerRenderer(self.index, graphics.pulse)
+        self._renderer = LayerRenderer(self.index, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}
-        self._kept: dict[str, tuple[_Asked, Layers]] = {}
+        self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
         self._scene: Scene | None = None
         self._interest: Sphere | None = None
@@ -157,7 +157,7 @@ class Peeler:
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
         moves: Mapping[int, Movement] | None = None,
-        place: str = PICTURE,
+        cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene; where that is what was peeled there last, nothing is drawn, and the answer is the same object.
 
@@ -172,24 +172,24 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: how batches move (`render.layers.movement`), where the layers shall keep it.
-            place: a name for where the layers are kept. Those of one place are valid until the next peeling there.
+            cache_slot: a name for where the layers are kept. Those of one place are valid until the next peeling there.
         """
-        asked = _Asked(view, layers, umbra, unlit, sampling)
-        kept = self._kept.pop(place, None)
+        asked = PeelKey(view, layers, umbra, unlit, sampling)
+        kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].is_like(asked):
-            self._kept[place] = kept
+            self._kept[cache_slot] = kept
             return kept[1]
-        made = self._peeled(asked, moves or {}, place)
+        made = self._peeled(asked, moves or {}, cache_slot)
         if not moves:
-            self._kept[place] = asked, made
+            self._kept[cache_slot] = asked, made
         return made
 
-    def keeps(self, view: PinholeView, *, unlit: bool, place: str) -> bool:
-        """Whether layers of this view are kept at a place, however many and for whatever pupil."""
-        kept = self._kept.get(place)
+    def keeps(self, view: PinholeView, *, unlit: bool, cache_slot: str) -> bool:
+        """Whether layers of this view are kept at a cache_slot, however many and for whatever pupil."""
+        kept = self._kept.get(cache_slot)
         return kept is not None and kept[0].unlit == unlit and kept[0].view.is_like(view)
 
-    def _peeled(self, asked: _Asked, moves: Mapping[int, Movement], place: str) -> Layers:
+    def _peeled(self, asked: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
         view, layers, umbra, unlit, sampling = asked.view, asked.layers, asked.umbra, asked.unlit, asked.sampling
         self._light(view)
         draws = self._renderer.seen(view)
@@ -198,7 +198,7 @@ class Peeler:
         if not faded and not any(id(draw.batch) in moves for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
-            targets = self._sized_targets(view, layers, place, motion=moving.any)
+            targets = self._sized_targets(view, layers, cache_slot, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
             layer = LayerPass(view, draws, slots[0], umbra, None, layers == 1, unlit, sampling)
@@ -301,15 +301,15 @@ class Peeler:
             GL.glDeleteQueries(1, [name])
         return passed != 0
 
-    def _sized_targets(self, view: PinholeView, layers: int, place: str, *, motion: bool = False) -> LayerTargets:
+    def _sized_targets(self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False) -> LayerTargets:
         """Targets of the view's size for so many layers, or for more where more were asked before."""
-        targets = self._targets.get(place)
+        targets = self._targets.get(cache_slot)
         if targets is None or not targets.hold(view.width, view.height, layers, motion=motion):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
-                del self._targets[place]
-            targets = self._targets[place] = LayerTargets.make(
+                del self._targets[cache_slot]
+            targets = self._targets[cache_slot] = LayerTargets.make(
                 self._ctx, view.width, view.height, layers, motion=motion
             )
         return targets

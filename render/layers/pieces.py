@@ -1,4 +1,4 @@
-"""A draw in pieces, for work that may be left between them (`render.gl.pulse`): parts of the picture, or of the triangles."""
+"""Draws divided into pieces between which work can be cancelled (`render.gl.cancellation`): picture tiles or triangle ranges."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.gl.cancellation import PIECE_MS, CancellationPoint, PieceSize
 from render.gl.compat import GL
-from render.gl.pulse import PIECE_MS, PieceSize, Pulse
 from render.layers.index import Draw
 from render.optics.view import PinholeView
 
@@ -38,16 +38,16 @@ class Share:
 
 
 class Pieces:
-    """Draws of one context in pieces, where the pulse is watched; else each draw is one.
+    """Draws of one context in pieces, where the cancellation is watched; else each draw is one.
 
     Pieces of large draws are shares of them, in the order of the whole: what is drawn is the same to the bit.
 
     Args:
-        pulse: of the context.
+        cancellation: of the context.
     """
 
-    def __init__(self, pulse: Pulse) -> None:
-        self._pulse = pulse
+    def __init__(self, cancellation: CancellationPoint) -> None:
+        self._cancellation = cancellation
         self._ms_of_pixel = PIECE_MS / _PIXELS
         self._shaded, self._found = (PieceSize(_TRIANGLES, least=_LEAST_TRIANGLES) for _ in range(2))
         self._triangles = self._pixels = 0
@@ -56,11 +56,11 @@ class Pieces:
         """Each piece of what is shaded, which is to be drawn then; the rest of the picture may be cut off.
 
         Raises:
-            Interrupted: the work is stale.
+            Cancelled: the work is stale.
         """
         whole = _whole(draw)
         triangles = max(1, whole.triangles * whole.instances)
-        if not self._pulse.is_watched or triangles > _TRIANGLES:
+        if not self._cancellation.is_cancellable or triangles > _TRIANGLES:
             yield from self._shares(whole, self._shaded)
             return
         left, top, width, height = _bounds(draw, view)
@@ -81,7 +81,7 @@ class Pieces:
 
     def _shares(self, whole: Share, size: PieceSize) -> Iterator[Share]:
         """Shares of a draw in its order, with a beat after each."""
-        if not self._pulse.is_watched:
+        if not self._cancellation.is_cancellable:
             yield whole
             return
         instance = triangle = 0
@@ -97,7 +97,7 @@ class Pieces:
                 if triangle == whole.triangles:
                     instance, triangle = instance + 1, 0
             yield share
-            took_ms, drawn = self._pulse.beat(), share.triangles * share.instances
+            took_ms, drawn = self._cancellation.poll(), share.triangles * share.instances
             if 2 * drawn >= size.units:  # small draws say nothing of large ones
                 size.learn(drawn, took_ms)
 
@@ -105,7 +105,7 @@ class Pieces:
         """Take note of a piece. What the dearest pixels cost is remembered for long: many pieces hardly touch a picture."""
         self._triangles, self._pixels = self._triangles + triangles, self._pixels + pixels
         if self._triangles >= _TRIANGLES or self._pixels * self._ms_of_pixel >= PIECE_MS / 2:
-            took_ms = self._pulse.beat()
+            took_ms = self._cancellation.poll()
             self._ms_of_pixel = max(_FORGETTING * self._ms_of_pixel, took_ms / max(self._pixels, _LEAST_PIXELS))
             self._triangles = self._pixels = 0
 

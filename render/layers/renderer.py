@@ -10,8 +10,8 @@ from pathlib import Path
 import moderngl
 import numpy as np
 
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
-from render.gl.pulse import UNWATCHED, Pulse
 from render.gl.shaders import SHADER_DIR, load_source
 from render.layers.bounds import may_be_seen
 from render.layers.index import Draw, SceneIndex
@@ -98,9 +98,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     instances; programs, materials, lights and targets are bound here.
     """
 
-    def __init__(self, index: SceneIndex, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(self, index: SceneIndex, cancellation: CancellationPoint = NEVER_CANCELLED) -> None:
         super().__init__(1, 1)
-        self._pieces = Pieces(pulse)
+        self._pieces = Pieces(cancellation)
         self._index = index
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)

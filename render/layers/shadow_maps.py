@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.gl.compat import GL
-from render.gl.held import Making
+from render.gl.resources import Construction
 from render.layers.index import Draw
 from render.layers.shadows import SHADOW_MAP_SIDE_PX
 from render.model.scene import DoubleArray
@@ -114,7 +114,7 @@ class _Maps:
         if self._layers >= layers:
             return False
         self.release()
-        with Making() as making:
+        with Construction() as making:
             self.texture = _depth_array(SHADOW_MAP_SIDE_PX, layers)
             making.callback(GL.glDeleteTextures, [self.texture])
             self._framebuffer = GL.glGenFramebuffers(1)
@@ -159,7 +159,7 @@ def _triangles(draws: Sequence[Draw]) -> int:
 def _depth_array(side_px: int, layers: int) -> int:
     """A depth texture array for shadow comparison, lit where the reference is nearer or as near (reversed depth)."""
     name: int = GL.glGenTextures(1)
-    with Making() as making:
+    with Construction() as making:
         making.callback(GL.glDeleteTextures, [name])
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, name)
         GL.glTexImage3D(

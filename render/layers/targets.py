@@ -15,7 +15,7 @@ import numpy as np
 
 from render.errors import GraphicsError, SettingsError
 from render.gl.compat import GL
-from render.gl.held import Making
+from render.gl.resources import Construction
 
 LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
@@ -99,7 +99,7 @@ class LayerTargets:
             GraphicsError: the device refuses the size.
         """
         size, packs = (width, height), range(-(-layers // LAYERS_PER_PACK))
-        with Making() as making:
+        with Construction() as making:
             try:
                 radiance = making.keep(ctx.texture_array((*size, layers), 4, dtype="f2"))
                 packed_w = tuple(making.keep(ctx.texture(size, 4, dtype="f4")) for _ in packs)
@@ -175,7 +175,7 @@ class SurfaceTargets:
         Raises:
             GraphicsError: the device refuses the size.
         """
-        with Making() as making:
+        with Construction() as making:
             try:
                 w = making.keep(ctx.texture((width, height), 1, dtype="f4"))
                 ids = making.keep(ctx.texture((width, height), 2, dtype="u4"))
@@ -217,7 +217,7 @@ def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
     return texels * texture.components * int(texture.dtype[1])
 
 
-def _depth_buffer(making: Making, width: int, height: int) -> int:
+def _depth_buffer(making: Construction, width: int, height: int) -> int:
     name: int = GL.glGenRenderbuffers(1)
     making.callback(GL.glDeleteRenderbuffers, 1, [name])
     GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, name)
@@ -225,7 +225,7 @@ def _depth_buffer(making: Making, width: int, height: int) -> int:
     return name
 
 
-def _framebuffer(making: Making, depth: int, *colours: Attachment) -> int:
+def _framebuffer(making: Construction, depth: int, *colours: Attachment) -> int:
     """A framebuffer of a depth buffer and what is drawn at each fragment output; an output that is None is not kept."""
     name: int = GL.glGenFramebuffers(1)
     making.callback(_delete_framebuffers, name)

@@ -283,7 +283,7 @@ class Scene:
 
 
 @dataclass(frozen=True, eq=False)
-class Opening:
+class ShutterScenes:
     """The scene while the shutter is open.
 
     Attributes:

@@ -16,12 +16,12 @@ MAX_ND_STOPS = 40
 """Of a filter before its lens. More than any glass takes: the sun itself is looked at through 17."""
 
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+))"
-_OPENING = re.compile(rf"{_NUMBER}:{_NUMBER}(?:x{_NUMBER})?")
+_INTERVAL = re.compile(rf"{_NUMBER}:{_NUMBER}(?:x{_NUMBER})?")
 _SLACK = 1e-6  # of an interval: what rounding leaves over is no interval of its own
 
 
 @dataclass(frozen=True)
-class Opening:
+class ShutterInterval:
     """Once open and closed again.
 
     Attributes:
@@ -60,7 +60,7 @@ class Opening:
         return list(pairwise(ends))
 
 
-def parse_openings(spec: str) -> list[Opening]:
+def parse_shutter_intervals(spec: str) -> list[ShutterInterval]:
     """The openings that are typed, in their order.
 
     Args:
@@ -69,13 +69,13 @@ def parse_openings(spec: str) -> list[Opening]:
     Raises:
         SettingsError: it cannot be read, or a shutter closes before it opens.
     """
-    return [_opening(part.strip(), spec) for part in spec.split(",")]
+    return [_parse_interval(part.strip(), spec) for part in spec.split(",")]
 
 
-def _opening(part: str, spec: str) -> Opening:
-    match = _OPENING.fullmatch(part)
+def _parse_interval(part: str, spec: str) -> ShutterInterval:
+    match = _INTERVAL.fullmatch(part)
     if match is None:
         raise SettingsError(
             f"the long exposure {spec!r} cannot be read at {part!r}: expected when the shutter opens and closes, such as 1:241"
         )
-    return Opening(float(match[1]), float(match[2]), float(match[3]) if match[3] else 1.0)
+    return ShutterInterval(float(match[1]), float(match[2]), float(match[3]) if match[3] else 1.0)

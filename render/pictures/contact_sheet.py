@@ -11,7 +11,7 @@ from render.errors import SettingsError
 from render.film import GradeChoice
 from render.model.scene import Camera, FloatArray
 from render.pictures.contact_axes import Axis, Choice, Value
-from render.pictures.picture import light_on_film, picture_of
+from render.pictures.picture import expose_frame, picture_of
 from render.shot.exposure.light_meter import auto_exposed
 from render.shot.exposure.readout import ExposureReadout
 from render.shot.film.finish import finish_of
@@ -162,7 +162,7 @@ class _Maker:
             raise SettingsError("only film can be pushed: name a stock, with --film or as what is compared")
         key = tuple(id(value) if isinstance(value := wanted.get(name), LensChoice) else value for name in _OF_THE_LIGHT)
         if key not in self._lights:
-            self._lights[key] = light_on_film(self._renderer, shot, self._camera, lens, time, settings, on_progress)
+            self._lights[key] = expose_frame(self._renderer, shot, self._camera, lens, time, settings, on_progress)
         taken = picture_of(shot, self._lights[key], lens, time, settings, finish)
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
         readout, exposure = shot.readout(self._camera, time), shot.exposure(self._camera, time)

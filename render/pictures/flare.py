@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.model.scene import Camera, FloatArray, Scene
 from render.optics.flare.diffraction import Star, star
 from render.optics.flare.ghost_sheets import ghost_sheets
@@ -86,7 +86,7 @@ def _ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: Fra
     width = min(settings.width, _MOST_PX)
     height = max(1, round(settings.height * width / settings.width))
     renderer.graphics.make_current()
-    with Held() as held:
+    with Resources() as held:
         ghost_pass = held.keep(GhostPass(renderer.graphics.ctx))
         drawn = ghost_pass.draw(sheets, PinholeView.from_camera(camera, width, height), iris)
     return _enlarged(drawn, settings.width, settings.height) * np.float32(

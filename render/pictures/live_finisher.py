@@ -16,7 +16,7 @@ from render.film.gpu.developer import Exposure, FilmPass
 from render.film.gpu.grade import DisplayPass
 from render.film.gpu.scratch import Scratch, TooLargeError
 from render.gl.context import GraphicsContext
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.model.scene import Camera, FloatArray
 from render.shot.film.finish import PRINTED, Finish, frame_number, gate_mm
 
@@ -35,7 +35,7 @@ class _Passes:
 
     def release(self) -> None:
         """Give the device's memory back."""
-        with Held() as held:
+        with Resources() as held:
             for made in (self.scratch, self.film, self.display):
                 held.keep(made)
 

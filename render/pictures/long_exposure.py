@@ -16,7 +16,7 @@ from render.model.shutter import GLOBAL_SHUTTER
 from render.model.shutter_intervals import MAX_ND_STOPS
 from render.optics.sampling import MAX_RAYS
 from render.pictures.moving import check_shutter
-from render.pictures.picture import Picture, light_on_film, picture_of
+from render.pictures.picture import Picture, expose_frame, picture_of
 from render.pictures.travel import farthest_travel_px, moment_of
 from render.shot.exposure.light_meter import auto_exposed
 from render.shot.film.finish import finish_of
@@ -145,7 +145,7 @@ class LongExposure:
         # Another seed for each interval, the same one whenever the interval is exposed: noise averages out, and stopping changes
         # nothing.
         seed = (settings.seed + round(begin * 1000)) % _SEEDS
-        frame = light_on_film(
+        frame = expose_frame(
             self._renderer,
             self.shot,
             self._camera,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from render.errors import CameraError
-from render.model.scene import Camera, FloatArray, Moment, Opening
+from render.model.scene import Camera, FloatArray, Moment, ShutterScenes
 from render.model.shutter import DoubleArray, at_once, moments, shares
 from render.pictures.image_space import ImageSpace
 from render.shot.shot import Shot
@@ -90,7 +90,7 @@ def _swept(
     size = space.asked.width, space.asked.height
     begins, ends = time + lens.shutter_open, time + lens.shutter_close + lens.shutter.delay
     middle = (begins + ends) / 2
-    opening = Opening(shot.scene_at(middle), shot.scene_at(begins), shot.scene_at(ends))
+    opening = ShutterScenes(shot.scene_at(middle), shot.scene_at(begins), shot.scene_at(ends))
     seen = [
         space.moment(Moment(opening.middle, shot.camera_at(camera, float(when), *size), part[..., None]))
         for when, part in zip(times, parts, strict=True)

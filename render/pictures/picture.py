@@ -76,12 +76,12 @@ def make_picture(
         CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
         GraphicsError: the device refuses.
     """
-    lens, finish = looked_through(renderer, shot, camera, time, settings, grade, stock=stock, choice=choice)
-    frame = light_on_film(renderer, shot, camera, lens, time, settings, on_progress)
+    lens, finish = prepare_camera(renderer, shot, camera, time, settings, grade, stock=stock, choice=choice)
+    frame = expose_frame(renderer, shot, camera, lens, time, settings, on_progress)
     return picture_of(shot, frame, lens, time, settings, finish, live)
 
 
-def looked_through(
+def prepare_camera(
     renderer: FrameRenderer,
     shot: Shot,
     camera: str | None,
@@ -163,7 +163,7 @@ def metadata_of(
     )
 
 
-def light_on_film(
+def expose_frame(
     renderer: FrameRenderer,
     shot: Shot,
     camera: str | None,
@@ -193,10 +193,12 @@ def light_on_film(
         frame = moving_frame(renderer, shot, camera, lens, time, space, on_progress)
     else:
         frame = renderer.render(shot.scene_at(time), space.camera(lens), space.settings, on_progress)
-    return landed(renderer, shot, lens, time, space, frame)
+    return apply_lens_effects(renderer, shot, lens, time, space, frame)
 
 
-def landed(renderer: FrameRenderer, shot: Shot, lens: Camera, time: float, space: ImageSpace, frame: Frame) -> Frame:
+def apply_lens_effects(
+    renderer: FrameRenderer, shot: Shot, lens: Camera, time: float, space: ImageSpace, frame: Frame
+) -> Frame:
     """What a lens does to light that an engine does not know of.
 
     Args:
@@ -212,11 +214,11 @@ def landed(renderer: FrameRenderer, shot: Shot, lens: Camera, time: float, space
     """
     settings = space.asked
     frame = space.finished(renderer, frame)
-    dim(frame.color, lens, settings)
+    apply_vignetting(frame.color, lens, settings)
     return flared(renderer, shot.scene_at(time), lens, settings, frame)
 
 
-def dim(radiance: FloatArray, lens: Camera, settings: FrameSettings) -> None:
+def apply_vignetting(radiance: FloatArray, lens: Camera, settings: FrameSettings) -> None:
     """Take from a picture, in place, what the lens and the obliqueness of light take and its engine does not.
 
     Args:

@@ -8,8 +8,8 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
@@ -42,14 +42,16 @@ _ALIKE = 100
 class PostBlurEngine:
     """Blurs pictures of a peeler's scene, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         self._collector = Collector(ctx, programs)
         self._blurs: dict[str, Blur] = {
-            "flag": FlagBlur(ctx, programs, pulse),
-            "gather": GatherBlur(ctx, programs, pulse),
-            "linear": LinearBlur(ctx, programs, pulse),
-            "scatter": ScatterBlur(ctx, programs, pulse),
-            "importance": ImportanceBlur(ctx, programs, pulse),
+            "flag": FlagBlur(ctx, programs, cancellation),
+            "gather": GatherBlur(ctx, programs, cancellation),
+            "linear": LinearBlur(ctx, programs, cancellation),
+            "scatter": ScatterBlur(ctx, programs, cancellation),
+            "importance": ImportanceBlur(ctx, programs, cancellation),
         }
         self._bundles = BundleMaker(ctx, programs)
 
@@ -118,7 +120,7 @@ class PostBlurEngine:
         Returns:
             ``(height, width, 4)`` float32 of the layers' view, premultiplied.
         """
-        with Held() as held:
+        with Resources() as held:
             iris, squeeze = camera.iris, camera.lens.squeeze
             sides = self._collector.sides(peeled, focus, pupil_px, most_px, iris, squeeze, held)
             if engine in _DRAWS_ERRORS:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.gl.held import Held, Making
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Construction, Resources
 from render.gl.shaders import Defines, ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
 from render.postblur.shed import EVERYTHING, OUTLINE_DEFINES, Field, Shedder, Window
@@ -24,7 +24,7 @@ BAND_BYTES = 64 << 20
 """Memory of the piles that are held, at most, unless fewest rows need more."""
 PILE_BYTES = 16
 """Of a slice of a pile."""
-WATCHED_ROWS = 64
+CANCELLABLE_ROWS = 64
 """That are finished at once while somebody may call the work off."""
 _TILE = 16
 _HEIGHT_BYTES, _SHED_BYTES = 4, 20  # of a pile's height; of what a pixel sheds, and how far
@@ -45,19 +45,19 @@ class Ring:
     slices: int
 
     @classmethod
-    def of(cls, size: tuple[int, int], most: int, *, two_sided: bool, is_watched: bool = False) -> Ring:
+    def of(cls, size: tuple[int, int], most: int, *, two_sided: bool, is_cancellable: bool = False) -> Ring:
         """For a picture.
 
         Args:
             size: its width and height in pixels.
             most: rows that anything reaches up or down, at most.
             two_sided: whether the shape is not symmetric, which takes two piles.
-            is_watched: whether somebody may call the work off.
+            is_cancellable: whether somebody may call the work off.
         """
         slices = (most + 1) * (2 if two_sided else 1)
         ahead = _TILE * -(-most // _TILE)
         fitting = BAND_BYTES // (size[0] * slices * PILE_BYTES) - 2 * ahead
-        wanted = min(size[1], WATCHED_ROWS) if is_watched else size[1]
+        wanted = min(size[1], CANCELLABLE_ROWS) if is_cancellable else size[1]
         return cls(_TILE * max(1, min(fitting, wanted + _TILE - 1) // _TILE), ahead, slices)
 
     @property
@@ -81,8 +81,10 @@ def held_bytes(size: tuple[int, int], most_px: float, *, two_sided: bool) -> int
 class Flag:
     """Blurs fields, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
         self._shedder = Shedder(ctx, programs)
 
     def reduced(self, field: Field, shrink: int, window: Window) -> Field:
@@ -94,7 +96,7 @@ class Flag:
             window: the light that is meant.
         """
         width, height = (-(-side // shrink) for side in field.light.size)
-        with Making() as making:
+        with Construction() as making:
             light = making.keep(self._ctx.texture((width, height), 4, dtype="f4"))
             radii = making.keep(self._ctx.texture((width, height), 2, dtype="f4"))
         program = self._programs.compute("flag/flag_reduce.comp")
@@ -123,9 +125,9 @@ class Flag:
         width, height = field.light.size
         most = int(np.ceil(most_px)) + 1
         two_sided = not shape.is_symmetric
-        ring = Ring.of((width, height), most, two_sided=two_sided, is_watched=self._pulse.is_watched)
+        ring = Ring.of((width, height), most, two_sided=two_sided, is_cancellable=self._cancellation.is_cancellable)
         rows, columns = self._made(two_sided)
-        with Held() as held:
+        with Resources() as held:
             shed = self._shedder.shed(field, shape, most, window, held)
             widest = self._widest(shed.reach, (1, 0), held)
             piles = held.keep(self._ctx.texture_array((width, ring.rows, ring.slices), 4, dtype="f4"))
@@ -141,9 +143,9 @@ class Flag:
                 heights.bind_to_image(1, read=False, write=True)
                 rows.run(-(-width // 32), -(-(wanted - there) // 2))
                 self._ctx.memory_barrier()
-                self._pulse.beat()
+                self._cancellation.poll()
                 there = wanted
-                with Held() as passing:
+                with Resources() as passing:
                     tallest = self._widest(heights, (0, 1), passing)
                     for unit, table in enumerate((heights, tallest)):
                         table.use(unit)
@@ -153,9 +155,9 @@ class Flag:
                     target.bind_to_image(0, read=False, write=True)
                     columns.run(-(-width // 32), -(-ring.new // 2))
                     self._ctx.memory_barrier()
-                    self._pulse.beat()
+                    self._cancellation.poll()
 
-    def _widest(self, values: moderngl.Texture, along: tuple[int, int], held: Held) -> moderngl.Texture:
+    def _widest(self, values: moderngl.Texture, along: tuple[int, int], held: Resources) -> moderngl.Texture:
         """The largest values of stretches of rows or of columns."""
         size = [-(-side // _TILE) if step else side for side, step in zip(values.size, along, strict=True)]
         made = held.keep(self._ctx.texture((size[0], size[1]), 1, dtype="f4"))

@@ -7,8 +7,8 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.postblur.flag import Flag
 from render.postblur.joined import Blurred, Joiner, Part, parts_of
@@ -21,15 +21,17 @@ SPLIT_PX = 24.0
 class FlagBlur:
     """Blurs pictures by `Flag`, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         self._ctx = ctx
-        self._flag, self._joiner = Flag(ctx, programs, pulse), Joiner(ctx, programs)
+        self._flag, self._joiner = Flag(ctx, programs, cancellation), Joiner(ctx, programs)
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""
         return self._joiner.joined(sides, {part.name: self._part(part, held) for part in parts_of(sides)}, held)
 
-    def _part(self, part: Part, held: Held) -> Blurred:
+    def _part(self, part: Part, held: Resources) -> Blurred:
         """A part blurred at its resolution, and what of it is spread wide at less."""
         fine = held.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
         if part.most_px <= SPLIT_PX:

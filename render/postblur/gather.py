@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, PieceSize, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
 from render.postblur.joined import Blurred, Joiner, Part, parts_of
@@ -25,8 +25,10 @@ _GROUP = 8  # pixels along each side that are worked on together
 class Gather:
     """Blurs fields as `render.postblur.flag.Flag` does, point by point, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
         self._shedder = Shedder(ctx, programs)
         self._looks = PieceSize(FIRST_LOOKS)
 
@@ -44,7 +46,7 @@ class Gather:
         """
         most = max(1, int(np.ceil(most_px)))
         program = self._programs.compute("postblur/gather.comp", OUTLINE_DEFINES)
-        with Held() as held:
+        with Resources() as held:
             shed = self._shedder.shed(field, shape, most, window, held)
             for unit, texture in enumerate((shed.light, shed.reach, shed.outline)):
                 texture.use(unit)
@@ -54,7 +56,7 @@ class Gather:
                 set_uniforms(program, first=(left, top), piece_px=(columns, rows))
                 program.run(-(-columns // _GROUP), -(-rows // _GROUP))
                 self._ctx.finish()
-                took_ms, looks = self._pulse.beat(), columns * rows * (2 * most + 1) ** 2
+                took_ms, looks = self._cancellation.poll(), columns * rows * (2 * most + 1) ** 2
                 if 2 * looks >= self._looks.units:  # what is left at an edge says nothing of whole pieces
                     self._looks.learn(looks, took_ms)
 
@@ -68,7 +70,7 @@ class Gather:
         """
         top = 0
         while top < height:
-            most = min(self._looks.units, LOOKS_AT_ONCE) if self._pulse.is_watched else LOOKS_AT_ONCE
+            most = min(self._looks.units, LOOKS_AT_ONCE) if self._cancellation.is_cancellable else LOOKS_AT_ONCE
             groups = max(1, most // (_GROUP * _GROUP * looks))
             across = -(-width // _GROUP)
             rows = min(max(1, groups // across) * _GROUP, height - top)
@@ -81,15 +83,17 @@ class Gather:
 class GatherBlur:
     """The engine `gather`: the parts of a picture blurred by `Gather`, and joined as FLAG's are."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         self._ctx = ctx
-        self._gather, self._joiner = Gather(ctx, programs, pulse), Joiner(ctx, programs)
+        self._gather, self._joiner = Gather(ctx, programs, cancellation), Joiner(ctx, programs)
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""
         return self._joiner.joined(sides, {part.name: self._part(part, held) for part in parts_of(sides)}, held)
 
-    def _part(self, part: Part, held: Held) -> Blurred:
+    def _part(self, part: Part, held: Resources) -> Blurred:
         fine = held.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
         self._gather.blur(part.field, part.shape, part.most_px, fine, part.window)
         return Blurred(fine)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import moderngl
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.postblur.importance_field import ALL, Done, Extent, ImportanceField
 from render.postblur.importance_order import Importance
@@ -20,7 +20,7 @@ class ImportanceBlur:
     Args:
         ctx: the context.
         programs: of it.
-        pulse: that beats between pieces of the work.
+        cancellation: that beats between pieces of the work.
         importance: what makes a change important.
 
     Attributes:
@@ -31,10 +31,10 @@ class ImportanceBlur:
         self,
         ctx: moderngl.Context,
         programs: ProgramCache,
-        pulse: Pulse = UNWATCHED,
+        cancellation: CancellationPoint = NEVER_CANCELLED,
         importance: Importance = Importance(),  # noqa: B008 - it is frozen
     ) -> None:
-        self._pulse, self._joiner = pulse, Joiner(ctx, programs)
+        self._cancellation, self._joiner = cancellation, Joiner(ctx, programs)
         self.extent: Extent = ALL
         self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
 
@@ -43,10 +43,10 @@ class ImportanceBlur:
         """What the last picture took, in front of the focus and behind it."""
         return tuple(field.done for field in self._fields)
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""
         near, far = (
-            made.update(field, side, spread, sides.most_px, self.extent, self._pulse)
+            made.update(field, side, spread, sides.most_px, self.extent, self._cancellation)
             for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
         )
         return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)

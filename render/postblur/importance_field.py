@@ -21,8 +21,8 @@ import moderngl
 import numpy as np
 
 from render.errors import SettingsError
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, PieceSize, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.importance_order import ChangeSorter, Importance
 from render.postblur.linear import LANES, FieldSpreader
@@ -100,7 +100,7 @@ class ImportanceField:
         importance: Importance = Importance(),  # noqa: B008 - it is frozen
     ) -> None:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
-        self._held = Held()
+        self._held = Resources()
         self._is_whole = False  # whether the sums are those of what was taken last
         self._side = 0.0
         self._is_ordered = False
@@ -115,7 +115,7 @@ class ImportanceField:
         spread: Spread,
         most_px: float,
         extent: Extent = ALL,
-        pulse: Pulse = UNWATCHED,
+        cancellation: CancellationPoint = NEVER_CANCELLED,
     ) -> moderngl.Texture:
         """Spread what has changed.
 
@@ -125,13 +125,13 @@ class ImportanceField:
             spread: how light is distributed over a circle of confusion. Another one begins anew.
             most_px: no radius is larger.
             extent: how much of the changes to make; what is left waits, and grows in importance.
-            pulse: that beats between pieces of the work. What was done until it was interrupted stays done.
+            cancellation: that beats between pieces of the work. What was done until it was interrupted stays done.
 
         Returns:
             RGBA32F: the sum of weighted light, and that of weights; valid until the next one.
 
         Raises:
-            Interrupted: the work is stale.
+            Cancelled: the work is stale.
         """
         made = self._spreader
         if made.fit(field.light.size):
@@ -139,12 +139,16 @@ class ImportanceField:
         if made.tabled(spread, most_px) or side != self._side:
             self._is_whole, self._side = False, side
         pixels = made.size[0] * made.size[1]
-        changed = self._compared(field, is_ordered=not extent.is_all or pulse.is_watched) if self._is_whole else None
+        changed = (
+            self._compared(field, is_ordered=not extent.is_all or cancellation.is_cancellable)
+            if self._is_whole
+            else None
+        )
         if changed is None or (extent.is_all and changed > AFRESH_SHARE * pixels):
-            self._spread_afresh(field, pulse, pixels if changed is None else changed)
+            self._spread_afresh(field, cancellation, pixels if changed is None else changed)
             return made.shown
         done = 0
-        for first, end in self._pieces(changed, extent, pulse):
+        for first, end in self._pieces(changed, extent, cancellation):
             self._spread_changes(first, end)
             done = end
         self._may_wait = self._may_wait and done < changed
@@ -189,21 +193,21 @@ class ImportanceField:
             self._sorter.sort()
         return changed if fits else None
 
-    def _spread_afresh(self, field: Field, pulse: Pulse, changed: int) -> None:
+    def _spread_afresh(self, field: Field, cancellation: CancellationPoint, changed: int) -> None:
         made = self._spreader
         self._is_whole = False
         made.take(field, self._side)
-        made.spread_all(self._sums, pulse)
+        made.spread_all(self._sums, cancellation)
         made.light, self._light = self._light, made.light
         made.state, self._state = self._state, made.state
         self._sorter.forget()
         self._is_whole, self._may_wait = True, False
         self.done = Done(changed, changed, True)
 
-    def _pieces(self, changed: int, extent: Extent, pulse: Pulse) -> Iterator[tuple[int, int]]:
+    def _pieces(self, changed: int, extent: Extent, cancellation: CancellationPoint) -> Iterator[tuple[int, int]]:
         """Stretches of the order, as long as there is time."""
         wanted = int(np.ceil(extent.share * changed))
-        if extent.budget_ms is None and not pulse.is_watched:
+        if extent.budget_ms is None and not cancellation.is_cancellable:
             if wanted:
                 yield 0, wanted
             return
@@ -213,7 +217,7 @@ class ImportanceField:
             yield first, end
             self._ctx.finish()
             self._piece.learn(end - first, 1000 * (perf_counter() - piece_began))
-            pulse.beat()
+            cancellation.poll()
             if extent.budget_ms is not None and 1000 * (perf_counter() - began) >= extent.budget_ms:
                 return
             first = end

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import moderngl
 
 from render.errors import SettingsError
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.linear import LANES, FieldSpreader
 
@@ -47,7 +47,12 @@ class ChangeSorter:
     """
 
     def __init__(
-        self, ctx: moderngl.Context, programs: ProgramCache, spreader: FieldSpreader, held: Held, importance: Importance
+        self,
+        ctx: moderngl.Context,
+        programs: ProgramCache,
+        spreader: FieldSpreader,
+        held: Resources,
+        importance: Importance,
     ) -> None:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
         self._chunks = -(-spreader.half_tiles // LANES)

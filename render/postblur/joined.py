@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import moderngl
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape, blur_shape
 from render.postblur.shed import Field, Window
@@ -75,7 +75,7 @@ class Joiner:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
 
-    def joined(self, sides: Sides, blurred: dict[str, Blurred], held: Held) -> moderngl.Texture:
+    def joined(self, sides: Sides, blurred: dict[str, Blurred], held: Resources) -> moderngl.Texture:
         """The picture.
 
         Args:

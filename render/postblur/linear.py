@@ -18,8 +18,8 @@ import math
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, PieceSize, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.joined import Blurred, Joiner
 from render.postblur.shed import Field
@@ -76,7 +76,7 @@ class FieldSpreader:
         self._told = ctx.buffer(reserve=8)
         self._scale: int | None = None  # power of 2 that no light is above
         self._tables: SpreadTables | None = None
-        self._held = Held()
+        self._held = Resources()
         self.size = (0, 0)
 
     @property
@@ -186,20 +186,22 @@ class FieldSpreader:
             self._scale = needed + _HEADROOM
         return fits, int(np.frombuffer(told, np.uint32)[1])
 
-    def spread_all(self, sums: moderngl.Buffer | None = None, pulse: Pulse = UNWATCHED) -> None:
+    def spread_all(
+        self, sums: moderngl.Buffer | None = None, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         """Spread all that was taken, into `shown`.
 
         Args:
             sums: four doubles for each pixel, to keep them in with all their bits.
-            pulse: that beats between rows of tiles.
+            cancellation: that beats between rows of tiles.
 
         Raises:
-            Interrupted: the work is stale.
+            Cancelled: the work is stale.
         """
         program = self.spreading(**({"KEEP": 1} if sums is not None else {}))
         first, (across, down) = 0, self.tiles
         while first < down:
-            rows = min(self._piece.units if pulse.is_watched else down, down - first)
+            rows = min(self._piece.units if cancellation.is_cancellable else down, down - first)
             self.bound(program, weights=self.tables.weights, light_now=self.light, state_now=self.state)
             self.bind_spread(program, (self.shedding, self.reaches, self.filled))
             if sums is not None:
@@ -207,7 +209,7 @@ class FieldSpreader:
             set_uniforms(program, first_tile=first)
             program.run(across, rows)
             self._ctx.memory_barrier()
-            self._piece.learn(rows, pulse.beat())
+            self._piece.learn(rows, cancellation.poll())
             first += rows
 
     def spreading(self, **defines: int) -> moderngl.ComputeShader:
@@ -253,7 +255,12 @@ class LinearField:
         self._spreader = spreader
 
     def spread(
-        self, field: Field, side: float, spread: Spread, most_px: float, pulse: Pulse = UNWATCHED
+        self,
+        field: Field,
+        side: float,
+        spread: Spread,
+        most_px: float,
+        cancellation: CancellationPoint = NEVER_CANCELLED,
     ) -> moderngl.Texture:
         """Spread a field.
 
@@ -262,19 +269,19 @@ class LinearField:
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
             spread: how light is distributed over a circle of confusion.
             most_px: no radius is larger.
-            pulse: that beats between pieces of the work.
+            cancellation: that beats between pieces of the work.
 
         Returns:
             RGBA32F: the sum of weighted light, and that of weights; valid until the next one.
 
         Raises:
-            Interrupted: the work is stale.
+            Cancelled: the work is stale.
         """
         made = self._spreader
         made.fit(field.light.size)
         made.tabled(spread, most_px)
         made.take(field, side)
-        made.spread_all(pulse=pulse)
+        made.spread_all(cancellation=cancellation)
         return made.shown
 
     def release(self) -> None:
@@ -285,14 +292,16 @@ class LinearField:
 class LinearBlur:
     """The engine ``linear``: both sides of the focus spread over the iris's image, and joined."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._pulse, self._joiner = pulse, Joiner(ctx, programs)
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._cancellation, self._joiner = cancellation, Joiner(ctx, programs)
         self._fields = tuple(LinearField(FieldSpreader(ctx, programs)) for _ in range(2))
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""
         near, far = (
-            made.spread(field, side, spread, sides.most_px, self._pulse)
+            made.spread(field, side, spread, sides.most_px, self._cancellation)
             for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
         )
         return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)

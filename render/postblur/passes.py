@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import load_source, set_uniforms
 from render.model.scene import FloatArray
 from render.optics.view import PinholeView
@@ -32,7 +32,7 @@ def aberrated_on(ctx: moderngl.Context, picture: FloatArray, view: PinholeView, 
     """
     size = (view.width, view.height)
     has_coma = float(np.abs(errors.coma).max()) * max(view.fx / errors.squeeze, view.fy) >= LEAST_COMA_PX
-    with Held() as held:
+    with Resources() as held:
         first, second = (held.keep(ctx.texture(size, 4, dtype="f4")) for _ in range(2))
         first.write(np.ascontiguousarray(picture, np.float32).tobytes())
         held.keep(_buffer(ctx, errors.rows)).bind_to_storage_buffer(_ROWS)

@@ -36,7 +36,7 @@ class PreviewEngine:
     """Draws small pictures, with the programs of one context."""
 
     def __init__(self, graphics: GraphicsContext, programs: ProgramCache, post_blur: PostBlurEngine) -> None:
-        self._lens = LensEngine(graphics.ctx, programs, graphics.pulse)
+        self._lens = LensEngine(graphics.ctx, programs, graphics.cancellation)
         self._post_blur = post_blur
 
     def peeled(
@@ -57,8 +57,8 @@ class PreviewEngine:
         """
         width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
         small, wide = _widened(view.resized(width, height)), _widened(view)
-        is_new = not peeler.keeps(wide, unlit=unlit, place=PREVIEW) and not peeler.keeps(
-            small, unlit=unlit, place=SKETCH
+        is_new = not peeler.keeps(wide, unlit=unlit, cache_slot=PREVIEW) and not peeler.keeps(
+            small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
             return self._peeled(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
@@ -67,7 +67,7 @@ class PreviewEngine:
     def _peeled(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, place: str) -> Layers:
         pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
         umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
-        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, place=place)
+        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, cache_slot=place)
 
     def traced(
         self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int

@@ -15,8 +15,8 @@ from collections.abc import Iterator
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.scatter_splats import Points, Splats
 from render.postblur.scatter_store import SPLIT_PX, SpotStore
@@ -31,18 +31,20 @@ _EDGES = (0.0, 2.0, 6.0, SPLIT_PX)
 class ScatterBlur:
     """Blurs pictures by scattering, with the programs of one context."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         self._ctx, self._programs = ctx, programs
-        self._splats = Splats(ctx, programs, pulse)
+        self._splats = Splats(ctx, programs, cancellation)
         self._spots = SpotStore(ctx)
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """As `render.postblur.sides.Blur` has it."""
         spot = self._spots.spot(sides)
         near = Points(sides.near, sides.radii, 0, spot, behind=False)
         far = Points(sides.far, sides.radii, 1, spot, behind=True)
         picture = held.keep(self._ctx.texture(sides.size, 4, dtype="f4"))
-        with Held() as passing:
+        with Resources() as passing:
             near_sum = self._sum(near, sides.most_px, passing)
             far_sum = self._sum(far, sides.most_px, passing)
             program = self._programs.compute("scatter/scatter_finish.comp")
@@ -55,7 +57,7 @@ class ScatterBlur:
             self._run(program, picture, read=False)
         return picture
 
-    def _sum(self, points: Points, most_px: float, held: Held) -> moderngl.Texture:
+    def _sum(self, points: Points, most_px: float, held: Resources) -> moderngl.Texture:
         """All that the points of a side shed, from the front to the back."""
         total = held.keep(self._ctx.texture(points.light.size, 4, dtype="f4"))
         program = self._programs.compute("scatter/scatter_sharp.comp")
@@ -64,7 +66,7 @@ class ScatterBlur:
         self._run(program, total, read=False)
         levels = self._levels(points, most_px)
         for shrink in levels if points.behind else reversed(levels):
-            with Held() as passing:
+            with Resources() as passing:
                 for light in self._shed(points, shrink, levels[0], passing):
                     self._join(total, light, shrink)
         return total
@@ -75,7 +77,7 @@ class ScatterBlur:
         last = max(int(np.floor(np.log2(max(most_px / SPLIT_PX, 1e-9)))) + 1, first)
         return [1 << level for level in range(first, last + 1)]
 
-    def _shed(self, points: Points, shrink: int, finest: int, held: Held) -> Iterator[moderngl.Texture]:
+    def _shed(self, points: Points, shrink: int, finest: int, held: Resources) -> Iterator[moderngl.Texture]:
         """What the points of a target shed, class by class from the front, each valid until the next."""
         is_finest = shrink == finest
         tables = self._spots.tables(points.spot, shrink, behind=points.behind)
@@ -85,7 +87,7 @@ class ScatterBlur:
         edges = _EDGES if is_finest else (0.0, SPLIT_PX)
         yield from self._splats.drawn(points, tables, edges, held, backward=not points.behind)
 
-    def _reduced(self, points: Points, shrink: int, bounds: tuple[float, float], held: Held) -> Points:
+    def _reduced(self, points: Points, shrink: int, bounds: tuple[float, float], held: Resources) -> Points:
         size = tuple(-(-side // shrink) for side in points.light.size)
         light = held.keep(self._ctx.texture(size, 4, dtype="f4"))
         radii = held.keep(self._ctx.texture(size, 1, dtype="f4"))

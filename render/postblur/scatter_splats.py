@@ -9,8 +9,8 @@ import moderngl
 import numpy as np
 
 from render.errors import GraphicsError
-from render.gl.held import Held
-from render.gl.pulse import UNWATCHED, PieceSize, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, load_source, set_uniforms
 from render.postblur.scatter_spot import STEPS, Spot
 from render.postblur.scatter_store import TableTextures
@@ -56,15 +56,23 @@ class Points:
 
 
 class Splats:
-    """Draws spots, with the programs of one context; the pulse beats between some of them and the next."""
+    """Draws spots, with the programs of one context; the cancellation beats between some of them and the next."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._ctx, self._programs, self._pulse = ctx, programs, pulse
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
         self._piece = PieceSize(_FIRST_PIECE, least=_LEAST_PIECE)
         self._program: moderngl.Program | None = None
 
     def drawn(
-        self, points: Points, tables: TableTextures, edges: tuple[float, ...], held: Held, *, backward: bool = False
+        self,
+        points: Points,
+        tables: TableTextures,
+        edges: tuple[float, ...],
+        held: Resources,
+        *,
+        backward: bool = False,
     ) -> Iterator[moderngl.Texture]:
         """What points shed, class by class: a texture as large as theirs, valid until the next class is asked for.
 
@@ -97,7 +105,7 @@ class Splats:
                 yield target
 
     def _planned(
-        self, points: Points, edges: tuple[float, ...], plan: moderngl.Texture, groups: tuple[int, int], held: Held
+        self, points: Points, edges: tuple[float, ...], plan: moderngl.Texture, groups: tuple[int, int], held: Resources
     ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint32]]:
         """``(classes, groups)`` how many spots are to be drawn."""
         classes = len(edges) - 1
@@ -120,7 +128,7 @@ class Splats:
         plan: moderngl.Texture,
         counts: np.ndarray[tuple[int, ...], np.dtype[np.uint32]],
         groups: tuple[int, int],
-        held: Held,
+        held: Resources,
     ) -> moderngl.Buffer:
         before = np.cumsum(counts) - counts.ravel()
         offsets = held.keep(self._ctx.buffer(before.astype(np.uint32).tobytes()))
@@ -159,15 +167,19 @@ class Splats:
             target.clear(0.0, 0.0, 0.0, 0.0)
             self._ctx.enable_only(moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-            with Held() as held:
+            with Resources() as held:
                 quad = held.keep(self._ctx.vertex_array(program, []))
                 last = first + count
                 while first < last:
                     left = last - first
-                    some = min(max(1, int(self._piece.units / most_px)), left) if self._pulse.is_watched else left
+                    some = (
+                        min(max(1, int(self._piece.units / most_px)), left)
+                        if self._cancellation.is_cancellable
+                        else left
+                    )
                     set_uniforms(program, first=first)
                     quad.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=some)
-                    self._learn(some * most_px, self._pulse.beat())
+                    self._learn(some * most_px, self._cancellation.poll())
                     first += some
         finally:
             self._ctx.enable_only(moderngl.NOTHING)

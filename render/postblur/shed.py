@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.scene import FloatArray
 from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
@@ -76,7 +76,7 @@ class Shedder:
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
 
-    def shed(self, field: Field, shape: BlurShape, most_px: float, window: Window, held: Held) -> Shed:
+    def shed(self, field: Field, shape: BlurShape, most_px: float, window: Window, held: Resources) -> Shed:
         """What a field's points shed.
 
         Args:

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import moderngl
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.peel import Layers
 from render.model.lens import IrisShape
@@ -49,7 +49,7 @@ class Sides:
 class Blur(Protocol):
     """A single-image engine: spreads each point of a picture over its circle of confusion."""
 
-    def blurred(self, sides: Sides, held: Held) -> moderngl.Texture:
+    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
         """The picture, RGBA32F premultiplied and as large as the sides, kept by ``held``."""
         ...
 
@@ -73,7 +73,7 @@ class Collector:
         most_px: float,
         iris: IrisShape,
         squeeze: float,
-        held: Held,
+        held: Resources,
     ) -> Sides:
         """Part a peeled scene.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.focal_surface import MAX_HALVES, Controls
 from render.model.scene import FloatArray
@@ -29,7 +29,7 @@ class FocalMaps:
         program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
         texture = self._sized((view.width, view.height))
-        with Held() as held:
+        with Resources() as held:
             held.keep(self._controls(program, "point", surface.controls, _POINTS))
             held.keep(self._controls(program, "bend", surface.bends, _BENDS))
             held.keep(self._chief_rays(program, focus))

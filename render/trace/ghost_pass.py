@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import GraphicsError
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import load_source
 from render.model.scene import DoubleArray, FloatArray
 from render.optics.flare.ghost_sheets import CROSSINGS, GhostSheets, mesh_areas
@@ -58,7 +58,7 @@ class GhostPass:
 
     def _drawn(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
         spread = np.zeros((view.height, view.width, 3))
-        with Held() as held:
+        with Resources() as held:
             canvas = held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
             target = held.keep(self._ctx.framebuffer(color_attachments=[canvas]))
             held.callback(self._stop_drawing, self._ctx.detect_framebuffer())
@@ -95,7 +95,7 @@ class GhostPass:
             return
         corners = _vertices(sheets, places)[which]
         triangles = _triangles(sheets.whole[which], corners.shape[1:3])
-        with Held() as held:
+        with Resources() as held:
             vertices = held.keep(self._ctx.buffer(np.ascontiguousarray(corners, np.float32).tobytes()))
             indices = held.keep(self._ctx.buffer(triangles.tobytes()))
             layout = (vertices, _LAYOUT, *_ATTRIBUTES)

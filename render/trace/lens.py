@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.gl.pulse import UNWATCHED, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
@@ -51,9 +51,11 @@ class TracedPicture:
 class LensEngine:
     """Traces lens pictures of a peeler's scene."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
-        self._nbuffers = NBufferBuilder(ctx, programs, pulse)
-        self._tracer = Tracer(ctx, programs, pulse)
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
+        self._nbuffers = NBufferBuilder(ctx, programs, cancellation)
+        self._tracer = Tracer(ctx, programs, cancellation)
         self._bundles = BundleMaker(ctx, programs)
         self.swept = SweptEngine(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.lens import HeightField
 from render.model.scene import DoubleArray, FloatArray
@@ -80,7 +80,7 @@ class SurfaceTracer:
             stop_mm=lens.stop_radius_mm,
             to_stop=near_axis + [(0.0, 1.0)] * (MAX_WAVELENGTHS - len(near_axis)),
         )
-        with Held() as held:
+        with Resources() as held:
             for binding, values in enumerate((_surfaces(lens, height_field), _indices(lens, wavelengths_nm), queries)):
                 held.keep(self._ctx.buffer(values.tobytes())).bind_to_storage_buffer(binding)
             answers = held.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32))
@@ -95,7 +95,7 @@ class SurfaceTracer:
         defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
         return self._programs.compute("lens/lens_trace.comp", defines)
 
-    def _bind_heights(self, held: Held, program: moderngl.ComputeShader, field: HeightField | None) -> None:
+    def _bind_heights(self, held: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
         if field is None:
             return
         for unit, heights in enumerate((field.front, field.back)):

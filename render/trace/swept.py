@@ -34,7 +34,7 @@ from render.trace.tracer import Tracer
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class ShutterSample:
     """What is looked at in one moment of the shutter's opening.
 
     Attributes:
@@ -70,7 +70,7 @@ class SweptEngine:
         self,
         peeler: Peeler,
         middle: PinholeView,
-        looks: Sequence[Look],
+        looks: Sequence[ShutterSample],
         moves: Mapping[int, Movement],
         *,
         wavelengths: int = 3,
@@ -116,10 +116,12 @@ class SweptEngine:
 class _Sweep:
     """What the moments of an opening have in common. Bundles are made when they are asked for: all at once they can be many."""
 
-    def __init__(self, bundles: BundleMaker, middle: PinholeView, looks: Sequence[Look], wavelengths: int) -> None:
+    def __init__(
+        self, bundles: BundleMaker, middle: PinholeView, looks: Sequence[ShutterSample], wavelengths: int
+    ) -> None:
         self._bundles, self._middle, self._looks, self._wavelengths = bundles, middle, looks, wavelengths
 
-    def bundle(self, look: Look) -> RayBundle:
+    def bundle(self, look: ShutterSample) -> RayBundle:
         return self._bundles.bundle(look.camera, look.view, look.pattern, self._wavelengths)
 
     def peeled(
@@ -146,7 +148,7 @@ class _Sweep:
         umbra = umbra_reach(pupil_px)
         return peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves), nearest_w
 
-    def _pupil_m(self, look: Look) -> float:
+    def _pupil_m(self, look: ShutterSample) -> float:
         _, pupil = picture_focus(look.camera, look.view).over_picture()
         return self.bundle(look).reach_m * float(pupil.max())
 

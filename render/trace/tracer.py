@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from render.gl.pulse import UNWATCHED, PieceSize, Pulse
+from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
@@ -49,10 +49,12 @@ class TracePass:
 class Tracer:
     """Traces pictures, keeping its accumulation image and ray buffers for the next picture of the same size."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, pulse: Pulse = UNWATCHED) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
+    ) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._pulse, self._piece = pulse, PieceSize(1 << 16, least=_TILE * _TILE)
+        self._cancellation, self._piece = cancellation, PieceSize(1 << 16, least=_TILE * _TILE)
         self._buffers = RayBuffers(ctx)
         self._maps = FocalMaps(ctx, programs)
         self._sum: moderngl.Texture | None = None
@@ -84,7 +86,7 @@ class Tracer:
             rays_per_pass: at most.
             bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form (as for a glimpse).
             glimpse: at which moment, where the camera may have moved since the layers were peeled.
-            movers: of the layers, landed at that moment.
+            movers: of the layers, at that moment.
             lines: of the picture that are wanted, from the first to before the last; None for all. Others may be left empty.
         """
         self._shares = np.zeros((view.height, view.width), np.float32)
@@ -139,8 +141,8 @@ class Tracer:
                 self._buffers.choose_wavelength(program, bundle, number)
                 program.run(-(-across // _TILE), -(-down // _TILE))
                 self._ctx.memory_barrier()
-            if self._pulse.is_watched:
-                self._piece.learn(rays * len(bundle.rgb) * across * down, self._pulse.beat())
+            if self._cancellation.is_cancellable:
+                self._piece.learn(rays * len(bundle.rgb) * across * down, self._cancellation.poll())
             else:
                 self._ctx.finish()
             self._shares[y : y + down, x : x + across] += rays / bundle.count
@@ -150,8 +152,8 @@ class Tracer:
         """Left, top, width and height of tiles all over some lines, as large as the work at each pixel allows."""
         x, y = 0, wanted[0]
         while y < wanted[1]:
-            pixels = (self._piece.units if self._pulse.is_watched else _RAYS_PER_DISPATCH) // work
-            if (x == 0 and pixels >= width * _TILE) or not self._pulse.is_watched:
+            pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // work
+            if (x == 0 and pixels >= width * _TILE) or not self._cancellation.is_cancellable:
                 down = min(max(_TILE, pixels // width // _TILE * _TILE), wanted[1] - y)
                 yield 0, y, width, down
                 y += down

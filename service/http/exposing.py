@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from render.errors import PullfocusError
-from render.model.shutter_intervals import Opening
+from render.model.shutter_intervals import ShutterInterval
 from service.http.errors import ServiceError
 from service.models.long_exposure import LongExposureBegin, LongExposureState
 from service.picture.long_exposure import BeginExposure, DevelopExposure, DropExposure, Exposed, ExposeInterval
@@ -93,7 +93,7 @@ class Exposures:
         Raises:
             PullfocusError: what is asked for cannot be exposed.
         """
-        intervals = Opening(wish.first, wish.last, wish.step).intervals()
+        intervals = ShutterInterval(wish.first, wish.last, wish.step).intervals()
         exposure = _Exposure(secrets.token_hex(8), record, record.edit_text(), wish, intervals)
         settings = wish.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"})
         await self._ask(

@@ -97,7 +97,7 @@ class ShowLive:
         With an unsaved edit, what the lens does comes after the first of them. Raises what `RenderPicture` raises.
         """
         from render.film import GradeChoice
-        from render.pictures.progressive import Asked
+        from render.pictures.progressive import PreviewRequest
         from service.stage.read_shot import as_readout
 
         with room.opened.use(self.record, self.edits) as shot:
@@ -106,7 +106,7 @@ class ShowLive:
                 self._try(room, shot, self.unsaved, settings)
             said = self.finish
             choice = GradeChoice(display=said["display"], view=said["view"], look=said["look"])
-            asked = Asked(
+            asked = PreviewRequest(
                 self.camera,
                 self.time,
                 settings,

@@ -20,7 +20,7 @@ from render.errors import GraphicsError, SettingsError
 from render.film.cdl import Cdl
 from render.film.develop import check_exposure
 from render.film.grade import Grade
-from render.gl.held import Held, Making
+from render.gl.resources import Construction, Resources
 from render.gl.shaders import load_source, set_uniforms
 from render.model.scene import FloatArray
 
@@ -76,7 +76,7 @@ class DisplayPass:
         if light.ndim != 3 or light.shape[2] not in (3, 4):
             raise SettingsError(f"light must be (height, width, 3) or (height, width, 4), got {light.shape}")
         size, pixels = light.shape[1::-1], np.ascontiguousarray(light, np.float32)
-        with Held() as held:
+        with Resources() as held:
             source = held.keep(self._ctx.texture(size, light.shape[2], pixels.tobytes(), dtype="f4"))
             target = held.keep(self._ctx.texture(size, 4, dtype="f4"))
             self.run(source, target, exposure_scale, grade, space)
@@ -133,7 +133,7 @@ def _compiled(ctx: moderngl.Context, parts: list[ocio.Processor]) -> _Transform:
     has_cdl = len(parts) == 2
     codes = [_code(part, name) for part, name in zip(parts, _FUNCTIONS[-len(parts) :], strict=True)]
     source = load_source("film/grade.comp", {"CDL": 1} if has_cdl else None)
-    with Making() as made:
+    with Construction() as made:
         try:
             text = "\n".join(code.getShaderText() for code in codes)
             program = made.keep(ctx.compute_shader(source.replace(_PLACE, text)))

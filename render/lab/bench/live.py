@@ -26,11 +26,11 @@ from render.lab.bench.results import Goal
 from render.output.encode import encode_jpeg
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
-from render.pictures.progressive import Asked, Shown
+from render.pictures.progressive import PreviewRequest, Shown
 from render.pictures.progressive.driver import Progressive
 from render.shot import Shot
 
-Change = Callable[[int], Asked]
+Change = Callable[[int], PreviewRequest]
 """Makes the change of a step of the drag, and says what is asked for then."""
 _STALE_AFTER_S = (0.05, 0.4, 1.0)
 
@@ -98,7 +98,7 @@ class _Stand:
         self._renderer, self._shot, self._plan = renderer, shot, plan
         self._driver = Progressive(renderer, shot, LiveFinisher(renderer))
         self._camera = shot.default_camera().path
-        self._asked = Asked(None, FRAME, plan.picture)
+        self._asked = PreviewRequest(None, FRAME, plan.picture)
         self.drags: dict[str, Change] = {
             "focus": self._focus,
             "aperture": self._aperture,
@@ -144,12 +144,12 @@ class _Stand:
         shown = self._first(change(step), moving=True)
         return 1000 * (perf_counter() - began), shown
 
-    def _first(self, asked: Asked, *, moving: bool) -> Shown:
+    def _first(self, asked: PreviewRequest, *, moving: bool) -> Shown:
         shown = next(self._driver.pictures(replace(asked, is_moving=moving)))
         encode_jpeg(shown.graded, shown.metadata)
         return shown
 
-    def _final(self, asked: Asked) -> tuple[float, float, Shown, list[float]]:
+    def _final(self, asked: PreviewRequest) -> tuple[float, float, Shown, list[float]]:
         """Milliseconds to the first and to the last picture, that one, and those between two looks whether it is wanted."""
         began = perf_counter()
         times, looks, looked = [], [0.0], began
@@ -166,7 +166,7 @@ class _Stand:
             times.append(1000 * (looked - began))
         return times[0], times[-1], shown, looks
 
-    def _left(self, asked: Asked, after_s: float) -> float:
+    def _left(self, asked: PreviewRequest, after_s: float) -> float:
         """How long work goes on that becomes stale so long after its first picture; 0 where it is done before."""
         self._driver.release()
         since: list[float] = []  # the first picture
@@ -188,15 +188,15 @@ class _Stand:
         finally:
             self._shot.back_to(before)
 
-    def _focus(self, step: int) -> Asked:
+    def _focus(self, step: int) -> PreviewRequest:
         self._shot.set_camera(None, focus_distance_m=2.5 + 0.15 * step)
         return self._asked
 
-    def _aperture(self, step: int) -> Asked:
+    def _aperture(self, step: int) -> PreviewRequest:
         self._shot.set_camera(None, f_stop=1.4 + 0.1 * step)
         return self._asked
 
-    def _pose(self, step: int) -> Asked:
+    def _pose(self, step: int) -> PreviewRequest:
         with self._shot.one_edit("move the camera"):
             xform = UsdGeom.Xformable(self._shot.stage.GetPrimAtPath(self._camera))
             named = [op for op in xform.GetOrderedXformOps() if op.GetOpName() == "xformOp:translate:drag"]
@@ -204,7 +204,7 @@ class _Stand:
             op.Set(Gf.Vec3d(1.5 * step, 0, 0))
         return self._asked
 
-    def _grade(self, step: int) -> Asked:
+    def _grade(self, step: int) -> PreviewRequest:
         return replace(self._asked, choice=GradeChoice(view="Raw") if step % 2 else None)
 
 

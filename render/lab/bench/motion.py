@@ -20,7 +20,7 @@ from render.lab.bench.results import Goal
 from render.lab.reference.metrics import psnr_db, ssim
 from render.model.frame_settings import FrameSettings
 from render.model.scene import FloatArray
-from render.pictures.picture import light_on_film
+from render.pictures.picture import expose_frame
 from render.shot import Shot
 
 GOAL_RATIO, GOAL_PSNR = 4.0, 35.0
@@ -87,7 +87,7 @@ class _Stand:
 
         def take() -> None:
             self._shot.scene_at(FRAME - 1)
-            frames.append(light_on_film(self._renderer, self._shot, None, self._lens, FRAME, settings))
+            frames.append(expose_frame(self._renderer, self._shot, None, self._lens, FRAME, settings))
 
         spent = timed(self._renderer.graphics.ctx.finish, take, repeats)
         return frames[-1].color * self._lens.exposure_scale, spent

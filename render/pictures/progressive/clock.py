@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from render.pictures.progressive.asked import Timing
+from render.pictures.progressive.request import Timing
 
 
 class Clock:

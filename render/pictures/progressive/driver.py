@@ -17,20 +17,27 @@ from functools import partial
 from time import perf_counter
 
 from render.frame import Frame, FrameRenderer
-from render.gl.pulse import Interrupted
+from render.gl.cancellation import Cancelled
 from render.model.frame_settings import FrameSettings
 from render.model.scene import Camera, FloatArray, Scene
 from render.output import FrameMetadata
 from render.pictures.image_space import ImageSpace
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.moving import moves
-from render.pictures.picture import dim, landed, light_on_film, looked_through, metadata_of, picture_of
+from render.pictures.picture import (
+    apply_lens_effects,
+    apply_vignetting,
+    expose_frame,
+    metadata_of,
+    picture_of,
+    prepare_camera,
+)
 from render.pictures.progressive.alike import alike
 from render.pictures.progressive.aside import aside
-from render.pictures.progressive.asked import Asked, Shown, Stage
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.frames import LiveFrames
 from render.pictures.progressive.pace import ENOUGH_RAYS
+from render.pictures.progressive.request import PreviewRequest, Shown, Stage
 from render.shot.film.finish import Finish, frame_number, gate_mm
 from render.shot.shot import Shot
 
@@ -80,7 +87,7 @@ class Progressive:
         self._kept: _Kept | None = None
         self._developed: _Developed | None = None
 
-    def pictures(self, asked: Asked, *, is_stale: Callable[[], bool] = never) -> Iterator[Shown]:
+    def pictures(self, asked: PreviewRequest, *, is_stale: Callable[[], bool] = never) -> Iterator[Shown]:
         """Better and better pictures of what is asked, the last of them exact; the first alone of what is moving.
 
         Args:
@@ -94,7 +101,7 @@ class Progressive:
             GraphicsError: the device refuses.
         """
         clock = Clock()
-        lens, finish = looked_through(
+        lens, finish = prepare_camera(
             self._renderer,
             self._shot,
             asked.camera,
@@ -110,9 +117,9 @@ class Progressive:
             yield next(work)
             while not is_stale():
                 try:
-                    with self._renderer.graphics.pulse.watched(is_stale):
+                    with self._renderer.graphics.cancellation.cancel_when(is_stale):
                         shown = next(work)
-                except (StopIteration, Interrupted):
+                except (StopIteration, Cancelled):
                     return
                 yield shown
         finally:
@@ -123,7 +130,7 @@ class Progressive:
         self._kept = self._developed = None
 
     def _shown(
-        self, asked: Asked, scene: Scene, lens: Camera, finish: Finish, clock: Clock
+        self, asked: PreviewRequest, scene: Scene, lens: Camera, finish: Finish, clock: Clock
     ) -> Generator[Shown, None, None]:
         settings = asked.settings
         frame = self._kept_frame(asked, scene, lens)
@@ -143,18 +150,25 @@ class Progressive:
             if asked.is_moving:
                 return
         developed = self._on_film(frame, lens, finish, asked)
-        graded = aside(lambda: finish.graded(developed), self._renderer.graphics.pulse)
+        graded = aside(lambda: finish.graded(developed), self._renderer.graphics.cancellation)
         picture = picture_of(self._shot, frame, lens, asked.time, settings, finish, graded=graded)
         clock.note("finish")
         yield Shown("final", picture.graded, picture.metadata, clock.timing(), settings.rays, 1.0, picture)
 
     def _rendered(
-        self, asked: Asked, scene: Scene, lens: Camera, finish: Finish, clock: Clock, light: FloatArray, rays: int
+        self,
+        asked: PreviewRequest,
+        scene: Scene,
+        lens: Camera,
+        finish: Finish,
+        clock: Clock,
+        light: FloatArray,
+        rays: int,
     ) -> Generator[Shown, None, Frame]:
         """The light on the film, and what it looks like on the way."""
         settings = asked.settings
         if settings.engine != "lens" or moves(lens, settings):
-            frame = light_on_film(self._renderer, self._shot, asked.camera, lens, asked.time, settings)
+            frame = expose_frame(self._renderer, self._shot, asked.camera, lens, asked.time, settings)
             clock.note("blur")
             return frame
         if rays < min(ENOUGH_RAYS, settings.rays) / 2:
@@ -174,7 +188,7 @@ class Progressive:
                 yield self._on_the_way("refining", whole, lens, finish, asked, clock, settings.rays, share)
                 last = perf_counter()
         clock.note("blur")
-        return landed(self._renderer, self._shot, lens, asked.time, ImageSpace(settings, settings), frame)
+        return apply_lens_effects(self._renderer, self._shot, lens, asked.time, ImageSpace(settings, settings), frame)
 
     def _on_the_way(
         self,
@@ -182,26 +196,26 @@ class Progressive:
         light: FloatArray,
         lens: Camera,
         finish: Finish,
-        asked: Asked,
+        asked: PreviewRequest,
         clock: Clock,
         rays: int,
         share: float = 0.0,
     ) -> Shown:
         light = light.copy()
-        dim(light, lens, asked.settings)
+        apply_vignetting(light, lens, asked.settings)
         graded = self._graded(light, lens, finish, asked)
         clock.note("finish")
         return Shown(stage, graded, self._metadata(lens, finish, asked), clock.timing(), rays, share)
 
-    def _metadata(self, lens: Camera, finish: Finish, asked: Asked) -> FrameMetadata:
+    def _metadata(self, lens: Camera, finish: Finish, asked: PreviewRequest) -> FrameMetadata:
         return metadata_of(self._shot, lens, asked.time, asked.settings, finish)
 
-    def _graded(self, light: FloatArray, lens: Camera, finish: Finish, asked: Asked) -> FloatArray:
+    def _graded(self, light: FloatArray, lens: Camera, finish: Finish, asked: PreviewRequest) -> FloatArray:
         """Finished for those who look at it while they work."""
         by = finish.picture if self._finisher is None else partial(self._finisher.picture, finish)
         return by(light, lens, time=asked.time, seed=asked.settings.seed)
 
-    def _kept_frame(self, asked: Asked, scene: Scene, lens: Camera) -> Frame | None:
+    def _kept_frame(self, asked: PreviewRequest, scene: Scene, lens: Camera) -> Frame | None:
         """The light on the film, where nothing that it depends on has changed."""
         kept = self._kept
         if kept is None or kept.scene is not scene or kept.settings != asked.settings:
@@ -211,14 +225,14 @@ class Progressive:
         flares = lens.lens.ghosts > 0 or lens.lens.star > 0  # which are of what is bright as it is exposed
         return kept.frame if alike(kept.lens, lens, but=() if flares else ("exposure_scale",)) else None
 
-    def _on_film(self, frame: Frame, lens: Camera, finish: Finish, asked: Asked) -> FloatArray:
+    def _on_film(self, frame: Frame, lens: Camera, finish: Finish, asked: PreviewRequest) -> FloatArray:
         """The developed film; the one that is there, where nothing that it depends on has changed."""
         said = (lens.exposure_scale, frame_number(asked.time), gate_mm(lens), asked.settings.seed)
         kept = self._developed
         if kept is None or kept.frame is not frame or kept.said != said or not alike(kept.film, finish.film):
             picture = aside(
                 lambda: finish.developed(frame.color, lens, time=asked.time, seed=asked.settings.seed),
-                self._renderer.graphics.pulse,
+                self._renderer.graphics.cancellation,
             )
             kept = self._developed = _Developed(frame, finish.film, said, picture)
         return kept.picture

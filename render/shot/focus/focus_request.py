@@ -36,7 +36,7 @@ def coc_limit_mm(camera: Camera, focus: FocusData) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class FocusRequest:
     """What the points ask of the lens at n times; `FocusTrack` says what each means."""
 
     planes: DoubleArray
@@ -45,7 +45,7 @@ class Asked:
     notes: list[str]
 
 
-def asked_by_points(reading: FocusReading, targets: FocusTargets, law: LensLaw) -> Asked:
+def request_focus(reading: FocusReading, targets: FocusTargets, law: LensLaw) -> FocusRequest:
     """Where the points want the plane of focus and, where they set it, the stop."""
     focus, camera_w, tilt = reading.focus[0], own_w(reading), authored_tilt(reading)
     solutions = solve_distances(
@@ -63,11 +63,11 @@ def asked_by_points(reading: FocusReading, targets: FocusTargets, law: LensLaw) 
         solutions = kept_within(solutions, planes[:, 0], tilted, targets.names, law)
         solutions = replace(solutions, reasons=tuple(map(_joined, solutions.reasons, fixed)))
         planes[:, 0] = np.where(tilted, solutions.focus_w, planes[:, 0])
-    made = Asked(planes, own_f_stops(reading), solutions, notes)
+    made = FocusRequest(planes, own_f_stops(reading), solutions, notes)
     return _with_stops(reading, targets, law, made) if any(f.solve_stop for f in reading.focus) else made
 
 
-def _with_stops(reading: FocusReading, targets: FocusTargets, law: LensLaw, asked: Asked) -> Asked:
+def _with_stops(reading: FocusReading, targets: FocusTargets, law: LensLaw, asked: FocusRequest) -> FocusRequest:
     """The same, with the distance along the axis and the f-number that hold all points where the points set the stop."""
     focus = reading.focus[0]
     split = stops_for(
@@ -84,7 +84,7 @@ def _with_stops(reading: FocusReading, targets: FocusTargets, law: LensLaw, aske
     planes = asked.planes.copy()
     planes[sets_stop, 0] = split.focus.focus_w[sets_stop]
     held = split.holds | ~sets_stop
-    return Asked(
+    return FocusRequest(
         planes,
         np.where(sets_stop, split.f_stops, asked.f_stops),
         _chosen(sets_stop, split.focus, asked.solutions),

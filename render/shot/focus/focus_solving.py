@@ -23,13 +23,13 @@ from render.model.lens_law import LensLaw
 from render.optics.focus_law import focus_laws
 from render.shot.focus.focus_reading import FocusReading
 from render.shot.focus.focus_request import (
-    asked_by_points,
     authored_tilt,
     distances_m,
     faded_points,
     is_smoothed,
     own_f_stops,
     own_w,
+    request_focus,
 )
 from render.shot.focus.focus_ring import close_focus_depth_m, focus_ring
 from usd_schemas import FocusData
@@ -125,13 +125,13 @@ def _by_hand(reading: FocusReading) -> FocusTrack:
 
 def _by_points(reading: FocusReading) -> FocusTrack:
     targets, law = reading.targets, focus_laws(reading.cameras)
-    asked = asked_by_points(reading, targets, law)
+    asked = request_focus(reading, targets, law)
     fades = faded_points(reading, targets)
     planes, f_stops = asked.planes, asked.f_stops
     if is_smoothed(reading):
         there, seen = fades > 0, np.ones(fades.shape)
         crossing = replace(targets, weights=targets.weights * fades, enabled=there, in_frame=there, visible=seen)
-        crossed = asked_by_points(reading, crossing, law)
+        crossed = request_focus(reading, crossing, law)
         share = points_share(fades * (targets.weights > 0))
         own = np.column_stack([own_w(reading), authored_tilt(reading)])
         planes = share[:, None] * crossed.planes + (1 - share)[:, None] * own

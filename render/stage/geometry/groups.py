@@ -20,7 +20,7 @@ from render.stage.findings import FindingLog
 from render.stage.geometry.pieces import Piece, ShapeReader
 from render.stage.geometry.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
 from render.stage.geometry.shape import Shape
-from render.stage.materials.material import Look
+from render.stage.materials.material import BoundMaterial
 from render.stage.world import DoubleArray
 
 
@@ -42,7 +42,7 @@ class Moment:
     transforms: UsdGeom.XformCache
     world: DoubleArray
     scale: float
-    look: Callable[[str], Look]
+    look: Callable[[str], BoundMaterial]
     shapes: ShapeReader
     instances: InstanceReader
     prim_id: Callable[[str], int]

@@ -9,7 +9,7 @@ from pxr import Usd, UsdShade
 
 from render.model.scene import TextureLookup
 from render.stage.findings import FindingLog
-from render.stage.materials.material import DEFAULT_LOOK, Look, preview_surface_look
+from render.stage.materials.material import DEFAULT_LOOK, BoundMaterial, preview_surface_look
 from render.stage.materials.materialx import MaterialXFiles
 from render.stage.materials.texture_nodes import TextureNodes
 from render.stage.materials.textures import TextureCache
@@ -30,10 +30,10 @@ class LookReader:
         self._stage, self._log = stage, log
         self._nodes = TextureNodes(textures, log)
         self._materialx = MaterialXFiles(stage, textures, log)
-        self._looks: dict[str, Look] = {_NO_PATH: DEFAULT_LOOK}
+        self._looks: dict[str, BoundMaterial] = {_NO_PATH: DEFAULT_LOOK}
         self._representatives: dict[Hashable, str] = {_signature(DEFAULT_LOOK): _NO_PATH}
 
-    def look(self, path: str, time: Usd.TimeCode) -> Look:
+    def look(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         """The look of the material at a path, or the default look for an empty path.
 
         A material that varies is read anew, and stays the same object where nothing came out differently.
@@ -52,7 +52,7 @@ class LookReader:
         look = self.look(path, time)
         return path if look.varies else self._representatives.setdefault(_signature(look), path)
 
-    def _read(self, path: str, time: Usd.TimeCode) -> Look:
+    def _read(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         material = UsdShade.Material(self._stage.GetPrimAtPath(path))
         if not material:
             return self._materialx.look(path) or self._unread(path, "does not exist")
@@ -62,13 +62,13 @@ class LookReader:
         kind = self._nodes.kind(shader) if shader else ""
         return self._unread(path, f"has a surface of {kind}" if kind else "has no surface that can be read")
 
-    def _unread(self, path: str, why: str) -> Look:
+    def _unread(self, path: str, why: str) -> BoundMaterial:
         message = f"material {path} {why}: only UsdPreviewSurface is honoured, so displayColor is drawn instead"
         self._log.add("material_unread", path, message)
         return replace(DEFAULT_LOOK, material=replace(DEFAULT_LOOK.material, name=path))
 
 
-def _signature(look: Look) -> Hashable:
+def _signature(look: BoundMaterial) -> Hashable:
     """Equal for looks that draw the same and want the same primvars, whatever their names."""
     constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
     return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.wanted

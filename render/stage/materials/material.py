@@ -29,7 +29,7 @@ _TEXTURED_SCALARS = ("metallic", "roughness", "opacity", "occlusion")
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class BoundMaterial:
     """A material, and what it wants from the meshes that wear it.
 
     Attributes:
@@ -43,14 +43,14 @@ class Look:
     varies: bool = False
 
 
-DEFAULT_LOOK = Look(
+DEFAULT_LOOK = BoundMaterial(
     Material(name="", base_color=WHITE, uses_display_color=True), Wanted(None, "displayColor", "displayOpacity")
 )
 
 
 def preview_surface_look(
     material: UsdShade.Material, shader: UsdShade.Shader, time: Usd.TimeCode, nodes: TextureNodes, log: FindingLog
-) -> Look:
+) -> BoundMaterial:
     """Read a material whose surface is a UsdPreviewSurface."""
     return _SurfaceReader(material, shader, time, nodes, log).look()
 
@@ -72,7 +72,7 @@ class _SurfaceReader:
         self._uv_names: dict[str, str] = {}
         self._wanted = Wanted(uv=None)
 
-    def look(self) -> Look:
+    def look(self) -> BoundMaterial:
         for name, (usd_name, default) in _COLORS.items():
             self._color(name, usd_name, default)
         for name, (usd_name, scalar) in _SCALARS.items():
@@ -87,7 +87,7 @@ class _SurfaceReader:
             lookups=self._lookups,
             **{name: value for name, value in self._constants.items() if name != "occlusion"},  # type: ignore[arg-type]
         )
-        return Look(material, replace(self._wanted, uv=self._uv_name()), self._network.varies)
+        return BoundMaterial(material, replace(self._wanted, uv=self._uv_name()), self._network.varies)
 
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)

@@ -19,7 +19,7 @@ from render.errors import InputError
 from render.model.scene import Material, TextureLookup
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import Wanted
-from render.stage.materials.material import Look
+from render.stage.materials.material import BoundMaterial
 from render.stage.materials.textures import TextureCache, TextureError
 
 _RGB_INPUTS = {"base_color": "base_color"}
@@ -41,7 +41,7 @@ class MaterialXFiles:
         self._stage, self._textures, self._log = stage, textures, log
         self._documents: dict[str, ET.Element | None] = {}
 
-    def look(self, path: str) -> Look | None:
+    def look(self, path: str) -> BoundMaterial | None:
         """The look of a material prim that should have come out of a .mtlx reference, or None where there is none."""
         file = self._file_for(Sdf.Path(path))
         root = self._document(file) if file else None
@@ -93,7 +93,7 @@ class _SurfaceReader:
         self._textures, self._log = textures, log
         self._lookups: dict[str, TextureLookup] = {}
 
-    def look(self) -> Look:
+    def look(self) -> BoundMaterial:
         base = self._weighted_base_color()
         self._texture("base_color", "base_color", "color")
         scalars = {ours: self._scalar(theirs, ours) for theirs, ours in _SCALAR_INPUTS.items()}
@@ -106,7 +106,7 @@ class _SurfaceReader:
             roughness=scalars["roughness"],
             lookups=self._lookups,
         )
-        return Look(material, Wanted(uv="st" if self._lookups else None))
+        return BoundMaterial(material, Wanted(uv="st" if self._lookups else None))
 
     def _weighted_base_color(self) -> tuple[float, float, float]:
         """base · base_color, and for glass the colour of what it lets through, which is its look from afar."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from pxr import Usd, UsdGeom
 
-from render.model.shutter_intervals import Opening
+from render.model.shutter_intervals import ShutterInterval
 from render.shot import Shot
 from render.shot.lens.lens_choice import choose_lens
 from tests.bench.lens_gallery.entries import Section
@@ -47,7 +47,7 @@ class CameraEntry:
     photography: Mapping[str, Any] = field(default_factory=dict)
     motion: int = 1
     finer: int = 1
-    opening: Opening | None = None
+    opening: ShutterInterval | None = None
     nd_stops: float | None = None
     tripod: bool = False
     detail: tuple[float, float] = _FAR
@@ -173,7 +173,7 @@ def _motion() -> Section:
 
 
 def _long_exposures() -> Section:
-    def long(slug: str, title: str, note: str, opening: Opening, **rest: object) -> CameraEntry:
+    def long(slug: str, title: str, note: str, opening: ShutterInterval, **rest: object) -> CameraEntry:
         make: Callable[..., CameraEntry] = CameraEntry
         return make(f"long-{slug}", title, note, opening=opening, **rest)
 
@@ -183,19 +183,24 @@ def _long_exposures() -> Section:
         "exposure.",
         (
             CameraEntry("long-none", "One frame", "Frame 72, stopped: to hold the others against."),
-            long("hand", "A second by hand", "The camera moves in: every light leaves its trail.", Opening(64, 88, 2)),
+            long(
+                "hand",
+                "A second by hand",
+                "The camera moves in: every light leaves its trail.",
+                ShutterInterval(64, 88, 2),
+            ),
             long(
                 "tripod",
                 "A second on a tripod",
                 "What stands still is sharp and as bright as in one frame; who moves fades.",
-                Opening(64, 88, 2),
+                ShutterInterval(64, 88, 2),
                 tripod=True,
             ),
             long(
                 "no-filter",
                 "Without a filter",
                 "Two frames on a tripod with no filter: two stops brighter than one frame at 180°.",
-                Opening(72, 74, 1),
+                ShutterInterval(72, 74, 1),
                 tripod=True,
                 nd_stops=0.0,
             ),

@@ -276,7 +276,7 @@ def test_work_that_is_watched_is_drawn_in_pieces_and_to_the_bit_the_same(monkeyp
         draw(self, one, share, *arguments, **named)
 
     monkeypatch.setattr(LayerRenderer, "_draw", counted)
-    with FrameRenderer() as other, other.graphics.pulse.watched(lambda: False):
+    with FrameRenderer() as other, other.graphics.cancellation.cancel_when(lambda: False):
         pieces = other.render(scene, camera, settings)
     assert max(drawn) <= 150, "in depth, in colour and in the shadow maps"
     np.testing.assert_array_equal(pieces.color, whole.color)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
-from render.gl.pulse import Interrupted
+from render.gl.cancellation import Cancelled
 from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.index import Draw
 from render.layers.renderer import LayerRenderer
@@ -105,13 +105,13 @@ def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.Monke
             nonlocal calls
             calls += 1
             if calls == 2:
-                raise Interrupted
+                raise Cancelled
             plain(self, side_px, view, draws)
 
         peeler = renderer.engines.peeler
         with monkeypatch.context() as patched:
             patched.setattr(peeler._lighting._maps, "_draw", partial(left, peeler._renderer))
-            with pytest.raises(Interrupted):
+            with pytest.raises(Cancelled):
                 renderer.render(scene, later, SETTINGS)
             assert calls == 2
         renderer.forget_layers()

@@ -81,13 +81,13 @@ def test_light_is_rendered_once_for_all_that_is_done_to_it(
     shot: Path, renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rendered: list[float] = []
-    real = made.light_on_film
+    real = made.expose_frame
 
     def counted(*arguments: object) -> object:
         rendered.append(1)
         return real(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(made, "light_on_film", counted)
+    monkeypatch.setattr(made, "expose_frame", counted)
     axes = parse_axes(["stock=velvia_50,5219,tri_x", "stop=2,4"])
     told: list[tuple[str, float]] = []
     made.make_contact_sheet(

@@ -17,7 +17,7 @@ from render.errors import PullfocusError, SettingsError
 from render.film import Grade
 from render.film.gathering import GatheredLight
 from render.frame import FrameRenderer, FrameSettings
-from render.model.shutter_intervals import Opening, parse_openings
+from render.model.shutter_intervals import ShutterInterval, parse_shutter_intervals
 from render.pictures.long_exposure import LongExposure
 from render.pictures.picture import make_picture
 from render.pictures.travel import farthest_travel_px, moment_of
@@ -72,7 +72,7 @@ def shot(tmp_path_factory: pytest.TempPathFactory) -> Shot:
 def exposed(
     renderer: FrameRenderer, shot: Shot, spec: str, settings: FrameSettings = SETTINGS, nd_stops: float | None = None
 ) -> LongExposure:
-    openings = parse_openings(spec)
+    openings = parse_shutter_intervals(spec)
     exposure = LongExposure(renderer, shot, "/cam", openings[0].first, settings, nd_stops=nd_stops, grade=Grade())
     for opening in openings:
         for begin, end in opening.intervals():
@@ -214,7 +214,7 @@ def test_a_thousand_intervals_round_nothing_away() -> None:
 
 @given(st.floats(-1e3, 1e3), st.floats(0.01, 500), st.floats(0.05, 20))
 def test_intervals_join_without_gaps_and_fill_the_time(first: float, length: float, step: float) -> None:
-    intervals = Opening(first, first + length, step).intervals()
+    intervals = ShutterInterval(first, first + length, step).intervals()
     assert intervals[0][0] == first
     assert intervals[-1][1] == first + length
     assert all(end == begin for (_, end), (begin, _) in pairwise(intervals))
@@ -237,7 +237,7 @@ def test_intervals_join_without_gaps_and_fill_the_time(first: float, length: flo
 )
 def test_openings_that_make_no_sense_are_one_clear_error(typed: str, told: str) -> None:
     with pytest.raises(SettingsError, match=told):
-        parse_openings(typed)
+        parse_shutter_intervals(typed)
 
 
 def test_what_cannot_be_exposed_is_told(renderer: FrameRenderer, shot: Shot) -> None:

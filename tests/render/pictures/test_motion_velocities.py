@@ -17,7 +17,7 @@ from render.lab.reference.metrics import psnr_db
 from render.layers.movement import movements
 from render.model.scene import Camera, FloatArray
 from render.optics.view import PinholeView
-from render.pictures.picture import light_on_film, make_picture
+from render.pictures.picture import expose_frame, make_picture
 from render.shot import Shot
 from render.trace.glimpse import Glimpse
 from tests.render.pictures.test_motion import STILL, coverage, write_moving
@@ -195,7 +195,7 @@ def test_an_instancer_moves_instance_by_instance(
     monkeypatch.setattr("render.layers.pieces._TRIANGLES", 2)
     monkeypatch.setattr("render.layers.pieces._LEAST_TRIANGLES", 2)
     monkeypatch.setattr("render.layers.pieces._MOST_TRIANGLES", 2)
-    with FrameRenderer() as other, other.graphics.pulse.watched(lambda: False):
+    with FrameRenderer() as other, other.graphics.cancellation.cancel_when(lambda: False):
         _, one_by_one, _ = both(other, tmp_path / "instances.usda")
     np.testing.assert_array_equal(one_by_one, fast)
 
@@ -344,7 +344,7 @@ def test_the_demo_shot_moves_alike_both_ways(renderer: FrameRenderer, tmp_path: 
     settings = FrameSettings(240, 135, shading="unlit", rays=32, motion=8)
     lens = shot.camera_at(None, 48, settings.width, settings.height)
     exact, fast = (
-        light_on_film(renderer, shot, None, lens, 48, replace(settings, motion_by=way)).color
+        expose_frame(renderer, shot, None, lens, 48, replace(settings, motion_by=way)).color
         for way in ("moments", "velocities")
     )
     assert psnr_db(exact, fast) > 35

@@ -13,12 +13,12 @@ from pxr import Gf, UsdGeom
 
 from render.film import GradeChoice
 from render.frame import FrameRenderer, FrameSettings
-from render.gl.pulse import Interrupted, Pulse
+from render.gl.cancellation import CancellationPoint, Cancelled
 from render.lab.reference.metrics import psnr_db
 from render.layers.renderer import LayerRenderer
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
-from render.pictures.progressive import Asked, Shown
+from render.pictures.progressive import PreviewRequest, Shown
 from render.pictures.progressive.alike import alike
 from render.pictures.progressive.aside import aside
 from render.pictures.progressive.driver import Progressive
@@ -94,7 +94,7 @@ def last(pictures: Iterator[Shown]) -> Shown:
 )
 def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, changes: dict[str, object]) -> None:
     settings = replace(SETTINGS, **changes)  # type: ignore[arg-type]
-    pictures = list(driver.pictures(Asked("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
+    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
     assert pictures[0].stage == "preview"
     assert [shown.stage for shown in pictures[1:-1]] == ["refining"] * (len(pictures) - 2)
     final = pictures[-1]
@@ -109,7 +109,7 @@ def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, cha
 
 
 def test_the_first_picture_is_like_the_last(driver: Progressive) -> None:
-    pictures = list(driver.pictures(Asked("/cam", 2.0, SETTINGS, budget_ms=1.0)))
+    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
     assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
     assert psnr_db(enlarged(first, 160, 90), final) > 22
@@ -121,7 +121,7 @@ def test_the_first_picture_is_like_the_last(driver: Progressive) -> None:
 
 
 def test_what_moves_gets_its_first_picture_alone(driver: Progressive) -> None:
-    pictures = list(driver.pictures(Asked("/cam", 2.0, SETTINGS, is_moving=True)))
+    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)))
     assert [shown.stage for shown in pictures] == ["preview"]
 
 
@@ -130,7 +130,7 @@ def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
 ) -> None:
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
     shadows = Counted(monkeypatch, LayerRenderer, "draw_shadow")
-    moving = Asked("/cam", 2.0, SETTINGS, is_moving=True)
+    moving = PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)
     sketched = last(driver.pictures(moving)).graded
     before = last(driver.pictures(moving)).graded
     assert sketched.shape < before.shape, "what is new, and may change at once again, is sketched"
@@ -151,7 +151,7 @@ def test_a_change_of_grade_or_film_traces_nothing(
 ) -> None:
     traced = Counted(monkeypatch, Tracer, "passes")
     developed = Counted(monkeypatch, finishing, "develop_on_film")  # type: ignore[arg-type]
-    asked = Asked("/cam", 2.0, SETTINGS, stock="5219")
+    asked = PreviewRequest("/cam", 2.0, SETTINGS, stock="5219")
     one = last(driver.pictures(asked))
     assert traced.since() > 0
     assert developed.since() == 1
@@ -168,7 +168,7 @@ def test_a_change_of_grade_or_film_traces_nothing(
 
 def test_work_that_is_stale_is_left_and_spoils_nothing(driver: Progressive, shot: Shot) -> None:
     """Left between any two pieces, wherever these are: what is drawn next is right."""
-    asked = Asked("/cam", 2.0, SETTINGS)
+    asked = PreviewRequest("/cam", 2.0, SETTINGS)
     plain = last(driver.pictures(asked)).graded
     asks = 0
 
@@ -198,7 +198,7 @@ def test_work_that_is_stale_is_left_and_spoils_nothing(driver: Progressive, shot
 
 
 def test_who_asks_no_further_leaves_the_work(driver: Progressive) -> None:
-    asked = Asked("/cam", 2.0, SETTINGS)
+    asked = PreviewRequest("/cam", 2.0, SETTINGS)
     plain = last(driver.pictures(asked)).graded
     driver.release()
     for count in (1, 2):
@@ -213,8 +213,8 @@ def test_pictures_on_the_way_may_be_looked_at_between_pieces(
     driver: Progressive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("render.pictures.progressive.driver.REFRESH_MS", 0.0)
-    monkeypatch.setattr("render.gl.pulse.PIECE_MS", 1.0)
-    asked = Asked("/cam", 2.0, replace(SETTINGS, rays=160))
+    monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 1.0)
+    asked = PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))
     pictures = list(driver.pictures(asked))
     shares = [shown.share for shown in pictures if shown.stage == "refining" and shown.share > 0]
     assert len(shares) > 3
@@ -227,7 +227,7 @@ def test_pictures_on_the_way_may_be_looked_at_between_pieces(
 
 
 def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
-    asked = Asked("/cam", 2.0, SETTINGS)
+    asked = PreviewRequest("/cam", 2.0, SETTINGS)
     before = last(driver.pictures(asked)).graded
     with shot.one_edit("hide the card"):
         UsdGeom.Imageable(shot.stage.GetPrimAtPath("/card")).MakeInvisible()
@@ -280,12 +280,12 @@ def test_alike_says_what_equality_cannot() -> None:
 
 def test_work_aside_is_left_when_nobody_waits() -> None:
     began, stale = perf_counter(), False
-    pulse = Pulse(lambda: None)
-    assert aside(lambda: 7, pulse) == 7
-    with pytest.raises(ZeroDivisionError), pulse.watched(lambda: stale):
-        aside(lambda: 1 // 0, pulse)
-    with pytest.raises(Interrupted), pulse.watched(lambda: perf_counter() > began + 0.05):
-        aside(lambda: sleep(3), pulse)
+    cancellation = CancellationPoint(lambda: None)
+    assert aside(lambda: 7, cancellation) == 7
+    with pytest.raises(ZeroDivisionError), cancellation.cancel_when(lambda: stale):
+        aside(lambda: 1 // 0, cancellation)
+    with pytest.raises(Cancelled), cancellation.cancel_when(lambda: perf_counter() > began + 0.05):
+        aside(lambda: sleep(3), cancellation)
     assert perf_counter() - began < 2
 
 
@@ -294,8 +294,8 @@ def test_engines_that_blur_one_picture_are_previewed_in_their_time(
     driver: Progressive, monkeypatch: pytest.MonkeyPatch, engine: str
 ) -> None:
     settings = replace(SETTINGS, engine=engine)
-    asked = Asked("/cam", 2.0, settings, is_moving=True)
+    asked = PreviewRequest("/cam", 2.0, settings, is_moving=True)
     sizes = [last(driver.pictures(asked)).graded.shape[1] for _ in range(2)]
     assert sizes == [107, 160], "sketched, and then whole"
-    slow = Asked("/cam", 2.0, settings, is_moving=True, budget_ms=1e-3)
+    slow = PreviewRequest("/cam", 2.0, settings, is_moving=True, budget_ms=1e-3)
     assert last(driver.pictures(slow)).graded.shape[1] == 107, "where there is no time, it stays a sketch"

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
-from render.gl.held import Held
-from render.gl.pulse import Interrupted, Pulse
+from render.gl.cancellation import CancellationPoint, Cancelled
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
 from render.model.lens import IrisShape
@@ -28,7 +28,7 @@ def ctx(renderer: FrameRenderer) -> moderngl.Context:
 class Stand:
     """A field on the device, blurred by one engine or another."""
 
-    def __init__(self, ctx: moderngl.Context, held: Held, light: FloatArray, radii: FloatArray) -> None:
+    def __init__(self, ctx: moderngl.Context, held: Resources, light: FloatArray, radii: FloatArray) -> None:
         height, width = radii.shape
         both = np.stack([0 * radii, radii], axis=-1).astype("f4")
         self.field = Field(
@@ -56,7 +56,7 @@ def random_field(size: tuple[int, int], most_px: float) -> tuple[FloatArray, Flo
 def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: str) -> None:
     light, radii = random_field((17, 23), 6.4)
     shape = blur_shape(IRISES[iris], behind=True)
-    with Held() as held:
+    with Resources() as held:
         seen = Stand(ctx, held, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
     np.testing.assert_allclose(seen, shed(light, radii, shape, shape.areas(8)), atol=2e-5)
 
@@ -65,7 +65,7 @@ def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: st
 def test_flag_comes_to_the_same(ctx: moderngl.Context, window: Window) -> None:
     light, radii = random_field((60, 90), 17.0)
     programs = ProgramCache(ctx)
-    with Held() as held:
+    with Resources() as held:
         stand = Stand(ctx, held, light, radii)
         gather = stand.blurred(Gather(ctx, programs), IRISES["five, turned"], window)
         flag = stand.blurred(Flag(ctx, programs), IRISES["five, turned"], window)
@@ -76,7 +76,7 @@ def test_flag_comes_to_the_same(ctx: moderngl.Context, window: Window) -> None:
 def test_windows_that_share_the_light_share_all_of_it(ctx: moderngl.Context) -> None:
     light, radii = random_field((30, 40), 8.0)
     gather = Gather(ctx, ProgramCache(ctx))
-    with Held() as held:
+    with Resources() as held:
         stand = Stand(ctx, held, light, radii)
         parts = [stand.blurred(gather, IrisShape(), window) for window in (Window(rise=(3, 5)), Window(fall=(3, 5)))]
         np.testing.assert_allclose(parts[0] + parts[1], stand.blurred(gather, IrisShape()), atol=2e-5)
@@ -99,19 +99,19 @@ def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
     """To the same picture, and each piece looks at no more pixels than it should."""
     monkeypatch.setattr("render.postblur.gather.FIRST_LOOKS", 1 << 17)
     light, radii = random_field((60, 300), 15.0)
-    pulse = Pulse(ctx.finish)
+    cancellation = CancellationPoint(ctx.finish)
     beats = []
 
     def is_stale() -> bool:
         beats.append(1)
         return False
 
-    gather = Gather(ctx, ProgramCache(ctx), pulse)
+    gather = Gather(ctx, ProgramCache(ctx), cancellation)
     monkeypatch.setattr(gather._looks, "learn", lambda units, took_ms: None)
-    with Held() as held:
+    with Resources() as held:
         stand = Stand(ctx, held, light, radii)
         whole = stand.blurred(gather, IrisShape())
-        with pulse.watched(is_stale):
+        with cancellation.cancel_when(is_stale):
             pieces = stand.blurred(gather, IrisShape())
     np.testing.assert_array_equal(pieces, whole)
     assert len(beats) > 60 * 300 * 31**2 / (1 << 17)
@@ -120,15 +120,15 @@ def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
 @pytest.mark.parametrize("engine", [Gather, Flag])
 def test_it_can_be_called_off(ctx: moderngl.Context, engine: type[Gather] | type[Flag]) -> None:
     light, radii = random_field((200, 100), 9.0)
-    pulse = Pulse(ctx.finish)
+    cancellation = CancellationPoint(ctx.finish)
     beats = []
 
     def is_stale() -> bool:
         beats.append(1)
         return len(beats) > 2
 
-    with Held() as held:
+    with Resources() as held:
         stand = Stand(ctx, held, light, radii)
-        with pytest.raises(Interrupted), pulse.watched(is_stale):
-            stand.blurred(engine(ctx, ProgramCache(ctx), pulse), IrisShape())
+        with pytest.raises(Cancelled), cancellation.cancel_when(is_stale):
+            stand.blurred(engine(ctx, ProgramCache(ctx), cancellation), IrisShape())
     assert len(beats) == 3

@@ -10,11 +10,11 @@ import pytest
 
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
-from render.gl.pulse import Interrupted, Pulse
+from render.gl.cancellation import CancellationPoint, Cancelled
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall
 from render.model.scene import FloatArray
-from render.postblur.importance_field import ALL, UNWATCHED, Extent, ImportanceField
+from render.postblur.importance_field import ALL, NEVER_CANCELLED, Extent, ImportanceField
 from render.postblur.importance_order import Importance
 from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.spread_tables import Gaussian
@@ -50,10 +50,10 @@ class Stand:
         self.light[y[:9], x[:9]] = 0
         self.radii[y[: 2 * thirds], x[: 2 * thirds]] = self._radii((2 * thirds,))
 
-    def taken(self, extent: Extent = ALL, pulse: Pulse = UNWATCHED) -> FloatArray:
+    def taken(self, extent: Extent = ALL, cancellation: CancellationPoint = NEVER_CANCELLED) -> FloatArray:
         field = as_field(self.ctx, self.light, self.radii)
         try:
-            return as_array(self.ordered.update(field, 1.0, Gaussian(), 6.5, extent, pulse))
+            return as_array(self.ordered.update(field, 1.0, Gaussian(), 6.5, extent, cancellation))
         finally:
             field.light.release()
             field.radii.release()
@@ -177,16 +177,16 @@ def test_time_is_kept_to_in_pieces(ctx: moderngl.Context) -> None:
 
 def test_stale_work_is_left_between_pieces_and_goes_on_from_there(ctx: moderngl.Context) -> None:
     stand = Stand(ctx)
-    pulse = Pulse(ctx.finish)
+    cancellation = CancellationPoint(ctx.finish)
     beats = iter([False, True])
     stand.ordered._spreader._piece.units = 1  # rows of tiles
-    with pytest.raises(Interrupted), pulse.watched(lambda: next(beats)):
-        stand.taken(pulse=pulse)
+    with pytest.raises(Cancelled), cancellation.cancel_when(lambda: next(beats)):
+        stand.taken(cancellation=cancellation)
     assert np.array_equal(stand.taken(), stand.wanted())
     stand.change(600)
     stand.ordered._piece.units = 16
-    with pytest.raises(Interrupted), pulse.watched(lambda: True):
-        stand.taken(pulse=pulse)
+    with pytest.raises(Cancelled), cancellation.cancel_when(lambda: True):
+        stand.taken(cancellation=cancellation)
     assert np.array_equal(stand.taken(), stand.wanted())
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer
-from render.gl.held import Held
-from render.gl.pulse import Interrupted, Pulse
+from render.gl.cancellation import CancellationPoint, Cancelled
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
 from render.model.lens import AberrationScales, IrisShape, SeidelErrors
@@ -54,7 +54,7 @@ def picture(
     """``(h, w)`` of grey sides, near and far with the same radii ``(h, w)``; the near one covers as much as is said."""
     height, width = radii.shape
     ctx = blur._ctx
-    with Held() as held:
+    with Resources() as held:
 
         def texture(*channels: FloatArray | float) -> moderngl.Texture:
             values = np.stack([np.broadcast_to(channel, radii.shape) for channel in channels], axis=-1)
@@ -206,7 +206,7 @@ def test_a_near_thing_has_soft_edges_over_a_sharp_background(blur: ScatterBlur) 
 def _with_far(blur: ScatterBlur, near: FloatArray, far: FloatArray, radius: float) -> FloatArray:
     """Over what is in focus."""
     ctx, (height, width) = blur._ctx, near.shape
-    with Held() as held:
+    with Resources() as held:
 
         def texture(values: DoubleArray) -> moderngl.Texture:
             channels = values.shape[-1]
@@ -240,14 +240,14 @@ def test_the_same_picture_each_time(blur: ScatterBlur) -> None:
 
 def test_what_nobody_waits_for_is_left(renderer: FrameRenderer) -> None:
     ctx = renderer.graphics.ctx
-    pulse = Pulse(ctx.finish)
-    blur = ScatterBlur(ctx, ProgramCache(ctx), pulse)
+    cancellation = CancellationPoint(ctx.finish)
+    blur = ScatterBlur(ctx, ProgramCache(ctx), cancellation)
     radii = np.full((200, 200), 9, np.float32)
     light = np.random.default_rng(1).random((200, 200)).astype(np.float32)
     whole = picture(blur, radii, far=light)
-    with pulse.watched(lambda: True), pytest.raises(Interrupted):
+    with cancellation.cancel_when(lambda: True), pytest.raises(Cancelled):
         picture(blur, radii, far=light)
-    with pulse.watched(lambda: False):
+    with cancellation.cancel_when(lambda: False):
         np.testing.assert_array_equal(picture(blur, radii, far=light), whole)
 
 
@@ -255,10 +255,10 @@ def test_how_much_is_drawn_at_once_is_learnt_from_picture_to_picture(renderer: F
     """Not too much at first, and more and more where that takes next to no time."""
     beats: list[int] = []
 
-    class Quick(Pulse):
-        is_watched = True
+    class Quick(CancellationPoint):
+        is_cancellable = True
 
-        def beat(self) -> float:
+        def poll(self) -> float:
             beats[-1] += 1
             return 0.1
 

@@ -13,7 +13,7 @@ from functools import partial
 import moderngl
 import numpy as np
 
-from render.gl.held import Held
+from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.postblur.plan import PostBlurPlan
@@ -81,7 +81,7 @@ def _spent(
 ) -> tuple[Spent, Spent]:
     """What FLAG and the naive gather take at one radius."""
     shape = blur_shape(IrisShape(), behind=True)
-    with Held() as held:
+    with Resources() as held:
         field, target = _picture(ctx, held, plan.side, radius_px, mixed=mixed)
         flag, gather = (partial(by.blur, field, shape, radius_px, target) for by in blurs)
         flag()  # compiles; a driver may do so for a size that it has not met
@@ -141,7 +141,7 @@ def crossover(radii: Sequence[float], fast: Sequence[float], slow: Sequence[floa
 
 
 def _picture(
-    ctx: moderngl.Context, held: Held, side: int, radius_px: float, *, mixed: bool
+    ctx: moderngl.Context, held: Resources, side: int, radius_px: float, *, mixed: bool
 ) -> tuple[Field, moderngl.Texture]:
     """Noise, out of focus everywhere, and where it is to be blurred to."""
     light = np.random.default_rng(0).random((side, side, 4)).astype(np.float32)

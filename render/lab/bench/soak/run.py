@@ -30,7 +30,7 @@ from render.lab.bench.soak.shot import BALLS, CAMERA, FRAMES, write_soak_shot
 from render.model.frame_settings import ENGINES, FrameSettings
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
-from render.pictures.progressive import Asked
+from render.pictures.progressive import PreviewRequest
 from render.pictures.progressive.driver import Progressive
 from render.shot import Shot
 
@@ -82,7 +82,7 @@ class _Soak:
         self._renderer, self._shot = renderer, shot
         self._driver = Progressive(renderer, shot, LiveFinisher(renderer))
         self._random = random.Random(seed)
-        self.asked = Asked(CAMERA, FRAMES[0], PICTURE)
+        self.asked = PreviewRequest(CAMERA, FRAMES[0], PICTURE)
         self._edits: tuple[Callable[[], object], ...] = (
             self._focus,
             self._stop,

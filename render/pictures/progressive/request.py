@@ -17,7 +17,7 @@ Stage = Literal["preview", "refining", "final"]
 
 
 @dataclass(frozen=True)
-class Asked:
+class PreviewRequest:
     """A picture that somebody waits for.
 
     Attributes:

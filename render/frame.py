@@ -29,9 +29,12 @@ from render.layers.headlight import Headlight
 from render.layers.movement import movements
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import AOVS, ENGINES, SHADINGS, FrameSettings
 from render.model.lens import IrisShape
-from render.model.scene import Camera, FloatArray, Moment, Scene, ShutterScenes
+from render.model.moment import Moment, ShutterScenes
+from render.model.scene import Scene
 from render.optics.distortion import seen_at
 from render.optics.view import PinholeView
 from render.trace.aovs import MEASURED

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from render.cli import arguments as shared
 from render.cli.report import say
 from render.errors import SettingsError
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.near_names import hint
 from render.optics.framing import Gate, framing_guide, shape
 from render.optics.photometry.exposure import ExposureSettings, shutter_time_s

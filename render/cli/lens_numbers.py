@@ -11,7 +11,7 @@ from rich.table import Table
 
 from render.cli.report import camel_case_keys, finite
 from render.errors import one_line
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.field import WAVELENGTHS_NM
 from render.shot.lens.lens_alone import LensAlone

@@ -28,7 +28,7 @@ from render.film import GradeChoice
 from render.film.stock import library_stock
 from render.model.frame_settings import MAX_MOTION, MOTIONS, FrameSettings
 from render.model.frame_spec import frame_file_names, parse_frames
-from render.optics.spectrum import MAX_WAVELENGTHS
+from render.model.limits import MAX_WAVELENGTHS
 from render.output import format_of, write_frame
 from render.pictures.picture import make_picture
 from render.pictures.picture_height import picture_height

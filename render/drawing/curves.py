@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, TINY, say_instead
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.report import LensReport
 
 _LEAST_FOCUS_MM, _LEAST_DISTORTION = 0.05, 1.0  # spans: what is below is not worth a steep line

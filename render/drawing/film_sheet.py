@@ -16,7 +16,7 @@ from render.film.report import FilmReport
 from render.film.settings import FilmSettings, GrainSettings, HalationSettings
 from render.film.stock import MIDDLE_GREY, Stock
 from render.film.targets import colour_chart, small_scene
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 _INCHES = (16.0, 11.2)
 _LEFT, _MIDDLE, _RIGHT = 0.045, 0.375, 0.705

@@ -18,7 +18,8 @@ from matplotlib.patheffects import withStroke
 
 from render.drawing.page import style
 from render.errors import SettingsError
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.near_names import hint
 from render.optics.framing import ASPECTS, Gate, framing_guide, shape
 

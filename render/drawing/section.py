@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from render.drawing.page import BEAMS, FAINT, INK, SMALL, TINY, file_of, style
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.report import LensReport
 from render.optics.report.section import LensSection, lens_section

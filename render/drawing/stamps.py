@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from render.drawing.page import FAINT, INK, LIGHTS, SMALL, TINY, say_instead
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.report import LensReport
 
 _CAUGHT = 0.985  # share of the rays that a spot diagram has to show

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, LIGHTS
-from render.model.lens import DataSheet, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.lens import DataSheet
 from render.optics.data_sheet import at_heights
 from render.optics.report import LensReport
 

@@ -18,8 +18,9 @@ from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
 from render.layers.surface_sampling import PLAIN, SurfaceSampling, patch_px_m
 from render.layers.targets import LAYERS_PER_PACK
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane
-from render.model.scene import Camera, DoubleArray, FloatArray
 from render.optics.sampling import lens_samples
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView

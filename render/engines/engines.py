@@ -8,8 +8,9 @@ from render.engines.accumulator import Accumulator, accumulated_rays, accumulate
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Peeler
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera, FloatArray
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView
 from render.postblur.engine import PostBlurEngine

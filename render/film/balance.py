@@ -8,7 +8,7 @@ import numpy as np
 
 from render.colour import rgb_to_working
 from render.errors import SettingsError
-from render.film.curve import DoubleArray
+from render.model.arrays import DoubleArray
 
 LEAST_K, GREATEST_K = 1000.0, 40000.0
 _TINT_STEP = 1 / 3000  # of CIE 1960 uv

@@ -8,15 +8,14 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 Knots = tuple[tuple[float, float], ...]
 """(log10 exposure, density), log exposure increasing."""
 
-DoubleArray = NDArray[np.float64]
 
 MAX_LOG_EXPOSURE = 30.0
 """How far log10 exposures of curves lie to either side of 0: ten times what any film holds, and single precision suffices."""

@@ -10,7 +10,7 @@ import PyOpenColorIO
 
 from render.errors import SettingsError
 from render.film.grade import Grade
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 # The largest half float. No display tells brighter light from it, and it keeps infinities out of the matrices.
 _BRIGHTEST = np.float32(65504.0)

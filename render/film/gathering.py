@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 
 class GatheredLight:

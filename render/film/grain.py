@@ -12,9 +12,9 @@ from functools import cache
 
 import numpy as np
 
-from render.film.curve import DoubleArray, Knots
+from render.film.curve import Knots
 from render.film.noise import normal_noise
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 APERTURE_UM = 48.0
 """Diameter of the aperture through which granularity is stated."""

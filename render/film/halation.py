@@ -14,8 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.curve import DoubleArray
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 BASE_INDEX = 1.48
 """Refractive index of a film base of cellulose triacetate."""

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 CHANNELS = 4
 """Numbers that one pixel has."""

@@ -14,7 +14,7 @@ from render.film.halation import add_halation
 from render.film.sensor import SensorSettings, expose_sensor
 from render.film.settings import FilmSettings
 from render.film.stock import MIDDLE_GREY, Stock
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 STOP = math.log10(2.0)
 """A stop in log10 exposure."""

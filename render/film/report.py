@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.curve import DoubleArray
 from render.film.process import STOP, densities, print_densities, projected
 from render.film.settings import DEFAULT_PRINTS, FilmSettings, film_settings
 from render.film.stock import Stock, library_stock
 from render.film.targets import grey_wedge, wedge_stops
+from render.model.arrays import DoubleArray
 from usd_schemas import FilmData, LibraryFilm
 
 TRIED_WITH = {"negative": "vision3_250d_5207", "monochrome": "double_x_5222"}

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.curve import DoubleArray
 from render.film.noise import normal_noise
 from render.film.stock import MIDDLE_GREY
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 MIN_ISO, MAX_ISO = 0.01, 1e7
 """The slowest plates, and beyond the fastest sensors."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from render.colour import to_working
-from render.film.curve import DoubleArray
 from render.film.stock import MIDDLE_GREY
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 WEDGE_STEPS = 21
 WEDGE_STOPS = 7.0

@@ -22,10 +22,8 @@ from render.errors import SettingsError
 from render.focus.influence import STATES, Occluded, state_codes, strengths
 from render.focus.points import FocusTargets
 from render.focus.solve import FocusLimit, FocusSolutions, FocusSource, why
+from render.model.arrays import BoolArray, DoubleArray
 from render.model.lens_law import LensLaw
-
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 WIDEST_OF_ALL = 0.5
 """No lens in air that is free of coma opens wider than f/0.5 (Abbe's sine condition)."""

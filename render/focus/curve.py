@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.focus.solve import PointState
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 LENS_COLUMNS = ("focus_distance_m", "f_stop", "focal_length_mm", "near_m", "far_m", "hyperfocal_m", "coc_limit_mm")
 """Columns of numbers that every curve has, in the order of files."""

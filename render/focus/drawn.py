@@ -13,8 +13,9 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.focus.surface import focused_at
-from render.model.focal_surface import Controls, DoubleArray, FocalSurface, HalfLens
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.focal_surface import Controls, FocalSurface, HalfLens
 
 
 @dataclass(frozen=True)

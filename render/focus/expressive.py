@@ -16,15 +16,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
 from render.focus.surface import NEAREST_SLOPE, on_plane
-from render.model.focal_surface import MAX_CONTROLS, Controls, DoubleArray, FocalPlane
-
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.intp]
+from render.model.arrays import BoolArray, DoubleArray, IndexArray
+from render.model.focal_surface import MAX_CONTROLS, Controls, FocalPlane
 
 FADING_REACH_FRAME_WIDTHS = 2.0
 """How far a point that reaches everywhere still reaches when it has half faded: from most places of the picture, all of it."""
@@ -166,7 +163,7 @@ def focal_controls(
     return _drawn_back(controls, fades, base)
 
 
-def _prior_weights(points: SurfacePoints, order: IntArray, near_priority: float) -> DoubleArray:
+def _prior_weights(points: SurfacePoints, order: IndexArray, near_priority: float) -> DoubleArray:
     """Weights of those points of the given order, more for the nearer; the largest is at most 1."""
     near = np.asarray(1 / points.depths_m[order])
     weights = points.weights[order] / points.weights[order].max()

@@ -10,9 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from render.errors import SettingsError
 from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
 from render.focus.points import NEAREST_DEPTH_M, FocusTargets
-
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from render.model.arrays import BoolArray, DoubleArray
 
 PointState = Literal[
     "used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "hidden", "pinhole"

@@ -20,12 +20,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from render.model.arrays import BoolArray, DoubleArray
 from render.model.lens_law import LensLaw
-
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 TIE = 1e-12
 """Energies closer than this share of what could be are held equal: rounding must not choose."""

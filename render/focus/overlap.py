@@ -18,8 +18,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from render.model.arrays import BoolArray, DoubleArray
+
 Indices = NDArray[np.intp]
 
 OVERLAP_FRAME_WIDTHS = 0.05

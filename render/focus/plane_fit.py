@@ -15,10 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
 from render.focus.points import FocusTargets
+from render.model.arrays import BoolArray, DoubleArray
 from render.model.focal_surface import FocalPlane
-
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FLAT_SLOPE = 3e-5
 """Points that spread no farther across a direction than this, a few hundredths of a pixel, say nothing about tilt along it.

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from render.model.arrays import BoolArray, DoubleArray
 
 PointKind = Literal["sharp", "soft"]
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.focus.smoothing import DoubleArray
 from render.focus.tracking import FocusRing
+from render.model.arrays import DoubleArray
 
 Ease = Literal["linear", "smooth", "in", "out"]
 EASES: tuple[Ease, ...] = get_args(Ease)

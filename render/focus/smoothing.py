@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 _LEAST_NODES, _MOST_NODES = 16, 512
 

@@ -27,6 +27,7 @@ from render.errors import SettingsError
 from render.focus.influence import STATES, Occluded, PointState, counts, state_codes
 from render.focus.least_squares import BestFocus, best_focus
 from render.focus.points import FocusTarget, FocusTargets
+from render.model.arrays import BoolArray, DoubleArray
 from render.model.lens_law import LensLaw
 
 __all__ = [
@@ -45,8 +46,6 @@ __all__ = [
     "why",
 ]
 
-DoubleArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FocusSource = Literal["points", "camera"]
 FocusLimit = Literal["", "close_focus", "infinity"]

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.focal_surface import Controls, DoubleArray, FocalPlane, FocalSurface, HalfLens
+from render.model.arrays import DoubleArray
+from render.model.focal_surface import Controls, FocalPlane, FocalSurface, HalfLens
 
 NEAREST_SLOPE = 1e-7
 """Distances are no smaller than this, far below any pixel: a place's own weight stays finite, and its value all but alone."""

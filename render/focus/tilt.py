@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
 from render.focus.plane_fit import (
@@ -34,6 +34,7 @@ from render.focus.plane_fit import (
     limited,
     plane_through,
 )
+from render.model.arrays import DoubleArray
 from render.model.focal_surface import FocalPlane
 
 __all__ = [
@@ -52,8 +53,6 @@ __all__ = [
     "tilt_and_swing",
     "tilts_and_swings",
 ]
-
-DoubleArray = NDArray[np.float64]
 
 
 def lens_axes(planes: DoubleArray, focal_lengths_mm: ArrayLike) -> DoubleArray:

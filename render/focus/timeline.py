@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from render.focus.smoothing import DoubleArray, checked, smoothed
+from render.focus.smoothing import checked, smoothed
 from render.focus.tracking import FocusRing, limits, speed_limited, tracked
+from render.model.arrays import DoubleArray
 
 
 def drive(

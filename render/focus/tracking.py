@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.focus.smoothing import DoubleArray, checked, over_time
+from render.focus.smoothing import checked, over_time
+from render.model.arrays import DoubleArray
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import Batch, DoubleArray, FloatArray, Geometry
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Batch, Geometry
 
 CLUSTER_TRIANGLES = 64
 """Triangles in a cluster, in the order of the geometry, where neighbours mostly follow each other."""

@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.scene import Camera, Dome, DoubleArray, Light, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Dome, Light, Scene
 
 
 class Headlight:

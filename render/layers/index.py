@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from render.gl.compat import GL, pyrender
 from render.layers.bounds import BoxCache
 from render.layers.materials import HalfTexture, PreviewSurface
-from render.model.scene import Batch, DoubleArray, FloatArray, Geometry, Image, IntArray, Material, Scene, Wrap
+from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray
+from render.model.scene import Batch, Geometry, Image, Material, Scene, Wrap
 
-IndexArray = NDArray[np.intp]
 DrawKey = tuple[int, int, int, bool]
 """Identities of geometry and material, which of the draws with both it is, and whether it is mirrored."""
 _POSE_BUFFER = 1  # of the buffers that pyrender's primitive makes: vertices, poses, indices

@@ -12,7 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import Dome, DoubleArray, FloatArray, Light
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Dome, Light
 
 MAX_LIGHTS = 96
 _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}

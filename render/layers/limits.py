@@ -1,7 +1,5 @@
 """Limits of the layers that those need to know who draw none."""
 
-MAX_LAYERS = 8
-
 BLOCK_PX = 4
 """Side of the blocks of layer pixels over which is noted what they hold."""
 EMPTY_MIN = 3.0e38

@@ -6,7 +6,8 @@ import numpy as np
 
 from render.gl.compat import GL, half_float_image, pyrender
 from render.gl.resources import Construction
-from render.model.scene import FloatArray, Image, Material, TextureLookup, Wrap
+from render.model.arrays import FloatArray
+from render.model.scene import Image, Material, TextureLookup, Wrap
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
 """The material inputs that may come from a texture; a lookup's place in the shader's table."""

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import Batch, DoubleArray, FloatArray, Scene
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
 

@@ -12,7 +12,7 @@ from render.errors import GraphicsError
 from render.gl.resources import Construction
 from render.layers.index import Draw
 from render.layers.movement import Movement
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 _POSES, _POSITIONS = 9, 10  # as layers/surface.vert binds them
 

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.layers.bounds import CLUSTER_TRIANGLES
-from render.layers.index import IndexArray, SceneIndex
-from render.model.scene import Batch, DoubleArray, FloatArray
+from render.layers.index import SceneIndex
+from render.model.arrays import DoubleArray, FloatArray, IndexArray
+from render.model.scene import Batch
 from render.optics.view import PinholeView
 
 MAX_STEPS = 200

@@ -16,7 +16,6 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.index import Draw, SceneIndex
 from render.layers.lighting import Lighting
-from render.layers.limits import MAX_LAYERS
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m
@@ -25,7 +24,9 @@ from render.layers.shadows import Sphere, sphere_around
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import LAYERS_PER_PACK, LayerTargets, SurfaceTargets, check_layer_size
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
-from render.model.scene import DoubleArray, Scene
+from render.model.arrays import DoubleArray
+from render.model.limits import MAX_LAYERS
+from render.model.scene import Scene
 from render.optics.view import PinholeView
 
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from render.layers.peel import Peeler
 from render.layers.targets import SurfaceTargets
-from render.model.scene import Batch, DoubleArray, FloatArray, IntArray, Scene
+from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
 

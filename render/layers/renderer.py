@@ -22,7 +22,7 @@ from render.layers.pieces import Pieces, Share
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999

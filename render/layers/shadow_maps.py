@@ -11,7 +11,7 @@ from render.gl.compat import GL
 from render.gl.resources import Construction
 from render.layers.index import Draw
 from render.layers.shadows import SHADOW_MAP_SIDE_PX
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 DrawMap = Callable[[int, DoubleArray, Sequence[Draw]], None]
 """Draws into the bound map of so many pixels a side, as this matrix sees it, these draws."""

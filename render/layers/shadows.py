@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.layers.lights import ShadowSlot, power, unit_axes
-from render.model.scene import Camera, DoubleArray, Light
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Light
 
 MAX_SHADOW_MAPS = 12
 SHADOW_MAP_SIDE_PX = 1024

@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 MAX_CONTROLS = 64
 """Control points that a surface may have: what the tracer holds at once."""

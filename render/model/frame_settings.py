@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from render.errors import SettingsError
-from render.layers.limits import MAX_LAYERS
-from render.optics.sampling import MAX_RAYS
-from render.optics.spectrum import MAX_WAVELENGTHS
-from render.optics.view import check_picture_size
+from render.model.limits import MAX_LAYERS, MAX_RAYS, MAX_WAVELENGTHS, check_picture_size
 
 POST_BLUR_ENGINES = ("flag", "scatter", "gather", "linear", "importance")
 """Those that blur one picture."""

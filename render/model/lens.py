@@ -16,12 +16,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 LENS_MODELS: tuple[LensModel, ...] = get_args(LensModel)

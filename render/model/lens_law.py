@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 NO_LIMIT_W = 1e9
 """Nearness in 1/m of a lens that focuses however near: a nanometre."""

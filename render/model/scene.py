@@ -17,13 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.focal_surface import FocalSurface
-from render.model.lens import THIN_LENS, IrisShape, Lens
-from render.model.shutter import GLOBAL_SHUTTER, Shutter
-
-FloatArray = NDArray[np.float32]
-DoubleArray = NDArray[np.float64]
-IntArray = NDArray[np.int32]
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 
@@ -212,53 +206,6 @@ class Dome:
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
-    """A camera at one time.
-
-    Attributes:
-        world_from_camera: ``(4, 4)`` float64 rigid, metres; looks along -Z, +Y up, +X right.
-        focal_length_mm: with the apertures it gives the field of view.
-        horizontal_aperture_mm: width of the film gate that the picture shows (after conforming to its aspect ratio).
-        vertical_aperture_mm: its height.
-        horizontal_offset_mm: of the gate's centre from the axis.
-        vertical_offset_mm: likewise.
-        f_stop: f-number; 0 is a pinhole, as in USD.
-        focus_distance_m: along the axis, from the entrance pupil; 0 or infinite focuses at infinity.
-        near_m: nearest depth drawn.
-        far_m: farthest depth drawn; may be infinite.
-        exposure_scale: what UsdGeomCamera's exposure attributes multiply radiance by.
-        iris: the shape of the opening.
-        lens: the glass.
-        focal_surface: where the focus lies over the picture, in place of the plane at the focus distance; None for that plane.
-        shutter_open: in frames relative to the time, as in USD.
-        shutter_close: likewise.
-        shutter: how it opens, and in which order it bares the picture.
-        breathing: whether the physical image distance sets the field of view.
-        path: prim path.
-    """
-
-    world_from_camera: DoubleArray
-    focal_length_mm: float = 50.0
-    horizontal_aperture_mm: float = 36.0
-    vertical_aperture_mm: float = 20.25
-    horizontal_offset_mm: float = 0.0
-    vertical_offset_mm: float = 0.0
-    f_stop: float = 0.0
-    focus_distance_m: float = 0.0
-    near_m: float = 0.01
-    far_m: float = float("inf")
-    exposure_scale: float = 1.0
-    iris: IrisShape = field(default_factory=IrisShape)
-    lens: Lens = THIN_LENS
-    focal_surface: FocalSurface | None = None
-    shutter_open: float = 0.0
-    shutter_close: float = 0.0
-    shutter: Shutter = GLOBAL_SHUTTER
-    breathing: bool = False
-    path: str = ""
-
-
-@dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that is drawn, at one time. The camera travels beside it, not in it.
 
@@ -280,33 +227,3 @@ class Scene:
     def triangle_count(self) -> int:
         """Triangles drawn, instances counted."""
         return sum(len(b.geometry.triangles) * len(b.poses) for b in self.batches)
-
-
-@dataclass(frozen=True, eq=False)
-class ShutterScenes:
-    """The scene while the shutter is open.
-
-    Attributes:
-        middle: in the middle of that time.
-        opening: when it begins.
-        closing: when it ends.
-    """
-
-    middle: Scene
-    opening: Scene
-    closing: Scene
-
-
-@dataclass(frozen=True, eq=False)
-class Moment:
-    """The shot at one moment of the shutter's opening.
-
-    Attributes:
-        scene: what is there.
-        camera: what looks, its focus solved.
-        share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
-    """
-
-    scene: Scene
-    camera: Camera
-    share: FloatArray | float

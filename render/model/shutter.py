@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import SettingsError
-
-DoubleArray = NDArray[np.float64]
+from render.model.arrays import DoubleArray
 
 ShutterKind = Literal["global", "rolling", "focalPlane", "leaf"]
 Direction = Literal["down", "up", "left", "right"]

@@ -5,11 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from render.model.scene import DoubleArray, IntArray
-
-BoolArray = NDArray[np.bool_]
+from render.model.arrays import BoolArray, DoubleArray, IntArray
 
 SIDE = 64
 _SPREAD_PX = 1.5

@@ -25,7 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import AberrationScales, DataSheet, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.lens import AberrationScales, DataSheet
 
 MIDDLE_NM, SPAN_NM = 562.5, 175.0
 """Colour errors are stated between 475 and 650 nm and taken as linear between."""

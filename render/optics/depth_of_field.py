@@ -108,7 +108,7 @@ def depth_of_field(
         focal_length_mm: focal length.
         f_stop: f-number; 0 is a pinhole, for which all is sharp.
         focus_distance_m: depth of the plane of focus, from the entrance pupil; 0 or infinite is infinity, as in
-            `render.model.scene.Camera`.
+            `render.model.camera.Camera`.
         coc_limit_mm: largest diameter on the film that counts as sharp (`default_coc_limit_mm`).
         breathing: whether the picture grows as the lens focuses closer (see the head of this module).
 

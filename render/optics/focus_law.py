@@ -12,9 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.lens import Prescription
 from render.model.lens_law import NO_LIMIT_W, LensLaw
-from render.model.scene import Camera
 from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
 from render.optics.prescription.mounting import has_surfaces, scaled_to
 from render.optics.prescription.paraxial import entrance_pupil

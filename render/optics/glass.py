@@ -9,7 +9,8 @@ from typing import overload
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Glass
+from render.model.arrays import DoubleArray
+from render.model.lens import Glass
 
 # Fraunhofer's lines of helium and hydrogen, for which catalogues give index and Abbe number (ISO 7944).
 D_LINE_NM, F_LINE_NM, C_LINE_NM = 587.5618, 486.1327, 656.2725

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from render.errors import SettingsError
+from render.model.arrays import DoubleArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray
 
 _STEPS = 512
 

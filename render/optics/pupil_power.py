@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import AberrationScales, DoubleArray, Lens
+from render.model.arrays import DoubleArray
+from render.model.lens import AberrationScales, Lens
 
 
 def is_drawn(lens: Lens) -> bool:

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
+from render.model.arrays import DoubleArray, IntArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray, IntArray
+from render.model.limits import MAX_RAYS
 from render.optics.blue_noise import SIDE, blue_noise_ranks
 from render.optics.iris import fill_iris
 
-MAX_RAYS = 4096
 PATTERNS = 64
 _R2 = 1.0 / 1.32471795724474602596 ** np.arange(1, 3)
 _R4 = 1.0 / 1.16730397826141868426 ** np.arange(1, 5)  # the same in four dimensions: where patterns and seeds start

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.limits import MAX_WAVELENGTHS
 from render.optics.glass import D_LINE_NM
 
-MAX_WAVELENGTHS = 64
 _SHORTEST_NM, _LONGEST_NM = 400.0, 700.0
 _BAND = 5
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane, FocalSurface
-from render.model.scene import Camera, FloatArray
 
 
 def pupil_radius_m(camera: Camera) -> float:

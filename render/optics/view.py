@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from render.errors import CameraError, SettingsError
+from render.errors import CameraError
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane
-from render.model.scene import Camera, DoubleArray
+from render.model.limits import check_picture_size
 from render.optics.prescription.mounting import breathing_ratio, has_surfaces
-
-MAX_PICTURE_SIDE_PX = 16384
 
 
 @dataclass(frozen=True)
@@ -173,13 +173,6 @@ class PinholeView:
         matrix[2] = [0, 0, w_far / (w_near - w_far), 1 / (w_near - w_far)]
         matrix[3] = [0, 0, -1, 0]
         return matrix
-
-
-def check_picture_size(width: int, height: int) -> None:
-    """Raise `SettingsError` unless the picture has a size that can be rendered."""
-    for name, value in (("width", width), ("height", height)):
-        if not 1 <= value <= MAX_PICTURE_SIDE_PX:
-            raise SettingsError(f"picture {name} must be from 1 to {MAX_PICTURE_SIDE_PX} pixels, got {value}")
 
 
 def check_camera(camera: Camera) -> None:

@@ -10,7 +10,7 @@ import OpenImageIO
 from numpy.typing import NDArray
 
 from render.errors import SettingsError
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.output.exr import encode_exr
 from render.output.formats import check_format
 from render.output.image_file import described, file_bytes

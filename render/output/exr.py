@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from render.errors import SettingsError
 from render.film.develop import expose
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.output.image_file import Part, described, file_bytes
 from render.output.metadata import Attribute, FrameMetadata
 

@@ -10,7 +10,8 @@ from fractions import Fraction
 import numpy as np
 
 from render.film import FilmSettings, Grade
-from render.model.scene import Camera, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.optics.view import PinholeView
 
 SOFTWARE = "Pullfocus"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from render.files import write_atomic
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.output.encode import FrameArrays, encode
 from render.output.formats import format_of
 from render.output.metadata import FrameMetadata

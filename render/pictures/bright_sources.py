@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.lens import THIN_LENS
-from render.model.scene import Camera, DoubleArray, FloatArray, Light, Scene
+from render.model.scene import Light, Scene
 from render.optics.flare.ghost_sheets import Source
 from render.optics.view import PinholeView
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from render.errors import SettingsError
 from render.film import GradeChoice
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.pictures.contact_axes import Axis, Choice, Value
 from render.pictures.picture import expose_frame, picture_of
 from render.shot.exposure.light_meter import auto_exposed

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from render.gl.resources import Resources
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.flare.diffraction import Star, star
 from render.optics.flare.ghost_sheets import ghost_sheets
 from render.optics.iris import transmission

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.camera import Camera
 from render.model.frame_settings import POST_BLUR_ENGINES, FrameSettings
-from render.model.scene import Camera, Moment
+from render.model.moment import Moment
 from render.optics.view import PinholeView
 from render.postblur.picture_errors import PictureErrors, picture_errors
 

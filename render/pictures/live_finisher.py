@@ -17,7 +17,8 @@ from render.film.gpu.grade import DisplayPass
 from render.film.gpu.scratch import Scratch, TooLargeError
 from render.gl.context import GraphicsContext
 from render.gl.resources import Resources
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.shot.film.finish import PRINTED, Finish, frame_number, gate_mm
 
 if TYPE_CHECKING:

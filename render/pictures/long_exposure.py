@@ -11,10 +11,12 @@ import numpy as np
 from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.film.gathering import GatheredLight
-from render.model.scene import Camera, FloatArray, Moment
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.limits import MAX_RAYS
+from render.model.moment import Moment
 from render.model.shutter import GLOBAL_SHUTTER
 from render.model.shutter_intervals import MAX_ND_STOPS
-from render.optics.sampling import MAX_RAYS
 from render.pictures.moving import check_shutter
 from render.pictures.picture import Picture, expose_frame, picture_of
 from render.pictures.travel import farthest_travel_px, moment_of

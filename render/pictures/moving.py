@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from render.errors import CameraError
-from render.model.scene import Camera, FloatArray, Moment, ShutterScenes
-from render.model.shutter import DoubleArray, at_once, moments, shares
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
+from render.model.moment import Moment, ShutterScenes
+from render.model.shutter import at_once, moments, shares
 from render.pictures.image_space import ImageSpace
 from render.shot.shot import Shot
 

@@ -11,8 +11,9 @@ import numpy as np
 from pxr import Usd
 
 from render.film import Grade, GradeChoice
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import POST_BLUR_ENGINES
-from render.model.scene import Camera, FloatArray
 from render.optics.photometry.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.pictures.flare import flared

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from render.errors import CameraError
-from render.optics.view import check_picture_size
+from render.model.limits import check_picture_size
 from render.shot.shot import Shot
 from render.stage import read_camera
 

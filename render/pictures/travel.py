@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import Batch, Camera, DoubleArray, Moment, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.moment import Moment
+from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
 _CORNERS, _INSTANCES = 256, 256  # of a geometry and of a batch at most, taken evenly

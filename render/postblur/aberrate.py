@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
 from render.postblur.picture_errors import SIGMAS, PictureErrors
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray, FloatArray
 from render.optics.iris import rim_radius
 
 COLUMNS = 257

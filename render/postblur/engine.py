@@ -14,8 +14,9 @@ from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Camera, FloatArray
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.flag_blur import FlagBlur

@@ -7,7 +7,7 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import load_source, set_uniforms
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.postblur.aberrate import COMA_POINTS, LEAST_COMA_PX, THREE_TAPS, coma_points
 from render.postblur.picture_errors import SIGMAS, PictureErrors

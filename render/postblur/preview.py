@@ -14,7 +14,8 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.peel import PREVIEW, SKETCH, Layers, Peeler
 from render.layers.umbra import umbra_reach
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.postblur.engine import PostBlurEngine

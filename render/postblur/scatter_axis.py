@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.trace.axis_rays import LensErrors, axis_content, axis_rays, open_axes
 from render.trace.lens_table import GridTable
 

@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
+from render.model.arrays import DoubleArray, FloatArray, IntArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray, FloatArray, IntArray
 from render.optics.iris import fill_iris
 from render.postblur.scatter_axis import AxisSpot
 

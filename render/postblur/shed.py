@@ -11,7 +11,7 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
 
 LEAST_PX = 0.25

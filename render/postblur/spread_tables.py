@@ -14,8 +14,8 @@ from typing import Protocol
 import moderngl
 import numpy as np
 
+from render.model.arrays import DoubleArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray
 from render.optics.iris import transmission
 
 STEP_PX = 0.5

@@ -12,7 +12,8 @@ from pxr import Sdf, Usd
 
 from render.errors import CameraError, NotFoundError, SettingsError
 from render.focus import FocusCurve
-from render.model.scene import Camera, Light, Scene
+from render.model.camera import Camera
+from render.model.scene import Light, Scene
 from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
 from render.shot.edits.shot_files import check_not_own
 from render.shot.exposure.readout import ExposureReadout, read_exposure, with_exposure

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.scene import DoubleArray, FloatArray, Geometry
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Geometry
 from render.stage.geometry.polygons import unit
 from render.stage.geometry.shape import Shape
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
+from render.model.arrays import DoubleArray
 from usd_schemas.units import metres_per_unit
-
-DoubleArray = NDArray[np.float64]
 
 # Turns +Z to +Y: the same rotation that a Z-up asset gets when it is brought into a Y-up scene.
 _Y_UP_FROM_Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)

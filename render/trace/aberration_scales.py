@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales
-from render.model.scene import DoubleArray
 from render.trace.lens_fit import even_basis, even_powers_of, odd_basis
 
 _DEGREE = 7

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from render.layers.peel import Peeler
 from render.layers.readback import read_surfaces
 from render.layers.targets import MAX_LAYER_PIXELS
-from render.model.scene import DoubleArray, IntArray
+from render.model.arrays import DoubleArray, IntArray
+from render.model.limits import MAX_PICTURE_SIDE_PX
 from render.optics.distortion import ChiefRays
-from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
+from render.optics.view import PinholeView
 from render.trace.layer_view import MAX_SLOPE
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle

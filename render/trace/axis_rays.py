@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.trace.lens_fit import even_basis, odd_basis
 from render.trace.lens_table import PUPIL_S, PUPIL_T, REGION, SLOPE_S, SLOPE_T, GridTable, PolynomialTable
 

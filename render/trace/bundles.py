@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.prescription.mounting import has_surfaces, mounted
 from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import Spectrum, spectrum

@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from render.model.arrays import DoubleArray
 from render.model.lens import Lens
-from render.model.scene import DoubleArray
 from render.optics.pupil_power import drawn_defocus
 from render.trace.lens_fit import BOUND_MARGIN, even_basis, odd_basis, pupil_nodes
 from render.trace.lens_table import (

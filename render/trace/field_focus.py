@@ -13,8 +13,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.model.lens import AberrationScales, DataSheet, DoubleArray, Lens, LensModel, Prescription, SeidelErrors
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.lens import AberrationScales, DataSheet, Lens, LensModel, Prescription, SeidelErrors
 from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law
 from render.optics.glass import D_LINE_NM

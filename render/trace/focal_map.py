@@ -7,8 +7,8 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.arrays import FloatArray
 from render.model.focal_surface import MAX_HALVES, Controls
-from render.model.scene import FloatArray
 from render.trace.picture_focus import PictureFocus
 
 _POINTS, _BENDS, _STRETCH, _IMAGE = 0, 1, 2, 1  # as the shader binds them

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from render.errors import GraphicsError
 from render.gl.resources import Resources
 from render.gl.shaders import load_source
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.optics.flare.ghost_sheets import CROSSINGS, GhostSheets, mesh_areas
 from render.optics.view import PinholeView
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.view import PinholeView
 
 _AHEAD = np.diag([1.0, -1.0, -1.0])  # from camera space to x right, y down, z ahead

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, HeightField
-from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.trace.aberration_scales import ChangeOfErrors, change_of_errors, changed_shape, defocus

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from render.model.scene import DoubleArray
-from render.optics.view import MAX_PICTURE_SIDE_PX, PinholeView
+from render.model.arrays import DoubleArray
+from render.model.limits import MAX_PICTURE_SIDE_PX
+from render.optics.view import PinholeView
 from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle

@@ -16,8 +16,9 @@ from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Camera, FloatArray
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import measured

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import DoubleArray, IntArray
+from render.model.arrays import DoubleArray, IntArray
 from render.trace.lens_table import (
     BOUND,
     FRONT_RIM,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 SLOPE_T, SLOPE_S = 0, 20
 PUPIL_T, PUPIL_S = 36, 48

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.focus.surface import focused_at
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.focal_surface import FocalSurface
-from render.model.scene import Camera, DoubleArray
 from render.optics.distortion import ChiefRays, chief_rays
 from render.optics.thin_lens import focal_surface
 from render.optics.view import PinholeView

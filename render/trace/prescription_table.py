@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales
-from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.trace.aberration_scales import change_of_errors, changed_shape, defocus

@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import set_uniforms
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.optics.sampling import pattern_mask
 from render.trace import lens_table
 from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable

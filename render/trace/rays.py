@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Camera, DoubleArray, FloatArray
 from render.optics.iris import transmission
 from render.optics.sampling import PATTERNS, LensSamples, base_points, lens_samples, pattern_shifts
 from render.optics.thin_lens import pupil_radius_m

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, SeidelErrors
-from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.trace.lens_fit import even_powers_of
 from render.trace.lens_table import (

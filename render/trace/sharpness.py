@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.view import PinholeView
 from render.trace.lens_fit import even_basis, odd_basis, open_rays, pupil_nodes
 from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, GridTable, PolynomialTable

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import HeightField
-from render.model.scene import DoubleArray, FloatArray
 from render.optics.glass import refractive_index
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.paraxial import paraxial_system, transfer

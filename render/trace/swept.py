@@ -23,7 +23,8 @@ from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import sampling_of_layers
 from render.layers.umbra import layers_needed, umbra_reach
-from render.model.scene import Camera, DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, shared_rays
 from render.trace.glimpse import Glimpse

@@ -13,7 +13,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
 from render.layers.peel import Layers
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
 from render.trace.glimpse import Glimpse

@@ -10,9 +10,9 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from render.errors import CameraError, NotFoundError, SettingsError, StageError
+from render.model.camera import Camera
 from render.model.edit_history import revision_of
 from render.model.frame_spec import parse_frames
-from render.model.scene import Camera
 from render.shot import PlacedPoint
 from render.shot import Readout as OpenReadout
 from render.shot import Shot as OpenShot

@@ -22,7 +22,9 @@ from typing import Any, TypeVar
 from render.demo import write_demo
 from render.frame import Frame, FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db, ssim
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.shot import Shot
 
 FRAME = 48.0

@@ -11,7 +11,6 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.film.balance import balance_gains
-from render.film.curve import DoubleArray
 from render.film.develop import check_exposure
 from render.film.gpu.halation import HalationPass
 from render.film.gpu.scratch import Scratch, groups
@@ -23,6 +22,7 @@ from render.film.process import STOP, balanced_sensor
 from render.film.settings import FilmSettings
 from render.film.stock import MIDDLE_GREY
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.model.arrays import DoubleArray
 
 _TILE = 8
 _LIGHT, _TABLES = 0, 1  # texture units

@@ -22,7 +22,7 @@ from render.film.develop import check_exposure
 from render.film.grade import Grade
 from render.gl.resources import Construction, Resources
 from render.gl.shaders import load_source, set_uniforms
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 _PLACE = "#pragma transform"
 _FUNCTIONS = ("timed", "displayed")  # as the shader calls the parts

@@ -9,9 +9,10 @@ import moderngl
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.curve import DoubleArray, Knots
+from render.film.curve import Knots
 from render.film.settings import FilmSettings
 from render.film.stock import Stock
+from render.model.arrays import DoubleArray
 
 _KEPT = 8  # stocks: a session goes between few
 _NO_GRAIN: Knots = ((0.0, 0.0), (1.0, 0.0))

@@ -23,9 +23,7 @@ from render.errors import InputError, SettingsError
 from render.focus.curve import FAR_AWAY_M, FocusCurve, PointTrack
 from render.focus.files.columns import COC_LIMIT, COLUMNS, FOCUS_DISTANCE
 from render.focus.files.rows import PointCell, Row, Rows
-
-DoubleArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
+from render.model.arrays import DoubleArray, IndexArray
 
 Gaps = Literal["refuse", "hold", "interpolate"]
 GAPS: tuple[Gaps, ...] = get_args(Gaps)

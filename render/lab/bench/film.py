@@ -19,8 +19,9 @@ from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.film_plan import FINISHINGS, FRAME, Finishing, asked_picture
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera, FloatArray
 from render.pictures.live_finisher import LiveFinisher
 from render.shot import Shot
 from render.shot.film.finish import Finish

@@ -20,9 +20,9 @@ from render.lab.bench.progress import check_file, say
 from render.lab.bench.results import Goal
 from render.lab.bench.rig import LensRig
 from render.lab.reference.bench_scenes import SCENES
+from render.model.camera import Camera
 from render.model.focal_surface import Controls, FocalPlane, FocalSurface
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera
 from render.optics.thin_lens import focus_w
 
 SCENE = "statues"

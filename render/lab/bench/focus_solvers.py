@@ -7,15 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.focus.best_stop import stops_for
 from render.focus.points import FocusTargets
 from render.focus.solve import solve_distances
 from render.focus.tilt import fit_targets, limit_planes, tilts_and_swings
+from render.model.arrays import DoubleArray
 from render.model.lens_law import LensLaw
-
-DoubleArray = NDArray[np.float64]
 
 POINTS, FRAMES = 500, 1000
 _REPEATS = 3

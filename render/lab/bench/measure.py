@@ -12,9 +12,11 @@ from render.lab.bench.lenses import BenchLens
 from render.lab.bench.results import ApertureRow, LayersRow, RaysRow, SceneRow, SurfacesRow, against, times
 from render.lab.bench.rig import LensRig
 from render.lab.reference.metrics import psnr_db, ssim
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.lens import THIN_LENS
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.scene import Scene
 from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 

@@ -18,8 +18,8 @@ from render.lab.bench.motion_plan import COUNTS, FRAME, asked_picture
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.reference.metrics import psnr_db, ssim
+from render.model.arrays import FloatArray
 from render.model.frame_settings import FrameSettings
-from render.model.scene import FloatArray
 from render.pictures.picture import expose_frame
 from render.shot import Shot
 

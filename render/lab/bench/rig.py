@@ -13,8 +13,10 @@ from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Peeler
 from render.layers.shadows import shadow_interest
 from render.layers.umbra import umbra_reach
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.scene import Scene
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
 from render.trace.lens import STAGES, LensEngine, Stage, TracedPicture

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.lab.reference.lens_tracer import TracedRays, trace
+from render.model.arrays import DoubleArray
 from render.model.lens import Glass, HeightField, Surface
-from render.model.scene import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 
 _STAGES = 6  # from the axis out to the film point, so that Newton's method always starts near

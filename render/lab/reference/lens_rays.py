@@ -14,8 +14,9 @@ import numpy as np
 from render.errors import SettingsError
 from render.focus.surface import focused_at
 from render.lab.reference.prescription_rays import PrescriptionRays, SceneRays
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.lens import AberrationScales, SeidelErrors
-from render.model.scene import Camera, DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.mounting import has_surfaces, mounted
 from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from render.model.arrays import DoubleArray
 from render.model.lens import Surface
-from render.model.scene import DoubleArray
 
 _SLACK_MM = 1e-6  # by which the slab that brackets a surface is wider than the surface
 _RIM_SLACK = 1 + 1e-9  # a ray that grazes the rim passes

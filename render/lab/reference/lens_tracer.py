@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from render.errors import InputError
 from render.lab.reference.lens_shape import SurfaceShape
+from render.model.arrays import DoubleArray, IntArray
 from render.model.lens import AIR, Glass, Surface
-from render.model.scene import DoubleArray, IntArray
 from render.optics.glass import refractive_index
 
 Toward = Literal["film", "scene"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 
 def display_encoded(radiance: FloatArray) -> FloatArray:

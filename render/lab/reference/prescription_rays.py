@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from render.lab.reference.aiming import Aim, AimedLens, undone
 from render.lab.reference.lens_tracer import TracedRays
+from render.model.arrays import DoubleArray
 from render.model.lens import HeightField, IrisShape
-from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.sampling import lens_samples

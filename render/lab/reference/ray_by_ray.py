@@ -12,7 +12,9 @@ import numpy as np
 
 from render.lab.reference.lens_rays import lens_rays
 from render.lab.reference.unlit import UnlitScene, from_packets, in_packets
-from render.model.scene import Camera, DoubleArray, FloatArray, Scene
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.sampling import lens_samples
 from render.optics.view import PinholeView
 

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import Batch, Camera, Dome, DoubleArray, FloatArray, Geometry, IntArray, Light, Material, Scene
+from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Geometry, Light, Material, Scene
 
 _HERE = np.eye(4)[None]
 

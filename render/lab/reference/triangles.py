@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 IndexArray = NDArray[np.int64]
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.lab.reference.triangles import Hits, IndexArray, TriangleTracer
-from render.model.scene import Batch, Dome, DoubleArray, FloatArray, Image, Scene, TextureLookup, Wrap
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Batch, Dome, Image, Scene, TextureLookup, Wrap
 
 OPAQUE = 0.999
 """Opacity from which a surface hides what is behind it altogether."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 
 MGF2_INDEX = 1.38
 """Of magnesium fluoride, which single coatings of lenses are made of (Macleod, "Thin-Film Optical Filters")."""

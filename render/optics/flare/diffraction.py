@@ -13,8 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.model.lens import DoubleArray, IrisShape
-from render.model.scene import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.lens import IrisShape
 from render.optics.glass import D_LINE_NM
 from render.optics.iris import rim_radius, transmission
 from render.optics.spectrum import Spectrum, spectrum

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.flare.ghosts import GhostPath, GhostRays, ghost_paths, trace_ghost
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens

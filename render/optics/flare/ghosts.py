@@ -14,7 +14,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription, Surface
 from render.optics.flare.coating import reflectance
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.focusing import FocusedLens

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 MIDDLE_GREY = 0.18
 """Value of the picture, scene-linear, that a metered grey becomes."""

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.model.scene import Camera, DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.optics.photometry.exposure import check_positive
 from render.optics.prescription.mounting import has_surfaces, mounted
 from render.optics.view import PinholeView

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import InputError, SettingsError
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.optics.photometry.exposure import MIDDLE_GREY, ExposureSettings
 
 METER_CONSTANT = 12.5

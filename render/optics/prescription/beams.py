@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.paraxial import entrance_pupil, paraxial_system, stop_index, vertices
 from render.optics.prescription.tracing import PASSES, TracedRays, trace_backward, trace_forward

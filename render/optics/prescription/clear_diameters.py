@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription
 from render.optics.prescription.beams import axial_beam, oblique_beam
 from render.optics.prescription.surface_shape import clearance_mm, conic_extent_mm
 from render.optics.prescription.validation import bad_lens, solid_neighbours

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.lens import DoubleArray, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription, Surface
 from render.optics.prescription.beams import axial_beam
 from render.optics.prescription.clear_diameters import with_clear_diameters
 from render.optics.prescription.paraxial import FirstOrder, first_order, focal_points, paraxial_system, stop_index

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription
 from render.optics.prescription.beams import best_focus_mm
 from render.optics.prescription.paraxial import (
     ParaxialSystem,

@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 
 from render.errors import InputError, SettingsError
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription
 from render.optics.prescription.focus_mechanism import FocusMechanism
 from render.optics.prescription.paraxial import FirstOrder, first_order, stop_index
 

@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from render.model.camera import Camera
 from render.model.lens import Prescription
-from render.model.scene import Camera
 from render.optics.prescription.completion import completed, scaled
 from render.optics.prescription.focusing import FocusedLens, focused
 from render.optics.prescription.paraxial import first_order

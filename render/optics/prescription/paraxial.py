@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import InputError
-from render.model.lens import DoubleArray, Prescription
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription
 from render.optics.glass import D_LINE_NM, refractive_index
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.tracing import trace_backward, trace_forward
 

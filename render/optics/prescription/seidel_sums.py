@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription, Surface
 from render.optics.glass import C_LINE_NM, F_LINE_NM
 from render.optics.prescription.paraxial import (
     ParaxialRay,

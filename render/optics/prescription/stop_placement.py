@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription, Surface
 from render.optics.prescription.paraxial import ParaxialSystem, paraxial_ray, paraxial_system, transfer
 from render.optics.prescription.seidel_sums import fourth_power_terms, third_order
 

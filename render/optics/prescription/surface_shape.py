@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Surface
 
 # A surface of unknown clear diameter ends where it is this steep (dz/dr): no ray of use meets it there.
 _STEEPEST = 3.0

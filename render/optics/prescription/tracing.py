@@ -13,7 +13,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Prescription, Surface
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.optics.prescription.paraxial import vertices
 from render.optics.prescription.surface_shape import intersect, sag_gradient

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.tracing import TracedRays, trace_forward
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray, IrisShape
+from render.model.arrays import DoubleArray
+from render.model.lens import IrisShape
 from render.optics.iris import transmission
 from render.optics.report.field import WAVELENGTHS_NM
 from render.optics.report.film_rays import FilmRays

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray, IrisShape
+from render.model.arrays import DoubleArray
+from render.model.lens import IrisShape
 from render.optics.glass import D_LINE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.film_rays import FilmRays

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.lens import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
 from render.optics.report.aiming import AimedRays, Targets, aim, through

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray, SeidelErrors
+from render.model.arrays import DoubleArray
+from render.model.lens import SeidelErrors
 from render.optics.glass import D_LINE_NM
 from render.optics.report.film_rays import Beams
 

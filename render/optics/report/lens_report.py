@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from render.errors import SettingsError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.data_sheet import at_heights
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DoubleArray, Surface
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.lens import Surface
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.mounting import has_surfaces, mounted

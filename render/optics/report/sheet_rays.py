@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.model.lens import DataSheet, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.lens import DataSheet
 from render.optics.data_sheet import SheetErrors, seen_slopes, sheet_errors
 from render.optics.report.film_rays import Beams
 

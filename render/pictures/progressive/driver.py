@@ -18,8 +18,10 @@ from time import perf_counter
 
 from render.frame import Frame, FrameRenderer
 from render.gl.cancellation import Cancelled
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.scene import Scene
 from render.output import FrameMetadata
 from render.pictures.image_space import ImageSpace
 from render.pictures.live_finisher import LiveFinisher

@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from render.frame import Frame, FrameRenderer
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.scene import Scene
 from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.pace import Pace, Plan

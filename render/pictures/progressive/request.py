@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from render.film import GradeChoice
+from render.model.arrays import FloatArray
 from render.model.frame_settings import FrameSettings
-from render.model.scene import FloatArray
 from render.output import FrameMetadata
 
 if TYPE_CHECKING:

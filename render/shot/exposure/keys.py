@@ -7,17 +7,15 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd
 
 from render.errors import InputError
+from render.model.arrays import DoubleArray
 from render.optics.photometry.metering import one_key
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
 from render.shot.exposure.light_meter import Metered
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
-
-DoubleArray = NDArray[np.float64]
 
 EXPOSURE = "exposure"
 TOLERANCE_STOPS = 0.005

@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Any, cast, get_args
 import numpy as np
 
 from render.errors import CameraError, SettingsError
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.lens import Lens
-from render.model.scene import Camera, FloatArray
 from render.near_names import hint
 from render.optics.distortion import seen_at, shown_at
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS, ExposureSettings

@@ -24,7 +24,8 @@ from numpy.typing import ArrayLike
 from pxr import Usd
 
 from render.errors import CameraError, SettingsError
-from render.model.scene import Camera, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.optics.photometry.exposure import (
     MIDDLE_GREY,
     ExposureSettings,

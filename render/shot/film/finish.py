@@ -12,7 +12,8 @@ from pxr import Usd
 from render.errors import CameraError, SettingsError
 from render.film import FilmSettings, Grade, GradeChoice, develop, develop_on_film, film_settings, print_space, project
 from render.film.develop import check_exposure, expose
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.near_names import hint
 from render.stage import quiet_diagnostics
 from render.stage.opening import confinement

@@ -9,17 +9,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
+from render.model.arrays import DoubleArray
 from render.model.scene import Scene
 from render.shot.focus.focus_reading import FocusReading, read_focus
 from render.shot.focus.focus_solving import FocusTrack, follows_over_time, keeps_sides, solved
 from render.shot.focus.focused import Focused, focused
 from render.stage import AnchorReader, frame_range
 from usd_schemas import LensCamera
-
-DoubleArray = NDArray[np.float64]
 
 MAX_FOLLOWED_FRAMES = 20_000
 """A hand that follows is followed from the first frame of the shot to its last. In a longer shot, and beyond the ends of any, it

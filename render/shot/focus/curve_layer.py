@@ -6,18 +6,16 @@ from collections.abc import Collection
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd
 
 from render.errors import SettingsError
 from render.focus.curve import FAR_AWAY_M, FocusCurve
+from render.model.arrays import DoubleArray
 from render.shot.edits.edit_layer import schema_errors_as_settings
 from render.shot.focus.focus_mode import set_focus_mode
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
 from usd_schemas.units import tenths_from_mm, units_from_metres
-
-DoubleArray = NDArray[np.float64]
 
 DRIVEN = frozenset({"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad", "coc_limit_mm"})
 """The columns of a focus curve that drive a camera."""

@@ -12,16 +12,14 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from render.errors import CameraError
 from render.focus.points import PointKind, number_faults
+from render.model.arrays import DoubleArray
 from usd_schemas import FocusData, FocusPoint
 from usd_schemas.binding import property_values
 from usd_schemas.values import limit_problem
-
-DoubleArray = NDArray[np.float64]
 
 _FIELDS = {
     "weights": "weight",

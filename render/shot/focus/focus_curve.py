@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from render.errors import SettingsError
 from render.focus import FocusCurve, PointTrack
 from render.focus.tilt import tilt_and_swing
+from render.model.arrays import DoubleArray
 from render.optics.thin_lens import focal_surface
 from render.shot.focus.curve_layer import curve_layer
 from render.shot.focus.focused import Focused
 from usd_schemas.curves import EXACT
-
-DoubleArray = NDArray[np.float64]
 
 MAX_CURVE_FRAMES = 100_000
 """About an hour at 24 frames a second: more than that in one curve is a slip of the hand."""

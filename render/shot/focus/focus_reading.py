@@ -12,7 +12,9 @@ from pxr import Usd
 
 from render.errors import CameraError
 from render.focus.points import FocusTargets
-from render.model.scene import Camera, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.distortion import shown_at
 from render.optics.view import PinholeView
 from render.shot.focus.focus_checks import NUMBERS, PointNumbers, check_settings
@@ -21,8 +23,6 @@ from render.stage import AnchorReader, read_camera
 from render.trace.field_focus import field_shifts_w
 from usd_schemas import FocusData, FocusPoint, FocusPointView, LensCamera, SchemaError, SplitDiopter, TiltShiftData
 from usd_schemas.units import metres_per_unit
-
-DoubleArray = NDArray[np.float64]
 
 _STEEPEST_DEG = 89.0  # as the schema has it
 

@@ -16,14 +16,13 @@ from render.focus.points import FocusTargets
 from render.focus.smoothing import faded
 from render.focus.solve import FocusSolutions, kept_within, solve_distances
 from render.focus.tilt import planes_of
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.lens_law import LensLaw
-from render.model.scene import Camera
 from render.optics.depth_of_field import default_coc_limit_mm
 from render.optics.thin_lens import focus_w
 from render.shot.focus.focus_reading import FocusReading
 from usd_schemas import FocusData
-
-DoubleArray = NDArray[np.float64]
 
 _NOT_HELD = "no f-number of the lens holds all points within their circles of confusion"
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from render.errors import PullfocusError
 from render.focus.tracking import FocusRing
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.prescription.mounting import distance_from_film_m, has_surfaces
 
 _STEPS = 4  # the pupil hardly moves in the lens as it focuses, so that the search closes in a thousandfold with each

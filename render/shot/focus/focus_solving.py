@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.errors import CameraError, SettingsError
 from render.focus.expressive import soft_sides
@@ -18,6 +17,7 @@ from render.focus.smoothing import points_share, smoothed
 from render.focus.solve import STATES, FocusSolutions
 from render.focus.timeline import drive
 from render.focus.tracking import tracked
+from render.model.arrays import DoubleArray
 from render.model.focal_surface import FocalPlane
 from render.model.lens_law import LensLaw
 from render.optics.focus_law import focus_laws
@@ -33,8 +33,6 @@ from render.shot.focus.focus_request import (
 )
 from render.shot.focus.focus_ring import close_focus_depth_m, focus_ring
 from usd_schemas import FocusData
-
-DoubleArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.errors import CameraError, SettingsError
 from render.focus.drawn import Frame, bends, half_lenses
@@ -15,9 +14,10 @@ from render.focus.expressive import SurfacePoints, focal_controls
 from render.focus.points import FocusTarget
 from render.focus.solve import FocusSolution, PointState
 from render.focus.surface import focused_at
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.focal_surface import MAX_CONTROLS, FocalPlane, FocalSurface, HalfLens
 from render.model.lens_law import LensLaw
-from render.model.scene import Camera
 from render.optics.depth_of_field import DepthOfField
 from render.optics.focus_law import focus_law
 from render.optics.thin_lens import focal_surface, focus_w
@@ -27,8 +27,6 @@ from render.shot.focus.focus_request import coc_limit_mm
 from render.shot.focus.focus_solving import FocusTrack
 from render.trace.field_focus import FieldFocus, field_focus
 from usd_schemas import FocusData, FocusPoint
-
-DoubleArray = NDArray[np.float64]
 
 _ON_THE_WAY = 1e-4  # share of w: less than that off is there
 

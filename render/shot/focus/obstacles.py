@@ -14,7 +14,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import Batch, DoubleArray, FloatArray, Geometry, Scene
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.scene import Batch, Geometry, Scene
 from render.shot.focus.opacity import opacity_at
 
 IndexArray = NDArray[np.int64]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import Batch, DoubleArray, Image, Wrap
+from render.model.arrays import DoubleArray
+from render.model.scene import Batch, Image, Wrap
 
 
 def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: DoubleArray) -> DoubleArray:

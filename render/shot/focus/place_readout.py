@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from render.errors import InputError, NotFoundError, SettingsError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.distortion import seen_at
 from render.optics.view import PinholeView
 from render.shot.focus.focus_reading import see

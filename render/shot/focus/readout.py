@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from render.focus.solve import PointState
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.shot.focus.focus_curve import lens_angles
 from render.shot.focus.focus_reading import see
 from render.shot.focus.focused import Focused
 from usd_schemas import FocusPoint
-
-DoubleArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

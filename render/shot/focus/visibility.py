@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import Camera, DoubleArray, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.thin_lens import pupil_radius_m
 from render.shot.focus.obstacles import Lines, passed
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from render.errors import SettingsError
+from render.model.camera import Camera
 from render.model.lens import IrisShape, Lens
-from render.model.scene import Camera
 from render.optics.lens_files import MeasuredLens, is_data_sheet, read_lens_file, read_measured_lens
 from render.optics.prescription.completion import completed
 from render.optics.prescription.mounting import PRESCRIBED

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
 from render.errors import InputError, NotFoundError, StageError
+from render.model.arrays import DoubleArray
 from render.stage.anchors.anchor_surfaces import AnchorSurface
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
@@ -16,7 +17,7 @@ from render.stage.geometry.poses import InstanceReader, pose_of_instance, world_
 from render.stage.geometry.skinning import Skeletons
 from render.stage.inventory import InstancerLink
 from render.stage.opening import reading
-from render.stage.world import DoubleArray, world_from_stage
+from render.stage.world import world_from_stage
 from usd_schemas import FocusPoint
 
 

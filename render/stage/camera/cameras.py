@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 
 from render.errors import CameraError, SettingsError, StageError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.model.shutter import Shutter
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras

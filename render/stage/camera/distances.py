@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.stage.findings import FindingLog
 
 # From here on neighbouring single precision numbers are 6 cm and more apart.

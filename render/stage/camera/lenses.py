@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from render.errors import CameraError, SettingsError
+from render.model.arrays import DoubleArray
 from render.model.lens import (
     AIR,
     AberrationScales,
     DataSheet,
-    DoubleArray,
     Glass,
     HeightField,
     IrisShape,

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.model.scene import Batch, Geometry, IntArray, Material
+from render.model.arrays import DoubleArray, IntArray
+from render.model.scene import Batch, Geometry, Material
 from render.stage.camera.distances import is_placeable
 from render.stage.drawing import joined, placed
 from render.stage.findings import FindingLog
@@ -21,7 +22,6 @@ from render.stage.geometry.pieces import Piece, ShapeReader
 from render.stage.geometry.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
 from render.stage.geometry.shape import Shape
 from render.stage.materials.material import BoundMaterial
-from render.stage.world import DoubleArray
 
 
 @dataclass(frozen=True, eq=False)

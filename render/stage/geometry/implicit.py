@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
-from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, FloatArray, IntArray, Polygons, Values
+from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, Values
 from render.stage.values import number
-
-DoubleArray = NDArray[np.float64]
 
 STEPS_AROUND = 64
 STEPS_OVER_CAP = 16

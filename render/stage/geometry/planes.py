@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Ar
 
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.stage.confinement import is_inside
 from render.stage.materials.textures import TextureError, as_file, read_pixels
 

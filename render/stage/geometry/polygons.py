@@ -12,10 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float32]
-IntArray = NDArray[np.int32]
-DoubleArray = NDArray[np.float64]
-LongArray = NDArray[np.int64]
+from render.model.arrays import DoubleArray, FloatArray, IntArray, LongArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, Vt
 
 from render.errors import StageError
+from render.model.arrays import DoubleArray, IntArray
 from render.stage.findings import FindingLog
 from render.stage.inventory import InstancerLink
 from render.stage.limits import check_places
 from render.stage.values import UNREADABLE, shown, why_unreadable
-from render.stage.world import DoubleArray, column_matrix
-
-IntArray = NDArray[np.int32]
+from render.stage.world import column_matrix
 
 
 def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray) -> DoubleArray:

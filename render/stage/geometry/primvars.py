@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from render.stage.geometry.polygons import FloatArray, Values
+from render.model.arrays import FloatArray
+from render.stage.geometry.polygons import Values
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from render import colour
+from render.model.arrays import FloatArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import (
     BadGeometry,
     Fan,
-    FloatArray,
-    IntArray,
-    LongArray,
     Polygons,
     Values,
     check,

@@ -7,17 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
+from render.model.arrays import FloatArray, LongArray
 from render.stage.findings import FindingLog
-from render.stage.geometry.polygons import (
-    BadGeometry,
-    FloatArray,
-    LongArray,
-    Polygons,
-    Values,
-    carried_normals,
-    check,
-    fan,
-)
+from render.stage.geometry.polygons import BadGeometry, Polygons, Values, carried_normals, check, fan
 from render.stage.world import column_matrix
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
+from render.model.arrays import IntArray
 from render.stage.findings import FindingLog
-from render.stage.geometry.polygons import IntArray
 
 # What a final picture wears; bindings without a purpose are the fallback.
 _PURPOSE = UsdShade.Tokens.full

@@ -8,18 +8,10 @@ from contextlib import contextmanager
 import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
+from render.model.arrays import FloatArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.implicit import implicit_polygons, is_implicit, shape_varies
-from render.stage.geometry.polygons import (
-    FARTHEST_POINT,
-    BadGeometry,
-    FloatArray,
-    IntArray,
-    LongArray,
-    Polygons,
-    Values,
-    check_counts,
-)
+from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, Values, check_counts
 from render.stage.geometry.primvars import as_rows
 from render.stage.geometry.skinning import Skeletons
 from render.stage.values import UNREADABLE, shown, why_unreadable

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from pxr import Ar
 
 from render import colour
+from render.model.arrays import FloatArray, HalfArray
 from render.model.scene import Image
 from render.stage.confinement import is_inside
 
-FloatArray = NDArray[np.float32]
-HalfArray = NDArray[np.float16]
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from render.model.scene import Camera
+from render.model.camera import Camera
 
 
 @dataclass(frozen=True)

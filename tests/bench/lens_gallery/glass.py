@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from render.model.camera import Camera
 from render.model.lens import AberrationScales
-from render.model.scene import Camera
 from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, SHARP_LIGHTS, Entry, Section
 
 _CORNER = (0.12, 0.14)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from render.model.scene import Camera
+from render.model.camera import Camera
 from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, FACE, FAR_LIGHTS, STREET, Entry, Section
 from usd_schemas import LibraryLens, library_lenses
 

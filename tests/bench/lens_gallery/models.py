@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import DoubleArray, HeightField
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.lens import HeightField
 from tests.bench.lens_gallery.aberrations import with_errors, with_f_stop
 from tests.bench.lens_gallery.entries import STREET, Entry, Section, as_it_is
 

@@ -12,8 +12,9 @@ import numpy as np
 from render.files import write_atomic
 from render.film import Grade, develop
 from render.frame import FrameRenderer, FrameSettings
-from render.model.scene import Camera, FloatArray
-from render.optics.sampling import MAX_RAYS
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.limits import MAX_RAYS
 from render.output import FrameMetadata
 from render.output.encode import encode_png
 from render.pictures.long_exposure import LongExposure

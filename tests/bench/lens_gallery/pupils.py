@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.model.lens import DoubleArray, IrisShape
-from render.model.scene import Camera
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.lens import IrisShape
 from tests.bench.lens_gallery.aberrations import with_f_stop
 from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, Entry, Section
 from tests.bench.lens_gallery.glass import with_scales

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from render.model.scene import Camera
+from render.model.camera import Camera
 from tests.bench.lens_gallery.aberrations import ideal
 from tests.bench.lens_gallery.entries import BLURRED_LIGHTS, STREET, Entry, Section
 from tests.bench.lens_gallery.glass import with_scales

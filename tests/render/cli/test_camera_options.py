@@ -10,7 +10,8 @@ import pytest
 
 from render.drawing.guides import guides_of, with_guides
 from render.errors import SettingsError
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.optics.framing import ASPECTS
 from render.optics.photometry.exposure import MIDDLE_GREY
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot

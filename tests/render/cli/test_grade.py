@@ -9,7 +9,7 @@ import OpenImageIO
 import pytest
 
 from render.film import Cdl, Grade, GradeChoice, list_displays
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot
 from tests.render.kits.colours import OWN_CONFIG
 from usd_schemas.data import Asset

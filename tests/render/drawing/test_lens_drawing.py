@@ -16,8 +16,8 @@ from render.drawing.curves import draw_distortion, draw_field_curvature, draw_il
 from render.drawing.section import draw_section
 from render.drawing.sheet import _write_numbers
 from render.drawing.stamps import draw_bokeh, draw_spots
+from render.model.camera import Camera
 from render.model.lens import HeightField, Lens, SeidelErrors
-from render.model.scene import Camera
 from render.optics.report import LensReport, lens_report
 from render.shot.lens.lens_alone import LensAlone
 from tests.render.kits.lenses import PLANAR, WIDE

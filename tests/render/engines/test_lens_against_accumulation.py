@@ -21,7 +21,8 @@ from render.demo import write_demo
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
-from render.model.scene import Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.shot import Shot
 
 SETTINGS = FrameSettings(800, 600, rays=48, tiled=False)

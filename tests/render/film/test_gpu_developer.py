@@ -20,8 +20,9 @@ from render.film.targets import small_scene
 from render.frame import FrameRenderer
 from render.gl.compat import GL
 from render.gl.context import GraphicsContext
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import Lens
-from render.model.scene import Camera, FloatArray
 from render.pictures.live_finisher import LiveFinisher
 from render.shot.film.finish import Finish
 from usd_schemas import CharacteristicCurve, FilmData, Grain, Sensor, film_names, library_film

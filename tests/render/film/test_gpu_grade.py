@@ -14,7 +14,7 @@ from render.errors import SettingsError
 from render.film import Cdl, Grade, develop, list_displays, project
 from render.film.gpu.grade import DisplayPass
 from render.frame import FrameRenderer
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from tests.render.kits.colours import OWN_CONFIG, chart
 
 pytestmark = pytest.mark.gl

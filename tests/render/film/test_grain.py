@@ -12,7 +12,7 @@ from render.film.noise import normal_noise
 from render.film.process import densities, develop_on_film, with_grain
 from render.film.settings import film_settings
 from render.film.stock import MIDDLE_GREY, camera_stock
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from usd_schemas import FilmData, Grain
 
 PIXEL_UM = 6.0

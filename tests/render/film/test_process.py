@@ -13,7 +13,7 @@ from render.film.grade import Grade
 from render.film.print_space import print_space
 from render.film.process import densities, develop_on_film, print_densities
 from render.film.settings import FilmSettings, film_settings
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from usd_schemas import FilmData, Grain, Halation, library_films
 
 CAMERA = [film.name for film in library_films() if film.kind == "camera"]

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from render.film.curve import DoubleArray
 from render.film.stock import MIDDLE_GREY, Stock, camera_stock, print_stock
 from render.frame import FrameRenderer, FrameSettings
+from render.model.arrays import DoubleArray
 from render.pictures.picture import make_picture
 from render.shot import Shot
 from tests.render.kits.cli_shots import CAMERA, write_shot

@@ -18,8 +18,8 @@ from render.focus.expressive import (
 )
 from render.focus.overlap import OVERLAP_FRAME_WIDTHS
 from render.focus.surface import beyond_edge, focused_at
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane, FocalSurface
-from render.model.scene import Camera
 
 WIDTH = 0.72  # 36 mm before 50 mm
 SLOPE_MM_M = 50 * 50 / 2 / 1000  # 50 mm at f/2

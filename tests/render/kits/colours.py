@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 
 # A studio's own configuration: it works in linear Rec. 709 and has no names in common with USD's.
 OWN_CONFIG = """

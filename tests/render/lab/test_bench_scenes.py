@@ -9,7 +9,8 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.bench_scenes import SCENES
-from render.model.scene import Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.optics.thin_lens import coc_radius_px, focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 

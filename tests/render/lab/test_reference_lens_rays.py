@@ -11,8 +11,10 @@ from render.errors import SettingsError
 from render.lab.reference.lens_rays import SceneRays, lens_rays
 from render.lab.reference.lens_tracer import TracedRays, trace
 from render.lab.reference.ray_by_ray import ray_by_ray_picture
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.lens import AIR, AberrationScales, Glass, HeightField, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Camera, Dome, DoubleArray, Scene
+from render.model.scene import Dome, Scene
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.mounting import mounted
 from render.optics.sampling import lens_samples

@@ -15,7 +15,8 @@ from rayoptics.raytr.traceerror import TraceError
 
 from render.errors import InputError
 from render.lab.reference.lens_tracer import OPEN, refract, trace
-from render.model.lens import AIR, DoubleArray, Glass, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.glass import D_LINE_NM, refractive_index
 from tests.render.kits.lenses import DOUBLE_GAUSS, FISHEYE, SIX_LENSES, WIDE, KnownLens
 

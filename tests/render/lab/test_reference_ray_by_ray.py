@@ -14,7 +14,9 @@ from render.lab.reference.ray_by_ray import ray_by_ray_picture
 from render.lab.reference.scenes import posts_before_wall, rectangle, spheres_over_checkerboard
 from render.lab.reference.triangles import TriangleTracer
 from render.lab.reference.unlit import UnlitScene, from_packets, in_packets, looked_up
-from render.model.scene import Batch, Camera, Dome, DoubleArray, Image, Material, Scene, TextureLookup, Wrap
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Image, Material, Scene, TextureLookup, Wrap
 
 HERE = np.eye(4)[None]
 RED, WHITE = (0.9, 0.1, 0.2), (1.0, 1.0, 1.0)

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from render.lab.reference.scenes import sphere
 from render.layers.bounds import BoxCache, may_be_seen
-from render.model.scene import Batch, Camera, Material
+from render.model.camera import Camera
+from render.model.scene import Batch, Material
 from render.optics.view import PinholeView
 
 VIEW = PinholeView.from_camera(Camera(np.eye(4), 36, 36, 27, near_m=0.1, far_m=100.0), 320, 240)

@@ -18,7 +18,8 @@ from render.layers.index import Draw
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
 from render.layers.pieces import Share
 from render.layers.renderer import LayerRenderer
-from render.model.scene import Batch, Camera, Dome, Material, Scene
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView
 
 SIZE = (160, 120)

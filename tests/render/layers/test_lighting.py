@@ -9,7 +9,9 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle, sphere
-from render.model.scene import Batch, Camera, Dome, DoubleArray, Image, Light, Material, Scene, TextureLookup
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Image, Light, Material, Scene, TextureLookup
 from render.optics.view import PinholeView
 
 # no reflection at normal incidence and fully rough: what is left is Lambert

@@ -18,7 +18,9 @@ from render.lab.reference.scenes import rectangle
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
-from render.model.scene import Batch, Camera, FloatArray, Material, Scene
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Material, Scene
 from render.optics.view import PinholeView
 
 SIZE = (157, 118)

@@ -24,7 +24,8 @@ from render.layers import nearest
 from render.layers.index import SceneIndex
 from render.layers.nearest import nearest_depth_m
 from render.layers.peel import HIDES_ALL, Peeler
-from render.model.scene import Batch, Camera, Geometry, Material, Scene
+from render.model.camera import Camera
+from render.model.scene import Batch, Geometry, Material, Scene
 from render.optics.view import PinholeView
 
 HERE = np.eye(4)[None]

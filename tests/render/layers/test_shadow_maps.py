@@ -14,7 +14,9 @@ from render.gl.cancellation import Cancelled
 from render.lab.reference.scenes import spheres_over_checkerboard
 from render.layers.index import Draw
 from render.layers.renderer import LayerRenderer
-from render.model.scene import Camera, DoubleArray, FloatArray, Light, Scene
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
+from render.model.scene import Light, Scene
 
 SETTINGS = FrameSettings(64, 48, rays=4, supersample=1)
 

@@ -10,7 +10,9 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
 from render.layers.surface_sampling import SurfaceSampling, patch_px_m, sampling_of_layers
-from render.model.scene import Batch, Camera, FloatArray, Image, Material, Scene, TextureLookup
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Image, Material, Scene, TextureLookup
 from render.optics.view import PinholeView
 
 SETTINGS = FrameSettings(160, 120, rays=64, shading="unlit")

@@ -10,7 +10,9 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
 from render.layers.peel import MAX_PINHOLE_LAYERS
-from render.model.scene import Batch, Camera, Dome, FloatArray, Material, Scene
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Material, Scene
 
 SIZE = (48, 36)
 CAMERA = Camera(np.eye(4), 50, 36, 27, f_stop=2.0, focus_distance_m=1.5, near_m=0.1)

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from render.frame import FrameRenderer
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall, rectangle
-from render.layers.limits import MAX_LAYERS
 from render.layers.peel import Peeler
 from render.layers.umbra import HIDES_ALL, layers_needed, umbra_reach
-from render.model.scene import Batch, Camera, Material, Scene
+from render.model.camera import Camera
+from render.model.limits import MAX_LAYERS
+from render.model.scene import Batch, Material, Scene
 from render.optics.view import PinholeView
 
 VIEW = PinholeView.from_camera(Camera(np.eye(4), 36, 36, 27, near_m=0.1), 640, 480)

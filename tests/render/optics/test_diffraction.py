@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from render.model.arrays import DoubleArray
 from render.model.lens import IrisShape
-from render.model.scene import DoubleArray
 from render.optics.flare.diffraction import VISIBLE, Star, star
 from render.optics.iris import transmission
 from render.optics.spectrum import Spectrum

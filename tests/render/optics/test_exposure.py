@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pxr import Usd, UsdGeom
 
 from render.errors import SettingsError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.photometry.exposure import (
     ExposureSettings,
     density_of_stops,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from render.errors import SettingsError
+from render.model.camera import Camera
 from render.model.lens import Lens
 from render.model.lens_law import LensLaw
-from render.model.scene import Camera
 from render.optics.depth_of_field import coc_slope_mm_m
 from render.optics.focus_law import focus_law, focus_laws
 from render.optics.prescription.mounting import distance_from_film_m, mounted

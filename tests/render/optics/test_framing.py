@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.framing import FULL_FRAME_MM, Gate, field_of_view, framing_guide, framing_guides
 from render.optics.view import PinholeView
 

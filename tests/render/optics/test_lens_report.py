@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from render.model.camera import Camera
 from render.model.lens import Glass, IrisShape, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Camera
 from render.optics.distortion import chief_rays
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import focused

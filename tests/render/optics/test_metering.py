@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import InputError, SettingsError
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.optics.photometry.exposure import MIDDLE_GREY, ExposureSettings
 from render.optics.photometry.metering import (
     MeterMode,

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.model.lens import DoubleArray, Glass, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import Glass, Prescription, Surface
 from render.optics.glass import C_LINE_NM, CATALOGUE, D_LINE_NM, F_LINE_NM
 from render.optics.prescription.paraxial import first_order
 from render.optics.prescription.seidel_sums import SeidelSums, seidel_sums

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from render.model.lens import AIR, DoubleArray, Glass, Prescription, Surface
+from render.model.arrays import DoubleArray
+from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.glass import CATALOGUE, refractive_index
 from render.optics.prescription.paraxial import first_order, paraxial_ray, paraxial_system
 from render.optics.prescription.surface_shape import intersect, sag_mm

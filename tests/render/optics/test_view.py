@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import CameraError, SettingsError
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane
-from render.model.scene import Camera
 from render.optics.view import PinholeView
 
 

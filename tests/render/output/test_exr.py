@@ -16,7 +16,7 @@ import pytest
 
 from render.errors import SettingsError
 from render.film import Cdl, Grade, film_settings
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.output import FrameMetadata, encode
 from render.output.metadata import exact_frame_rate

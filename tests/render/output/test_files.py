@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from render.errors import OutputError, SettingsError
 from render.files import check_writable, write_atomic
 from render.film import Grade
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.output import FrameMetadata, encode, format_of, write_frame
 from render.output.encode import to_8_bit
 

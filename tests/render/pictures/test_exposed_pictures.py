@@ -14,7 +14,7 @@ from pxr import Usd, UsdGeom, UsdLux
 from render.errors import CameraError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 from render.optics.photometry.exposure import ExposureSettings, equivalent
 from render.optics.view import PinholeView
 from render.pictures.picture import Picture, make_picture

@@ -11,8 +11,10 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.lens import Glass, IrisShape, Lens, Prescription, Surface
-from render.model.scene import Batch, Camera, Dome, DoubleArray, FloatArray, Light, Material, Scene
+from render.model.scene import Batch, Dome, Light, Material, Scene
 from render.pictures.bright_sources import BRIGHT, MOST, bright_sources
 from render.pictures.flare import flared
 from render.shot import Shot

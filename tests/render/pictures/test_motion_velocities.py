@@ -15,7 +15,8 @@ from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.layers.movement import movements
-from render.model.scene import Camera, FloatArray
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.pictures.picture import expose_frame, make_picture
 from render.shot import Shot

@@ -16,8 +16,10 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import posts_before_wall, rectangle, spheres_over_checkerboard
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Batch, Camera, Dome, FloatArray, Material, Scene
+from render.model.scene import Batch, Dome, Material, Scene
 from render.pictures.picture import make_picture
 from render.postblur.blur_shape import AREA_STEPS, BlurShape, blur_shape
 from render.postblur.flag import BAND_BYTES, PILE_BYTES, Flag, Ring

@@ -11,8 +11,8 @@ from render.gl.cancellation import CancellationPoint, Cancelled
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
-from render.model.scene import FloatArray
 from render.postblur.blur_shape import blur_shape
 from render.postblur.flag import Flag
 from render.postblur.gather import Gather

@@ -13,7 +13,7 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.cancellation import CancellationPoint, Cancelled
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.postblur.importance_field import ALL, NEVER_CANCELLED, Extent, ImportanceField
 from render.postblur.importance_order import Importance
 from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField

@@ -15,8 +15,10 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Camera, DoubleArray, FloatArray, Scene
+from render.model.scene import Scene
 from render.postblur.linear import CUTOFF_PX, CUTOFF_SHARE, NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.shed import Field
 from render.postblur.spread_tables import (

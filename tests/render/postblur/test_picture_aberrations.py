@@ -9,8 +9,10 @@ import pytest
 
 from render.frame import FrameRenderer
 from render.lab.reference.metrics import psnr_db
+from render.model.arrays import FloatArray
 from render.model.lens import AberrationScales, DataSheet
-from render.model.scene import Dome, FloatArray, Moment, Scene
+from render.model.moment import Moment
+from render.model.scene import Dome, Scene
 from render.optics.photometry.illuminance import light_over_picture
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace, renders_in_image_space

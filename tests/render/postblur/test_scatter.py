@@ -13,8 +13,8 @@ from render.gl.cancellation import CancellationPoint, Cancelled
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.reference.metrics import psnr_db
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import AberrationScales, IrisShape, SeidelErrors
-from render.model.scene import DoubleArray, FloatArray
 from render.optics.iris import transmission
 from render.postblur import scatter_splats, scatter_store
 from render.postblur.scatter import ScatterBlur

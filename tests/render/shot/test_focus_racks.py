@@ -12,8 +12,8 @@ from render.errors import SettingsError
 from render.focus import racks
 from render.focus.racks import EASES, eased, rack
 from render.focus.tracking import FocusRing
+from render.model.camera import Camera
 from render.model.lens import Lens
-from render.model.scene import Camera
 from render.shot.focus.focus_ring import close_focus_depth_m, focus_ring
 from render.shot.focus.rack import pull_rack
 from render.stage import AnchorReader, read_camera

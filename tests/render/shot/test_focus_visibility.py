@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from render.model.scene import Batch, Camera, DoubleArray, Geometry, Image, Material, Scene, TextureLookup
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Geometry, Image, Material, Scene, TextureLookup
 from render.shot.focus.visibility import visible
 
 PINHOLE = Camera(world_from_camera=np.eye(4))

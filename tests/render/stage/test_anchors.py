@@ -10,7 +10,8 @@ from pxr import Gf, Usd, UsdGeom
 
 from render.errors import NotFoundError
 from render.frame import FrameRenderer
-from render.model.scene import Batch, Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Batch, Scene
 from render.stage import AnchorReader, StageReader, anchor_position, default_camera, open_stage
 from tests.render.kits.stages import (
     ASSETS,

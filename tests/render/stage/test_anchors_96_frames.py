@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 from render.frame import FrameRenderer
-from render.model.scene import Camera, DoubleArray
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.shot.focus.visibility import visible
 from render.stage import AnchorReader, StageReader, default_camera, open_stage
 from tests.render.kits.stages import ASSETS, add_mesh, needs_assets, new_stage

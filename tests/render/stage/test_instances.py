@@ -8,7 +8,8 @@ from pxr import Gf, Sdf, UsdGeom
 
 from render import colour
 from render.frame import FrameRenderer
-from render.model.scene import Batch, Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Batch, Scene
 from render.stage import StageReader
 from tests.render.kits.stages import (
     add_material,

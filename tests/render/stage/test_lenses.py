@@ -11,9 +11,9 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from render.errors import CameraError, InputError
+from render.model.camera import Camera
 from render.model.lens import AIR, Glass, Prescription, Surface
 from render.model.lens import DataSheet as SheetTables
-from render.model.scene import Camera
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens
 from render.optics.prescription.completion import completed

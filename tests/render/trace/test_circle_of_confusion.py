@@ -13,8 +13,9 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import point_light
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import IrisShape
-from render.model.scene import Camera, FloatArray
 from render.optics.thin_lens import coc_radius_px
 
 WIDTH_PX = 240

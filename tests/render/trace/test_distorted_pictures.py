@@ -11,8 +11,8 @@ from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.lens_rays import lens_rays
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import spheres_over_checkerboard
+from render.model.camera import Camera
 from render.model.lens import IrisShape, Lens, SeidelErrors
-from render.model.scene import Camera
 from render.optics.distortion import ChiefRays, chief_rays
 from render.optics.view import PinholeView
 from render.trace.rays import ray_pattern

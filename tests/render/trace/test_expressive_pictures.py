@@ -10,8 +10,10 @@ import pytest
 from render.focus.expressive import SurfacePoints, focal_controls
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import triangles_of
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.focal_surface import FocalPlane, FocalSurface
-from render.model.scene import Batch, Camera, Dome, FloatArray, Geometry, Material, Scene
+from render.model.scene import Batch, Dome, Geometry, Material, Scene
 
 WIDTH, HEIGHT = 320, 160
 SETTINGS = FrameSettings(WIDTH, HEIGHT, rays=64, shading="unlit")

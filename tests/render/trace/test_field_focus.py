@@ -12,8 +12,8 @@ from scipy.ndimage import map_coordinates
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import spheres_over_checkerboard
+from render.model.camera import Camera
 from render.model.lens import AIR, AberrationScales, Glass, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Camera
 from render.optics.view import PinholeView
 from render.shot import Shot
 from render.shot.focus.focused import without_points

@@ -13,8 +13,8 @@ import pytest
 from render.errors import GraphicsError
 from render.frame import FrameRenderer
 from render.gl.compat import GL
+from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import Glass, IrisShape, Prescription, Surface
-from render.model.scene import DoubleArray, FloatArray
 from render.optics.flare.coating import reflectance
 from render.optics.flare.ghost_sheets import Source, ghost_sheets
 from render.optics.flare.ghosts import GhostPath, ghost_paths, trace_ghost

@@ -9,8 +9,8 @@ import pytest
 
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, Glass, HeightField, Prescription, Surface
-from render.model.scene import DoubleArray
 from render.optics.prescription.completion import completed
 from render.optics.prescription.focusing import focused
 from render.trace.grid_table import grid_table

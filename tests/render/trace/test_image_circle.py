@@ -9,8 +9,9 @@ import pytest
 
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
 from render.model.lens import Lens
-from render.model.scene import Camera, DoubleArray
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker
 from render.trace.layer_view import reached

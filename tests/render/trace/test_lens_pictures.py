@@ -11,8 +11,10 @@ from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import rectangle, spheres_over_checkerboard
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import AberrationScales, Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Batch, Camera, Dome, FloatArray, Material, Scene
+from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView
 from render.trace.rays import ray_pattern
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR, SIX_LENSES, KnownLens

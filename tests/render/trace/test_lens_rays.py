@@ -10,8 +10,8 @@ import pytest
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.lab.reference.lens_tracer import trace as trace_slowly
+from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, Glass, HeightField, Prescription, Surface
-from render.model.scene import DoubleArray
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.completion import completed
 from render.optics.prescription.focusing import FocusedLens, focused

@@ -9,8 +9,8 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import spheres_over_checkerboard
+from render.model.camera import Camera
 from render.model.lens import Lens, SeidelErrors
-from render.model.scene import Camera
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR
 
 WIDTH, HEIGHT = 96, 72

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer, FrameSettings
+from render.model.arrays import DoubleArray, FloatArray
+from render.model.camera import Camera
 from render.model.lens import Glass, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Camera, Dome, DoubleArray, FloatArray, Scene
+from render.model.scene import Dome, Scene
 from render.optics.photometry.illuminance import natural_vignetting
 from render.optics.view import PinholeView
 

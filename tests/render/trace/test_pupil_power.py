@@ -13,8 +13,10 @@ from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.ray_by_ray import ray_by_ray_picture
 from render.lab.reference.scenes import posts_before_wall, rectangle
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.lens import Lens, SeidelErrors
-from render.model.scene import Batch, Camera, Dome, FloatArray, Material, Scene
+from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales, relative_power
 from render.trace.drawn_power import with_drawn_power
 from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes

@@ -7,7 +7,9 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
-from render.model.scene import Batch, Camera, FloatArray, Material, Scene
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Material, Scene
 
 Vector = tuple[float, float, float]
 SETTINGS = FrameSettings(160, 120, rays=256, shading="unlit", tiled=False)

@@ -23,7 +23,7 @@ from render.lab.bench.importance.scene import CUTOFF_EXPERIMENT, EXPERIMENTS, Ex
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.reference.metrics import psnr_db
-from render.model.scene import FloatArray
+from render.model.arrays import FloatArray
 from render.postblur.importance_field import Extent, ImportanceField
 from render.postblur.linear import NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.shed import Field

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from render.model.scene import DoubleArray, FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 
 _Bools = NDArray[np.bool_]
 _Numbers = DoubleArray | list[float]

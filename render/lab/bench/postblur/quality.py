@@ -14,8 +14,10 @@ from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.postblur.plan import F_STOP, FRAME, PostBlurPlan
 from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
 from render.model.frame_settings import POST_BLUR_ENGINES, FrameSettings
-from render.model.scene import Camera, FloatArray, Scene
+from render.model.scene import Scene
 from render.shot import Shot
 
 ONCE = Repeats(1, 1)

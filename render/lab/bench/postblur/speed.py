@@ -17,8 +17,8 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.postblur.plan import PostBlurPlan
+from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
-from render.model.scene import FloatArray
 from render.postblur.blur_shape import blur_shape
 from render.postblur.flag import Flag, held_bytes
 from render.postblur.gather import Gather

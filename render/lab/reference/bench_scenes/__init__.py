@@ -10,7 +10,8 @@ from collections.abc import Callable
 from render.lab.reference.bench_scenes.dragons import dragons
 from render.lab.reference.bench_scenes.statues import statues
 from render.lab.reference.bench_scenes.town import town
-from render.model.scene import Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Scene
 
 SCENES: dict[str, Callable[[], tuple[Scene, Camera]]] = {"town": town, "statues": statues, "dragons": dragons}
 """By name, from the fewest triangles to the most."""

@@ -7,21 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from render.demo.shapes.mesh import Mesh, merge
-from render.model.scene import (
-    Batch,
-    Camera,
-    Dome,
-    DoubleArray,
-    FloatArray,
-    Geometry,
-    Image,
-    IntArray,
-    Light,
-    Material,
-    Scene,
-    TextureLookup,
-    Wrap,
-)
+from render.model.arrays import DoubleArray, FloatArray, IntArray
+from render.model.camera import Camera
+from render.model.scene import Batch, Dome, Geometry, Image, Light, Material, Scene, TextureLookup, Wrap
 
 MODEL_SCALE = 1 / 26
 """The scenes are models of streets and halls: a lens of 35 mm at f/1.4 blurs by 30 px both ways only where it is focused within

@@ -21,7 +21,9 @@ from render.lab.reference.bench_scenes.assembly import (
 )
 from render.lab.reference.bench_scenes.masonry import arcade, column, floor, fluted_column, railing
 from render.lab.reference.bench_scenes.relief import boulder, scaly_body
-from render.model.scene import Camera, Dome, DoubleArray, Image, Material, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Dome, Image, Material, Scene
 
 _FOCUS_M = 8.3
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from render.demo.shapes.kit import smooth_curve, tube
 from render.demo.shapes.mesh import Mesh, merge, unit
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 
 def cards(

@@ -6,7 +6,7 @@ import numpy as np
 
 from render.demo.shapes.kit import grid_faces
 from render.demo.shapes.mesh import Mesh, unit
-from render.model.scene import DoubleArray
+from render.model.arrays import DoubleArray
 
 
 def grid_mesh(points: DoubleArray, *, wrapped: bool, tile_m: float = 1.0) -> Mesh:

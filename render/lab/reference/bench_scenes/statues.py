@@ -22,7 +22,8 @@ from render.lab.reference.bench_scenes.assembly import (
 from render.lab.reference.bench_scenes.greenery import crown, hanging_branch, trunk
 from render.lab.reference.bench_scenes.masonry import arcade, column, floor, fluted_column
 from render.lab.reference.bench_scenes.relief import robe
-from render.model.scene import Camera, Dome, Image, Material, Scene
+from render.model.camera import Camera
+from render.model.scene import Dome, Image, Material, Scene
 
 _FOCUS_M = 8.6
 _ANGEL_M = 2.1

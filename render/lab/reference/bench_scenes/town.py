@@ -22,7 +22,9 @@ from render.lab.reference.bench_scenes.assembly import (
 from render.lab.reference.bench_scenes.greenery import crown, hanging_branch, trunk
 from render.lab.reference.bench_scenes.houses import House, house_parts
 from render.lab.reference.bench_scenes.masonry import arcade, column, floor, gable_roof, gables, railing, window_frame
-from render.model.scene import Camera, Dome, DoubleArray, Image, Material, Scene
+from render.model.arrays import DoubleArray
+from render.model.camera import Camera
+from render.model.scene import Dome, Image, Material, Scene
 
 STREET_M = 8.0
 _FOCUS_M = 9.6

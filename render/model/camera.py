@@ -1,0 +1,60 @@
+"""A camera at one time, as plain data: pose, film gate, lens, focus and shutter.
+
+Defined without pxr, like `render.model.scene`, whose conventions hold here too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from render.model.arrays import DoubleArray
+from render.model.focal_surface import FocalSurface
+from render.model.lens import THIN_LENS, IrisShape, Lens
+from render.model.shutter import GLOBAL_SHUTTER, Shutter
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A camera at one time.
+
+    Attributes:
+        world_from_camera: ``(4, 4)`` float64 rigid, metres; looks along -Z, +Y up, +X right.
+        focal_length_mm: with the apertures it gives the field of view.
+        horizontal_aperture_mm: width of the film gate that the picture shows (after conforming to its aspect ratio).
+        vertical_aperture_mm: its height.
+        horizontal_offset_mm: of the gate's centre from the axis.
+        vertical_offset_mm: likewise.
+        f_stop: f-number; 0 is a pinhole, as in USD.
+        focus_distance_m: along the axis, from the entrance pupil; 0 or infinite focuses at infinity.
+        near_m: nearest depth drawn.
+        far_m: farthest depth drawn; may be infinite.
+        exposure_scale: what UsdGeomCamera's exposure attributes multiply radiance by.
+        iris: the shape of the opening.
+        lens: the glass.
+        focal_surface: where the focus lies over the picture, in place of the plane at the focus distance; None for that plane.
+        shutter_open: in frames relative to the time, as in USD.
+        shutter_close: likewise.
+        shutter: how it opens, and in which order it bares the picture.
+        breathing: whether the physical image distance sets the field of view.
+        path: prim path.
+    """
+
+    world_from_camera: DoubleArray
+    focal_length_mm: float = 50.0
+    horizontal_aperture_mm: float = 36.0
+    vertical_aperture_mm: float = 20.25
+    horizontal_offset_mm: float = 0.0
+    vertical_offset_mm: float = 0.0
+    f_stop: float = 0.0
+    focus_distance_m: float = 0.0
+    near_m: float = 0.01
+    far_m: float = float("inf")
+    exposure_scale: float = 1.0
+    iris: IrisShape = field(default_factory=IrisShape)
+    lens: Lens = THIN_LENS
+    focal_surface: FocalSurface | None = None
+    shutter_open: float = 0.0
+    shutter_close: float = 0.0
+    shutter: Shutter = GLOBAL_SHUTTER
+    breathing: bool = False
+    path: str = ""

@@ -1,0 +1,39 @@
+"""The shot at moments while the shutter is open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class ShutterScenes:
+    """The scene while the shutter is open.
+
+    Attributes:
+        middle: in the middle of that time.
+        opening: when it begins.
+        closing: when it ends.
+    """
+
+    middle: Scene
+    opening: Scene
+    closing: Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """The shot at one moment of the shutter's opening.
+
+    Attributes:
+        scene: what is there.
+        camera: what looks, its focus solved.
+        share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
+    """
+
+    scene: Scene
+    camera: Camera
+    share: FloatArray | float

@@ -2,7 +2,7 @@
 # Each target is a script of scripts/, which can be run alone and takes arguments: scripts/test tests/render -k pinhole
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve test check bench schema lock clean
+.PHONY: help setup serve test fuzz check bench schema lock clean
 
 help:    ## say what there is
 	@sed -n 's/^\([a-z]*\): *## /make \1\t/p' Makefile | expand -t 16
@@ -15,6 +15,9 @@ serve:   ## show the demo shot in the browser
 
 test:    ## run every test
 	@scripts/test
+
+fuzz:    ## search for failing examples with fresh seeds: make fuzz MINUTES=60
+	@scripts/fuzz $(MINUTES)
 
 check:   ## linters, formatters and type checkers
 	@scripts/check

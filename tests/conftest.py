@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from render.frame import FrameRenderer
 
-# No deadline: on a busy machine an example is slow, not wrong. In CI the examples are always the same, so that a change is
-# judged by what it changes; at a desk each run tries others.
-settings.register_profile("pullfocus", deadline=None, derandomize=bool(os.environ.get("CI")))
-settings.load_profile("pullfocus")
+# `make test` tries the same examples in every run, so that its result depends on the code alone; `make fuzz` tries new ones.
+# Neither judges by the clock: on a busy machine an example is slow, not wrong.
+settings.register_profile("test", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("fuzz", settings.get_profile("test"), derandomize=False, max_examples=500, print_blob=True)
+settings.load_profile("test")
 
 
 @pytest.fixture(scope="session")

@@ -21,6 +21,8 @@ MAX_LOG_EXPOSURE = 30.0
 """How far log10 exposures of curves lie to either side of 0: ten times what any film holds, and single precision suffices."""
 MAX_DENSITY = 20.0
 """Four times what any film reaches."""
+MIN_STEP = 1e-10
+"""Least step of log10 exposure between knots: slopes stay finite."""
 
 # A picture is looked up in a table of this many even steps: under 2e-6 of density from the cubic on any stock of the library.
 _TABLE_STEPS = 4096
@@ -32,8 +34,8 @@ class Curve:
     """One layer's characteristic curve: knots joined by a monotone cubic, level beyond the ends.
 
     Attributes:
-        knots: (log10 exposure, density), at least two; exposure increases, and density rises throughout or falls throughout
-            (it may stay level).
+        knots: (log10 exposure, density), at least two; exposure increases by `MIN_STEP` or more, and density
+            rises throughout or falls throughout (it may stay level).
         name: whose curve it is, for messages.
 
     Raises:
@@ -53,8 +55,11 @@ class Curve:
                     f"from 0 to {MAX_DENSITY:g}, got ({knot[0]:g}, {knot[1]:g})"
                 )
         for before, after in pairwise(self.knots):
-            if not after[0] > before[0]:
-                raise _bad(f"log exposure of {self.name} must increase, got {after[0]:g} after {before[0]:g}")
+            if not after[0] - before[0] >= MIN_STEP:
+                raise _bad(
+                    f"log exposure of {self.name} must increase by at least {MIN_STEP:g}, "
+                    f"got {after[0]:g} after {before[0]:g}"
+                )
         rises = np.diff(self._densities)
         if (rises > 0).any() and (rises < 0).any():
             against = np.argmax(rises < 0 if rises.sum() > 0 else rises > 0)
@@ -216,7 +221,8 @@ def _monotone_slopes(x: DoubleArray, y: DoubleArray) -> DoubleArray:
     if len(d) == 1:
         return np.repeat(d, 2)
     w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # A level step, or one of 1e-300, makes a quotient infinite: the mean is then 0, as it must be.
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         harmonic = (w1 + w2) / (w1 / d[:-1] + w2 / d[1:])
     inner = np.where(d[:-1] * d[1:] > 0, harmonic, 0.0)
     return np.concatenate([[_end_slope(h[0], h[1], d[0], d[1])], inner, [_end_slope(h[-1], h[-2], d[-1], d[-2])]])

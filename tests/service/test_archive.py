@@ -138,7 +138,7 @@ def test_damage_is_named(tmp_path, damage):
 
 
 @given(at=st.integers(0, 400), value=st.binary(min_size=1, max_size=4))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_no_damage_leads_to_anything_but_a_refusal(tmp_path_factory, at, value):
     whole = zipped(("set/shot.usda", b"#usda 1.0\n" * 9), ("a.png", bytes(64))).getvalue()
     broken = whole[:at] + value + whole[at + len(value) :]

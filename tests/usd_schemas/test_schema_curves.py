@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Sdf, Ts, Usd, UsdGeom
 
@@ -54,7 +54,6 @@ def samples(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
     return np.cumsum(steps), np.array(values)
 
 
-@settings(deadline=None)
 @given(curve=samples(), tolerance=st.sampled_from([0.0, 1e-4, 1e-2, 0.3]))
 def test_a_fit_is_exact_at_its_ends_and_within_tolerance_between(
     curve: tuple[np.ndarray, np.ndarray], tolerance: float
@@ -67,7 +66,6 @@ def test_a_fit_is_exact_at_its_ends_and_within_tolerance_between(
     assert np.all(np.abs(fitted - values) <= tolerance * values + 1e-9 * values.max())
 
 
-@settings(deadline=None)
 @given(curve=samples(), tolerance=st.sampled_from([0.0, 1e-2]))
 def test_a_fit_never_overshoots_its_knots(curve: tuple[np.ndarray, np.ndarray], tolerance: float) -> None:
     times, values = curve
@@ -80,7 +78,6 @@ def test_a_fit_never_overshoots_its_knots(curve: tuple[np.ndarray, np.ndarray], 
         assert between.max() <= ends.max() + slack
 
 
-@settings(deadline=None)
 @given(curve=samples())
 def test_usd_evaluates_the_spline_as_the_fit_does(curve: tuple[np.ndarray, np.ndarray]) -> None:
     """A Bezier segment whose handles reach a third of the way is the Hermite cubic."""

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Sdf, Usd, UsdGeom
 
@@ -49,7 +49,6 @@ def test_auto_keys_ease(point: FocusPointView) -> None:
     assert eased[2] > 0.95
 
 
-@settings(deadline=None)
 @given(
     times=st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True).map(sorted),
     values=st.lists(st.floats(0, 100), min_size=8, max_size=8),

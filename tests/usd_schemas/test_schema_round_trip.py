@@ -89,7 +89,7 @@ def reopened(stage: Usd.Stage, suffix: str, folder: Path) -> Usd.Stage:
     return Usd.Stage.Open(str(path))
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data(), suffix=st.sampled_from([".usda", ".usdc"]))
 def test_any_allowed_value_of_every_property_survives(data: st.DataObject, suffix: str) -> None:
     stage = Usd.Stage.CreateInMemory()

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Usd, UsdGeom
 
@@ -35,7 +35,6 @@ def test_in_metres_a_50_mm_lens_is_half_a_tenth() -> None:
     assert tenths_from_mm(50.0, stage_with(1.0)) == 0.5
 
 
-@settings(deadline=None)
 @given(scale=SCALES, length=LENGTHS)
 def test_there_and_back_is_the_same_length(scale: float, length: float) -> None:
     stage = stage_with(scale)
@@ -43,7 +42,6 @@ def test_there_and_back_is_the_same_length(scale: float, length: float) -> None:
     assert math.isclose(tenths_from_mm(mm_from_tenths(length, stage), stage), length, rel_tol=1e-12)
 
 
-@settings(deadline=None)
 @given(scale=SCALES, length=LENGTHS)
 def test_both_ways_of_writing_a_length_agree(scale: float, length: float) -> None:
     """A length in scene units, and the same in tenths of them, is the same number of metres."""

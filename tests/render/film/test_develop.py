@@ -41,7 +41,7 @@ def test_exposure_multiplies_light() -> None:
 
 
 @given(st.lists(st.floats(0, 1e6, width=32), min_size=2, max_size=2).map(sorted))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_more_light_is_never_darker_and_stays_on_the_display(levels: list[float]) -> None:
     darker, brighter = develop(grey(*levels), 1.0, Grade())[0, :, 1]
 

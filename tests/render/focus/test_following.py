@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
@@ -137,7 +137,6 @@ def test_the_hand_starts_softly():
     assert moves[0] < 0.05 * moves.max()
 
 
-@settings(deadline=None)
 @given(st.integers(1, 7), st.floats(0.05, 1.0))
 def test_what_the_hand_does_does_not_hang_on_how_finely_time_is_cut(cuts, lag):
     fine = np.linspace(0, 5, 120 * cuts + 1)
@@ -198,7 +197,6 @@ def test_infinity_and_close_focus_are_the_ends():
     np.testing.assert_array_equal(limits([-0.1, 0, 1, 9]), [0, 0, 1, 9])
 
 
-@settings(deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.2, 0.5, 2.0]))
 def test_no_switch_pops_however_fast_it_is_thrown(seed, crossing):
     on = np.random.default_rng(seed).random((121, 3)) < 0.5
@@ -229,7 +227,6 @@ def test_without_a_time_a_switch_is_a_switch():
     np.testing.assert_array_equal(faded(on, SECONDS, 0.0), on.astype(float))
 
 
-@settings(deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.2, 0.5, 2.0]))
 def test_a_point_has_faded_before_it_loses_its_place(seed, crossing):
     rng = np.random.default_rng(seed)

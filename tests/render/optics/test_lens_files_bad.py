@@ -203,7 +203,7 @@ def _is_refused_or_good(data: bytes, name: str) -> None:
 
 
 @given(name=st.sampled_from(sorted(FILES)), share=st.floats(0, 1), wide=st.booleans())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_a_truncated_file_is_refused_or_is_a_lens(name: str, share: float, wide: bool) -> None:
     data = FILES[name].encode("utf-16" if wide else "utf-8")
     _is_refused_or_good(data[: int(len(data) * share)], name)
@@ -218,7 +218,7 @@ _WORDS = st.sampled_from(
     name=st.sampled_from(sorted(FILES)),
     places=st.lists(st.tuples(st.integers(0, 10_000), _WORDS | st.text(max_size=4)), min_size=1, max_size=6),
 )
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 def test_a_corrupted_file_is_refused_or_is_a_lens(name: str, places: list[tuple[int, str]]) -> None:
     words = FILES[name].replace("\t", " \t ").replace("\n", " \n ").split(" ")
     for place, word in places:
@@ -228,7 +228,7 @@ def test_a_corrupted_file_is_refused_or_is_a_lens(name: str, places: list[tuple[
 
 
 @given(name=st.sampled_from(sorted(FILES)), data=st.binary(max_size=200), at=st.integers(0, 2000))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_foreign_bytes_are_refused_or_leave_a_lens(name: str, data: bytes, at: int) -> None:
     file = FILES[name].encode()
     _is_refused_or_good(file[:at] + data + file[at + len(data) :], name)

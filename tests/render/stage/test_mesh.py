@@ -43,7 +43,7 @@ def test_a_polygon_becomes_the_fan_of_its_corners() -> None:
 
 
 @given(sides=st.lists(st.integers(0, 7), min_size=1, max_size=8))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_faces_keep_their_numbers_and_areas(sides: list[int]) -> None:
     if sum(max(n - 2, 0) for n in sides) == 0:
         sides = [*sides, 3]

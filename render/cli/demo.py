@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from render.cli.report import print_json, say
-from render.demo import write_demo
+from render.demo.shot import write_demo
 
 
 def add_parser(commands: Any) -> None:

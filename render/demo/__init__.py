@@ -1,5 +1,1 @@
-"""The demo shot, authored in code."""
-
-from render.demo.shot import write_demo
-
-__all__ = ["write_demo"]
+"""The demo shot, authored in code. Imports nothing here: `render.demo.shapes` also serves scenes that need no USD."""

@@ -63,6 +63,6 @@ class WriteDemo:
 
     def run(self, opened: OpenedShots) -> str:
         """Its root layer, relative to the folder. Raises `OutputError`."""
-        from render.demo import write_demo
+        from render.demo.shot import write_demo
 
         return write_demo(self.folder).relative_to(self.folder).as_posix()

@@ -19,7 +19,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.frame import Frame, FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db, ssim
 from render.model.arrays import FloatArray

@@ -20,14 +20,14 @@ HEADER = "#usda 1.0\n"
 def goes_on(service):
     """Whatever a test sends: no worker dies of it, nothing is left behind, and the next frame comes."""
     kept = service.client.get("/v1/shots").json()
-    stage_worker, picture_worker = service.http.hub.stages.worker.starts, service.http.hub.pictures.worker.starts
+    stage_worker, picture_worker = service.hub.stages.worker.starts, service.hub.pictures.worker.starts
     yield
     assert service.client.get("/v1/shots").json() == kept
-    folders = {folder.name for folder in (service.http.settings.data / "shots").iterdir()}
+    folders = {folder.name for folder in (service.settings.data / "shots").iterdir()}
     assert folders == {shot["id"] for shot in kept["shots"]}
     assert service.client.get("/readyz").status_code == 200
-    assert service.http.hub.stages.worker.starts == max(stage_worker, 1)
-    assert service.http.hub.pictures.worker.starts == picture_worker
+    assert service.hub.stages.worker.starts == max(stage_worker, 1)
+    assert service.hub.pictures.worker.starts == picture_worker
 
 
 def problem(answer, *statuses: int):
@@ -95,7 +95,7 @@ def test_a_reference_to_outside_is_named(client, target, arc):
 
 
 def test_another_shots_files_are_outside(client, room, service):
-    other = service.http.settings.data / "shots" / room / "files" / "room.usda"
+    other = service.settings.data / "shots" / room / "files" / "room.usda"
     text = f'{HEADER}def "Set" (prepend references = @../../{room}/files/room.usda@) {{ }}\n'
     problem(send(client, "shot.usda", text.encode()))
     problem(send(client, "shot.usda", text.replace(f"../../{room}/files/room.usda", str(other)).encode()))
@@ -110,7 +110,7 @@ def test_a_zip_bomb(client):
 def test_a_zip_that_leaves_its_folder(client, name, service):
     found = problem(send(client, "shot.zip", archive(("ok.usda", ROOM), (name, ROOM))))
     assert found["code"] == "unsafe_archive"
-    assert not (service.http.settings.data / "shots" / "shot.usda").exists()
+    assert not (service.settings.data / "shots" / "shot.usda").exists()
 
 
 def test_a_zip_with_a_link(client):

@@ -19,12 +19,12 @@ def test_a_full_disk_is_said_and_nothing_is_left(service, client, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    kept = list((service.http.settings.data / "shots").iterdir())
+    kept = list((service.settings.data / "shots").iterdir())
     monkeypatch.setattr("service.http.routes.shots.place", full)
     answer = send(client, "room.usda", ROOM.encode())
     assert (answer.status_code, answer.json()["code"]) == (507, "disk_full")
     assert set(answer.json()) == SHAPE
-    assert list((service.http.settings.data / "shots").iterdir()) == kept
+    assert list((service.settings.data / "shots").iterdir()) == kept
 
 
 def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monkeypatch):

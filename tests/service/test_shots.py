@@ -84,7 +84,7 @@ def test_a_file_that_crashes_the_reader_is_refused_and_the_service_lives(service
     refused = send(client, "deep.usda", text.encode())
     assert (refused.status_code, refused.json()["code"]) == (422, "stage_unreadable")
     assert "deep.usda" in refused.json()["detail"]
-    assert len(list((service.http.settings.data / "shots").iterdir())) == len(client.get("/v1/shots").json()["shots"])
+    assert len(list((service.settings.data / "shots").iterdir())) == len(client.get("/v1/shots").json()["shots"])
     assert client.get(f"/v1/shots/{room}/readout", params={"time": 1}).status_code == 200
 
 
@@ -97,7 +97,7 @@ def test_nothing_says_where_this_machine_keeps_a_shot(service, client):
         answers += [client.get(f"{at}/{path}").text for path in ("inspect", "edits", "frame?time=1&width=8")]
         client.delete(at)
     assert "gone.hdr" in "".join(answers)
-    assert str(service.http.settings.data) not in "".join(answers)
+    assert str(service.settings.data) not in "".join(answers)
 
 
 def test_edits_outlive_the_service(room_file, tmp_path):

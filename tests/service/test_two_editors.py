@@ -214,7 +214,7 @@ def test_history_outlives_the_service_and_damage_to_it_is_no_damage_to_the_edits
 def test_an_edit_that_cannot_be_saved_never_was(service, client, room, shot):
     set_stop(client, shot, 4)
     told = client.get(f"{shot}/edits/history").json()
-    edits = service.http.settings.data / "shots" / room / "edits.usda"
+    edits = service.settings.data / "shots" / room / "edits.usda"
     kept = edits.read_bytes()
     edits.unlink()
     edits.mkdir()

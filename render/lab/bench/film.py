@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.film import FilmSettings, Grade, film_settings
 from render.frame import FrameRenderer
 from render.lab.bench.clock import Repeats, Spent, timed

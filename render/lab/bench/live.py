@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 from pxr import Gf, UsdGeom
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.film import GradeChoice
 from render.frame import FrameRenderer
 from render.lab.bench.live_plan import DRAGS, FIRST_MS, FRAME, LOOK_MS, LivePlan, asked_plan

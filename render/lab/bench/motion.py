@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.frame import Frame, FrameRenderer
 from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.motion_plan import COUNTS, FRAME, asked_picture

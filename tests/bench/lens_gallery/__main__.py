@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.errors import OutputError, PullfocusError, SettingsError
 from render.files import write_atomic
 from render.frame import FrameRenderer

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdUtils, UsdValidation
 
-from render.demo import write_demo
 from render.demo.camera import CAMERA
 from render.demo.performance import MARA, PIP
+from render.demo.shot import write_demo
 from render.errors import OutputError
 from render.frame import FrameRenderer, FrameSettings
 from render.shot import Shot

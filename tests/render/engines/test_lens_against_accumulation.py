@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from render.demo import write_demo
+from render.demo.shot import write_demo
 from render.frame import FrameRenderer
 from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.postblur.plan import F_STOP, FRAME, PostBlurPlan

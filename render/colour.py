@@ -49,7 +49,7 @@ def config_name(path: str | Path | None = None) -> str:
 
 
 def file_stamp(name: str | Path) -> tuple[int, int]:
-    """What tells a file from the same file rewritten: when it was last written (ns), and its size; zeros where there is none."""
+    """Stamp that changes when a file is rewritten: modification time (ns) and size; zeros where there is no file."""
     try:
         status = os.stat(name)
     except (OSError, ValueError):

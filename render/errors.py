@@ -52,7 +52,7 @@ class SettingsError(PullfocusError):
 
 
 class InputError(PullfocusError):
-    """What was given cannot be used."""
+    """Input that cannot be used."""
 
     default_code = "bad_input"
 

@@ -1,4 +1,4 @@
-"""What somebody may have meant who wrote a name that nothing has."""
+"""Suggestions for a name that is not known: the nearest known ones."""
 
 from __future__ import annotations
 

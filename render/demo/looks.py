@@ -15,12 +15,12 @@ Tokens = Sdf.ValueTypeNames
 
 @dataclass(frozen=True)
 class Picture:
-    """How a material input reads an image file.
+    """Image file of a material input.
 
     Attributes:
         file: path relative to the looks layer.
         tile_m: size of one tile in texture coordinates (metres on most shapes), across and up.
-        offset_m: of the tile's lower left corner, likewise.
+        offset_m: position of the tile's lower left corner, likewise.
         scale: multiplier of the texel's colour.
         wrap: wrap mode.
     """

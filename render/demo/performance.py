@@ -1,4 +1,4 @@
-"""What the two robots do over the 96 frames, as functions of the frame. Metres and degrees.
+"""Performance of the two robots over the 96 frames, as functions of the frame. Metres and degrees.
 
 Pip looks into its lantern; at frame 40 it hears the bell and turns to Mara, who comes up the street on her wheel and
 waves. The focus follows its look.

@@ -150,7 +150,7 @@ def _write_fruit(stage: Usd.Stage) -> None:
 
 
 def _write_foreground(stage: Usd.Stage) -> None:
-    """What the camera passes closely, out of focus: a leafy branch and the café's railing."""
+    """Write the foreground that the camera passes closely, out of focus: a leafy branch and the café's railing."""
     root = f"{SET}/Foreground"
     UsdGeom.Scope.Define(stage, root)
     write_part(stage, f"{root}/Branch", {"Wood": foliage.branch()})

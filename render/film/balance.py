@@ -18,7 +18,7 @@ _REC709_FROM_XYZ = np.array(
 
 
 def balance_gains(temperature_k: float, tint: float = 0.0) -> DoubleArray:
-    """What each channel of the working space is multiplied by, so that light of a colour temperature looks neutral.
+    """Channel gains of the working space that make light of a colour temperature look neutral.
 
     The light's colour is the black body's, as the colour temperature of USD's lights is, its luminance 1: a grey that the
     light shows at 0.18 in luminance becomes 0.18 in each channel.

@@ -18,7 +18,7 @@ Knots = tuple[tuple[float, float], ...]
 
 
 MAX_LOG_EXPOSURE = 30.0
-"""How far log10 exposures of curves lie to either side of 0: ten times what any film holds, and single precision suffices."""
+"""Greatest magnitude of a curve's log10 exposures: ten times any film's range, and within single precision."""
 MAX_DENSITY = 20.0
 """Four times what any film reaches."""
 MIN_STEP = 1e-10

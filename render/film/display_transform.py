@@ -41,7 +41,7 @@ class Way:
             self.append(step)
 
     def part(self) -> None:
-        """What is appended from now on comes after the CDL."""
+        """Start the part that comes after the CDL."""
         self.parts.append(ocio.GroupTransform())
 
     def with_cdl(self, cdl: Cdl) -> ocio.GroupTransform:

@@ -23,10 +23,10 @@ if TYPE_CHECKING:  # a grade by names and numbers needs no USD
 
 @dataclass(frozen=True)
 class Grade:
-    """How light is turned into a display's picture. That it can be done is checked when a grade is made.
+    """Transform from scene light to a display's picture. The constructor checks that it can be built.
 
     Attributes:
-        config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one that was rendered by: that which
+        config: an OpenColorIO configuration, by path or as ``ocio://name``; None takes the one used for rendering: the one that
             the environment variable ``OCIO`` names, else OpenColorIO's default built-in one.
         display: a display of that configuration; None takes its default.
         view: a view of that display; None takes its default.
@@ -152,7 +152,7 @@ class Grade:
             ) from error
 
     def _reason(self, error: Exception) -> str:
-        """What OpenColorIO says; of a role that it misses, whose it is and what it is for."""
+        """OpenColorIO's error message, or, for a missing role, which configuration lacks it and what the role is for."""
         role = PyOpenColorIO.ROLE_INTERCHANGE_SCENE
         if role in str(error):
             for config in (self.config, None):

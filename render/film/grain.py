@@ -62,12 +62,12 @@ def grain_field(
 
 
 def grain_kernels(pixel_um: tuple[float, float], size_um: float) -> tuple[DoubleArray, DoubleArray]:
-    """What noise is convolved with, across and down, to be grain: of odd lengths and of sum 1."""
+    """Convolution kernels, across and down, that turn white noise into grain: odd lengths, sum 1."""
     return _kernel(size_um / 2 / pixel_um[0]), _kernel(size_um / 2 / pixel_um[1])
 
 
 def grain_scale(pixel_um: tuple[float, float], size_um: float) -> float:
-    """What such noise is multiplied by, to scatter by 1 through the 48 µm aperture."""
+    """Factor on such grain that makes its standard deviation 1 through the 48 µm aperture."""
     return math.sqrt(_power_um2(size_um) / (pixel_um[0] * pixel_um[1]))
 
 

@@ -19,14 +19,14 @@ from render.model.arrays import FloatArray
 STOP = math.log10(2.0)
 """A stop in log10 exposure."""
 PANCHROMATIC = (1 / 3, 1 / 3, 1 / 3)
-"""What red, green and blue light add to the exposure of a black-and-white stock, whose sensitivity is level over the visible."""
+"""Weights of red, green and blue light in the exposure of a black-and-white stock: its sensitivity is level over the visible."""
 _DARKEST = 1e-7  # scene-linear: far below any toe, so that the logarithm is finite
 
 
 def develop_on_film(
     exposed: FloatArray, film: FilmSettings, *, frame: int, gate_mm: tuple[float, float], seed: int = 0
 ) -> FloatArray:
-    """What a film or a sensor makes of a picture.
+    """Develop an exposed picture on a film or a sensor.
 
     Negatives are printed: the printer's lights are set so that a metered grey of an unpushed roll lands at the print's aim, and
     stay there, so that under- and overexposure and push show.
@@ -34,10 +34,10 @@ def develop_on_film(
     Args:
         exposed: ``(height, width, 3)`` scene-linear in the working space, times the camera's exposure: a metered middle grey
             is 0.18. Finite.
-        film: what it falls on.
+        film: film or sensor that the light falls on.
         frame: frame number; grain and noise are the same for the same frame and seeds, and new in each frame.
         gate_mm: width and height of the film that the picture covers: grain and halation have a size on the film.
-        seed: of the render, beside the film's own.
+        seed: seed of the render, beside the film's own.
 
     Returns:
         ``(height, width, 3)`` float32. For negative, reversal and monochrome: display-referred linear light of the projected

@@ -22,18 +22,18 @@ _LEVEL = 0.1  # share of the steepest slope below which a curve counts as bent t
 
 @dataclass(frozen=True, eq=False)
 class FilmReport:
-    """What is known and measured of a stock.
+    """Known and measured properties of a stock.
 
     Attributes:
-        entry: of the library.
-        film: how it is tried: alone, or with the stock that it is printed on or printed from.
-        stock: it: in the camera or in the printer.
+        entry: the stock's entry in the library.
+        film: settings of the trial: the stock alone, or with the stock that it is printed on or from.
+        stock: the stock itself, in the camera or in the printer.
         gamma: slope of each curve around middle grey, density over log10 exposure.
-        latitude_stops: how far from middle grey each curve answers to light: below and above, ``(curves, 2)``.
-        stops: of the wedge, from middle grey, ``(21,)``.
-        camera_densities: of the wedge on the camera stock, ``(21, curves)``.
-        print_densities: of its print, ``(21, curves)``; None where there is none.
-        light: on the screen, 1 where it is clear, ``(21, 3)``.
+        latitude_stops: ``(curves, 2)`` range of each curve below and above middle grey, in stops.
+        stops: ``(21,)`` stops of the grey wedge, from middle grey.
+        camera_densities: ``(21, curves)`` densities of the wedge on the camera stock.
+        print_densities: ``(21, curves)`` densities of its print; None where there is none.
+        light: ``(21, 3)`` light on the screen, 1 where the film is clear.
     """
 
     entry: LibraryFilm
@@ -114,7 +114,7 @@ def _gamma(stock: Stock) -> tuple[float, ...]:
 
 
 def _latitude(stock: Stock, record: int) -> tuple[float, float]:
-    """How far the curve is steeper than a tenth of its steepest, in stops from middle grey."""
+    """Latitude: the range in which the curve is steeper than a tenth of its steepest, in stops below and above middle grey."""
     x, density = stock.curves[record].table
     slope = np.abs(np.gradient(density, x))
     steep = x[slope > _LEVEL * slope.max()]

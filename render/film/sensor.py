@@ -20,17 +20,17 @@ MAX_CLIP_STOPS = 40.0
 
 @dataclass(frozen=True)
 class SensorSettings:
-    """What a sensor is like.
+    """Properties of a sensor.
 
     Attributes:
         full_well_e: electrons at which a photosite is full, at the base speed.
-        read_noise_e: standard deviation of reading one photosite, in electrons; the noise of photons comes beside it.
+        read_noise_e: standard deviation of reading one photosite, in electrons, in addition to photon noise.
         clip_stops: stops from middle grey to where it clips, at most `MAX_CLIP_STOPS`, the same at each speed; 0 never
             clips, and the full well then is at scene-linear 1.
-        sensitivity: of the red, green and blue photosites, relative: weaker ones get fewer electrons, so they are noisier.
+        sensitivity: relative sensitivity of red, green and blue photosites: weaker ones get fewer electrons and are noisier.
             All clip together, at the light that fills the strongest, so that highlights stay white.
         base_iso: speed at which the full well is used whole.
-        iso: speed that it is set to: each doubling halves the electrons behind the same picture.
+        iso: set speed: each doubling halves the electrons behind the same picture.
         photosites: across and up; (0, 0) for one to each pixel. Pixels average what they cover.
 
     Raises:
@@ -80,18 +80,18 @@ class SensorSettings:
         return electrons
 
     def photosites_in_a_pixel(self, width: int, height: int) -> float:
-        """How many photosites a pixel of a picture of that size averages; 1 at least."""
+        """Number of photosites averaged by a pixel of a picture of that size; at least 1."""
         return max(1.0, math.prod(self.photosites) / (height * width))
 
 
 def expose_sensor(light: FloatArray, sensor: SensorSettings, *, frame: int, seed: int) -> FloatArray:
-    """What a sensor makes of light. Photons are counted by a normal law (Poisson's, from some ten electrons up).
+    """Expose a sensor to light. Photon noise is normal (the limit of Poisson's law from some ten electrons up).
 
     Args:
         light: ``(height, width, 3)`` scene-linear, well exposed: middle grey is 0.18.
-        sensor: which one.
+        sensor: properties of the sensor.
         frame: frame number; each frame has noise of its own.
-        seed: which noise.
+        seed: seed of the noise.
 
     Returns:
         The same shape, float32, scene-linear: the mean is the light, up to the clip. Noise may go below 0.

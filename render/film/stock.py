@@ -180,14 +180,16 @@ def _parametric(curve: CharacteristicCurve, channel: int, aim: float) -> Curve:
 
 
 def _neutral_at(curves: tuple[Curve, ...], middle: float) -> list[float]:
-    """How much more log exposure each record needs for a density above base that equals the green one's at ``middle``."""
+    """Additional log exposure that each record needs for a density above base equal to the green record's at ``middle``."""
     green = curves[1]
     above_base = float(green.density(middle)) - green.base
     return [curve.exposure_at(curve.base + above_base) - middle for curve in curves]
 
 
 def _granularity(entry: LibraryFilm, stock: Stock, rms: Sequence[float]) -> tuple[Knots, ...]:
-    """What the maker measured at many densities, scaled to the single figure where there is one; else a law from that figure."""
+    """Granularity curves from the maker's measurements, scaled to the single figure where there is one; else from a law
+    fitted to it.
+    """
     if not entry.granularity:
         return _siedentopf(stock, rms) if any(rms) else ()
     channels = _CHANNELS if len(stock.curves) == 3 else ("green",)

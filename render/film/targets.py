@@ -1,4 +1,4 @@
-"""What a film is tried on: a grey wedge, a colour chart and a small scene, as exposed light in the working space."""
+"""Test targets for film: a grey wedge, a colour chart and a small scene, as exposed light in the working space."""
 
 from __future__ import annotations
 

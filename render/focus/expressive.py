@@ -1,4 +1,4 @@
-"""What no lens can do: a focal surface through focus points (Lee, Eisemann & Seidel 2010, section 5.2).
+"""Expressive focal surface through focus points, which no lens can make (Lee, Eisemann & Seidel 2010, section 5.2).
 
 This makes the data of `render.model.focal_surface`; `render.focus.surface` evaluates it, and the tracer does so for each pixel.
 
@@ -24,7 +24,7 @@ from render.model.arrays import BoolArray, DoubleArray, IndexArray
 from render.model.focal_surface import MAX_CONTROLS, Controls, FocalPlane
 
 FADING_REACH_FRAME_WIDTHS = 2.0
-"""How far a point that reaches everywhere still reaches when it has half faded: from most places of the picture, all of it."""
+"""Reach, in frame widths, of a half-faded point whose reach is unlimited: from most places of the picture, all of it."""
 
 FADING_WEIGHT = 0.05
 """A weight below this share of the largest fades its point too, so that a weight keyed down to 0 makes no step at the end."""

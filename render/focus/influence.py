@@ -1,4 +1,4 @@
-"""How much each focus point counts for the focus, and why some do not."""
+"""Influence of each focus point on the focus, and the reason why a point has none."""
 
 from __future__ import annotations
 
@@ -15,12 +15,11 @@ from render.model.arrays import BoolArray, DoubleArray
 PointState = Literal[
     "used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "hidden", "pinhole"
 ]
-"""What became of a focus point: it counts, or why it does not.
+"""State of a focus point: it counts, or why it does not.
 
-``by_hand``: no point was asked, as the camera is focused by hand. ``lost``: it has no place, as its target is missing, or its
-numbers have no meaning.
-``behind_camera``: it, or the focus that it asks for, is not in front. ``hidden``: something stands before it.
-``pinhole``: it should be soft, but a pinhole makes nothing soft.
+``by_hand``: points are not used, as the camera is focused by hand. ``lost``: it has no position, as its target is
+missing, or its numbers are not valid. ``behind_camera``: it, or the focus that it requests, is not in front of the
+camera. ``hidden``: something stands before it. ``pinhole``: it should be soft, and a pinhole blurs nothing.
 """
 
 STATES: tuple[PointState, ...] = get_args(PointState)
@@ -67,7 +66,7 @@ def state_codes(
 def counts(
     targets: FocusTargets, used: BoolArray, near_priority: ArrayLike = 0.0, occluded: Occluded = "keep"
 ) -> DoubleArray:
-    """How much each point counts. By logarithms, so that no weight and no exponent overflows.
+    """Weight of each point in the focus. Computed in logarithms, so that no weight and no exponent overflows.
 
     Args:
         targets: k points over n frames.

@@ -23,7 +23,7 @@ from render.model.arrays import BoolArray, DoubleArray
 Indices = NDArray[np.intp]
 
 OVERLAP_FRAME_WIDTHS = 0.05
-"""How far a sharp point reaches into soft ones: a face in a medium shot."""
+"""Radius of a sharp point's influence on soft points: a face in a medium shot."""
 
 _CACHED = 1 << 16
 """About how many pairs are looked at together, so that they stay in the processor's cache."""
@@ -35,7 +35,7 @@ _ROUNDING = 1e-5
 def kept_beside_sharp(
     slopes: DoubleArray, reaches: DoubleArray, weights: DoubleArray, soft: BoolArray, sharp: BoolArray
 ) -> DoubleArray:
-    """What soft points keep of their weight beside sharp ones.
+    """Share of their weight that soft points keep beside sharp ones.
 
     Args:
         slopes: ``(n, k, 2)`` places of k points in n frames; a point that has none (NaN) overlaps nothing.

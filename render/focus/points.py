@@ -16,7 +16,7 @@ from render.model.arrays import BoolArray, DoubleArray
 PointKind = Literal["sharp", "soft"]
 
 NEAREST_DEPTH_M = 1e-100
-"""What is nearer counts as behind the camera, so that inverse depths can be squared."""
+"""Depth below which a point counts as behind the camera, so that inverse depths can be squared."""
 
 LEAST_EXTENT = 1e-3
 """As the schema has it: no depth of field is none."""
@@ -217,7 +217,7 @@ class FocusTargets:
 
     @property
     def frames(self) -> int:
-        """How many frames there are."""
+        """Number of frames."""
         return len(self.depths_m)
 
     @property
@@ -287,7 +287,7 @@ class FocusTargets:
 
 
 def number_faults(names: Sequence[str], columns: Mapping[str, DoubleArray]) -> dict[str, str]:
-    """What is wrong with the numbers of focus points, by name: the first fault of each that has one, in one sentence.
+    """Faults in the numbers of focus points, by name: the first fault of each faulty point, in one sentence.
 
     Args:
         names: k names.

@@ -98,7 +98,7 @@ def rack(
 
 
 def eased(ease: Ease, through: ArrayLike) -> DoubleArray:
-    """How far a rack has come, from 0 to 1, for the share of its time that has passed; level before and after."""
+    """Progress of a rack, 0 to 1, for the share of its time that has passed; constant before and after."""
     u = np.clip(np.asarray(through, np.float64), 0.0, 1.0)
     start, end = _END_SLOPES[ease]
     return np.asarray(u * (start + u * ((3 - 2 * start - end) + u * (start + end - 2))))

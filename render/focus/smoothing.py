@@ -48,7 +48,7 @@ def smoothed(times_s: ArrayLike, values: ArrayLike, time_s: ArrayLike, *, exact_
 def faded(
     on: ArrayLike, times_s: ArrayLike, time_s: ArrayLike, *, usable: NDArray[np.bool_] | None = None
 ) -> DoubleArray:
-    """How much each point counts when it is switched on and off over time, from 0 to 1, so that no switch pops.
+    """Weights, 0 to 1, of points that are switched on and off over time, crossfaded so that no switch pops.
 
     A switch becomes a crossing as long as ``time_s`` with the switch in its middle; before the shot and after it the switches
     stay as they are at its ends. So of two points of which one goes off as the other goes on, the sum stays 1 and the focus
@@ -80,7 +80,7 @@ def faded(
 
 
 def points_share(fades: DoubleArray) -> DoubleArray:
-    """What share of the focus the points hold; the camera's own focus holds the rest, so that the last point does not pop.
+    """Share of the focus that the points hold; the camera's own focus holds the rest, so that the last point does not pop.
 
     Args:
         fades: ``(n, k)`` of `faded`.

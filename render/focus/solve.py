@@ -104,10 +104,10 @@ class FocusSolutions:
         return np.array(STATES)[self.state_codes]
 
     def states_of(self, point: int) -> tuple[PointState, ...]:
-        """What became of one point in every frame.
+        """State of one point in every frame.
 
         Args:
-            point: index of it.
+            point: index of the point.
         """
         return tuple(STATES[code] for code in self.state_codes[:, point].tolist())
 

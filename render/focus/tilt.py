@@ -153,10 +153,10 @@ def plane_of(tilt_rad: float, swing_rad: float, focus_distance_m: float, focal_l
 
 
 def hinge_m(plane: FocalPlane) -> float:
-    """How far from the pupil's centre the plane passes through the plane z = 0, about which it swings as the lens is focused.
+    """Distance from the pupil's centre to the hinge: the line in the plane z = 0 about which the focal plane swings.
 
     Args:
-        plane: the plane.
+        plane: plane of focus.
 
     Returns:
         ``f / sin(angle)`` in metres; infinite for an upright plane.

@@ -19,7 +19,7 @@ from render.model.arrays import DoubleArray
 
 @dataclass(frozen=True)
 class FocusRing:
-    """How far the focus ring turns for a focus.
+    """Focus ring: its turn for each focus distance.
 
     It turns in proportion to inverse depth, from 0 at infinity to its throw at close focus: a plain helicoid moves the lens in
     proportion to the turn, and the lens has to move by ``f² / (z - f)``, all but ``f² · w`` but for the closest focus.

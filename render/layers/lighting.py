@@ -1,4 +1,4 @@
-"""What lights a loaded scene, on the device: lights, dome, shadow maps, and the background that rays see past everything."""
+"""Lighting of a loaded scene on the device: lights, dome, shadow maps, and the background behind all surfaces."""
 
 from __future__ import annotations
 

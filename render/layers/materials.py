@@ -63,7 +63,7 @@ class PreviewSurface(pyrender.Material):  # type: ignore[misc]
 
     @property
     def textures(self) -> set[HalfTexture]:
-        """What pyrender uploads before it draws."""
+        """Textures that pyrender uploads before it draws."""
         return set(self.maps.values())
 
     def _compute_transparency(self) -> bool:

@@ -1,4 +1,4 @@
-"""How what is drawn moves while the shutter is open: the same surfaces in the middle of that time and at both its ends."""
+"""Movement of surfaces while the shutter is open: the same surfaces in the middle of that time and at both its ends."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ class Movement:
 
 
 def movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Movement]:
-    """How the batches of a scene move.
+    """Match the batches of a scene across the shutter interval, and return how each of them moves.
 
-    Surfaces are known again by the prim and face that they begin with, their triangles, and the numbers of their instances; what
+    Surfaces are matched by the prim and face that they begin with, their triangles, and the numbers of their instances; what
     is not there at both ends, or is cut into other triangles, is taken to stand still.
 
     Args:
@@ -116,7 +116,7 @@ def _is_cut_alike(batch: Batch, other: Batch) -> bool:
 
 
 def _movement(batch: Batch, first: Batch, last: Batch) -> Movement | None:
-    """How a batch moves between two others of the same surfaces; None where it does not."""
+    """Movement of a batch between two others with the same surfaces; None where it stands still."""
     opening, closing = _poses_of(batch, first), _poses_of(batch, last)
     absent = np.flatnonzero(np.isnan(opening).any(axis=(1, 2)) | np.isnan(closing).any(axis=(1, 2)))
     opening[absent] = closing[absent] = batch.poses[absent]
@@ -157,7 +157,7 @@ def _only_counts(batch: Batch) -> bool:
 
 
 def _names(batch: Batch) -> list[tuple[int, int]]:
-    """What each instance is known again by: the prim that it is picked as, and its number."""
+    """Keys that identify each instance over time: ``(prim id, instance number)``, -1 where there is none."""
     none = np.full(len(batch.poses), -1)
     prims = none if batch.instance_prim_ids is None else batch.instance_prim_ids
     numbers = none if batch.instance_numbers is None else batch.instance_numbers

@@ -1,4 +1,4 @@
-"""What moves on peeled layers while the shutter is open, block by block: where to look for it, where it may be at a moment."""
+"""Moving surfaces of peeled layers, block by block: where a ray must search for them, and where each may be at a moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the device must know of draws that move, so that each pixel of a layer can tell where its surface goes."""
+"""Device buffers with the poses and positions of moving draws, from which each pixel of a layer gets its motion."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class MovingDraws:
         return bool(self._poses)
 
     def defines(self, draw: Draw) -> dict[str, object]:
-        """What the shaders of a draw must know to be compiled."""
+        """Shader defines for a draw: whether it moves and whether it bends."""
         defines: dict[str, object] = {"MOTION": 1}
         if id(draw) in self._poses:
             defines["MOVES"] = 1

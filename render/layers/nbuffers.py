@@ -1,4 +1,4 @@
-"""What any rectangle of the layers holds, in four look-ups: N-buffers over 4x4 blocks.
+"""N-buffers over blocks of 4x4 layer pixels: the range of inverse depth in any rectangle, in four look-ups.
 
 Beside the range of inverse depth (Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values"; Decoret 2005) they hold
 which of 64 even bins between the picture's nearest and farthest surface are filled: a lamp in the foreground widens a range

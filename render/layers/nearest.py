@@ -1,4 +1,4 @@
-"""How near the nearest thing in a view is: a search through boxes, from instances over clusters of triangles to triangles.
+"""Depth of the nearest triangle in a view: a best-first search through boxes, from instances over clusters to triangles.
 
 What is nearest blurs most and has most to hide, so it says how wide the layers' margin and how many the layers must be.
 Boxes of whole meshes would often say that something touches the camera, as a room's box does; a small picture of depths
@@ -117,7 +117,7 @@ def _nest(
 
 
 def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -> DoubleArray:
-    """How near each hull comes where it is within the view: ``(n,)`` metres, infinite where one of the sides has it outside.
+    """Least depth of each hull within the view: ``(n,)`` metres, infinite for a hull outside one of the view's planes.
 
     Args:
         points: ``(n, k, 3)`` of the hulls, camera space.

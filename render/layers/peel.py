@@ -78,7 +78,7 @@ class LayerGroup:
 
 @dataclass(frozen=True)
 class PeelKey:
-    """What was asked of a peeling."""
+    """Parameters of a peeling: equal keys give equal layers."""
 
     view: PinholeView
     layers: int

@@ -13,9 +13,9 @@ from render.layers.index import Draw
 from render.optics.view import PinholeView
 
 _TRIANGLES, _LEAST_TRIANGLES, _MOST_TRIANGLES = 40_000, 2_000, 320_000
-"""That are drawn between two beats at first, and more than once at most to have a draw in pieces; at least; at most."""
+"""Triangles drawn between two cancellation points: at first (and the most in a draw that is not split), at least, at most."""
 _PIXELS, _LEAST_PIXELS, _FORGETTING = 16_384, 4096, 0.995
-"""That are shaded between two beats at first, and at least; and what is left of what they cost, after each beat."""
+"""Pixels shaded between two cancellation points, at first and at least; share of the measured cost kept after each point."""
 Rectangle = tuple[int, int, int, int]
 """Left, top, width and height in pixels."""
 
@@ -115,7 +115,7 @@ def _whole(draw: Draw) -> Share:
 
 
 def _bounds(draw: Draw, view: PinholeView) -> Rectangle:
-    """What of the picture a draw may reach; rows as the device counts them, which has the picture's first one first."""
+    """Bounding rectangle of a draw in pixels: left, top, width, height. The device's row 0 is the picture's first row."""
     pixels, depths = view.project(draw.corners)
     if (depths <= view.near_m).any():
         return 0, 0, view.width, view.height

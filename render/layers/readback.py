@@ -1,4 +1,4 @@
-"""What the surfaces' ids say: which prim and face a pixel shows, and the exact point of a surface that was clicked on."""
+"""Reading of surface ids: the prim and face at each pixel, and the exact surface point under a click."""
 
 from __future__ import annotations
 

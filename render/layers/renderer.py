@@ -62,20 +62,20 @@ class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc
 
 @dataclass(frozen=True)
 class LayerPass:
-    """What one drawing of the scene is for.
+    """Parameters of one pass over the scene.
 
     Attributes:
-        view: where from.
-        draws: what there is to draw.
-        slot: where to.
+        view: camera and picture that it is drawn for.
+        draws: draws to consider.
+        slot: target that it is drawn into.
         umbra: how far behind an opaque surface its umbra reaches, in 1/m of inverse depth.
-        previous: where the layer before is; None for the first.
+        previous: slot of the layer before; None for the first.
         solid_first: take the nearest opaque surface, and one that is partly transparent only where there is no opaque one.
-        unlit: base colour for radiance.
+        unlit: take the base colour as radiance.
         sampling: how finely the finished picture samples surfaces.
-        number: of the layer, from 0.
-        moving: what moves, where the slots keep how; None where they do not.
-        motion: where they do.
+        number: index of the layer, from 0.
+        moving: buffers of the moving draws; None where the layers keep no motion.
+        motion: texture array that receives the motion; None where the layers keep none.
     """
 
     view: PinholeView

@@ -19,12 +19,12 @@ DrawMap = Callable[[int, DoubleArray, Sequence[Draw]], None]
 
 @dataclass(frozen=True, eq=False)
 class _Cast:
-    """What a map holds.
+    """Contents of one shadow map.
 
     Attributes:
         view: ``(4, 4)`` clip from world.
-        draws: all that casts shadows in it.
-        still: those of them that are in the map that is kept of what stands still.
+        draws: all draws that cast shadows in it.
+        still: those of them that are in the cached map of still draws.
     """
 
     view: DoubleArray

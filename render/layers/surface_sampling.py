@@ -1,4 +1,4 @@
-"""How finely a picture samples surfaces: what its textures are filtered over.
+"""Footprint over which a picture filters the textures of surfaces.
 
 A ray of many stands for its share of the pupil, so that behind and before the plane of focus it stands for a patch of surface as
 wide as that share's own circle of confusion. Textures are filtered over that patch, as with the differentials of a path (Igehy
@@ -22,12 +22,12 @@ they are asked to."""
 
 @dataclass(frozen=True)
 class SurfaceSampling:
-    """How finely the finished picture samples surfaces, in pixels of the pass that draws them.
+    """Texture footprint of the finished picture, in pixels of the pass that draws the surfaces.
 
     Attributes:
-        detail: how many times finer than this pass's pixels: 1 for layers; more where many shifted views make one picture.
+        detail: times finer than this pass's pixels: 1 for layers; more where many shifted views make one picture.
         picture_px: side of the finished picture's pixels.
-        patch_px_m: side of what one ray stands for, for each 1/m of w that a surface is away from the plane of focus.
+        patch_px_m: side of the patch that one ray stands for, per 1/m of w between the surface and the plane of focus.
         focus: w of that plane at the pass's corner, 1/m, and how it changes from pixel to pixel along x and y.
     """
 
@@ -38,7 +38,7 @@ class SurfaceSampling:
 
 
 PLAIN = SurfaceSampling()
-"""Of a picture that is drawn once, at its own resolution, from one point."""
+"""Sampling of a picture that is drawn once, at its own resolution, from one point."""
 
 
 def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
@@ -49,14 +49,14 @@ def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
 def sampling_of_layers(
     layers: PinholeView, picture: PinholeView, focus: tuple[float, float, float], pupil_m: float, rays: int
 ) -> SurfaceSampling:
-    """How rays sample what is peeled for them.
+    """Texture footprint for rays traced through peeled layers.
 
     Args:
-        layers: what the layers' pixels see.
-        picture: what the picture's pixels see.
+        layers: view of the layers' pixels.
+        picture: view of the picture's pixels.
         focus: w of the plane of focus at the picture's corner, 1/m, and its change from pixel to pixel of the picture.
         pupil_m: radius of the entrance pupil.
-        rays: of each pixel.
+        rays: number of rays per pixel.
     """
     scale = layers.fx / picture.fx
     slopes = focus[1] / scale, focus[2] / scale

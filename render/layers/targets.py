@@ -1,4 +1,4 @@
-"""What layers and surfaces are drawn into: made once for a size, and made again when the size changes.
+"""Render targets for layers and surfaces, allocated per size and reallocated when the size changes.
 
 The inverse depths of four layers share one texture, a channel each, for the tracer tests four layers at once (Lee, Eisemann
 & Seidel 2010, section 3.1, "Multi-Layer Packing"). Each layer is drawn straight into its channel, under a colour mask; since

@@ -1,4 +1,4 @@
-"""What a peeled surface hides from a whole lens: the umbra, and how many layers there can be.
+"""The umbra of a peeled surface, hidden from the whole lens, and the number of layers that there can be.
 
 Lee, Eisemann & Seidel 2010, section 3.1, extend the surface that is peeled at a pixel to the centres of the neighbouring
 pixels, and leave out what then lies in its shadow when the lens is a lamp: behind a surface at depth ``d``, whose extension
@@ -36,7 +36,7 @@ HIDES_ALL = 1e30
 
 
 def umbra_reach(pupil_px: float) -> float:
-    """How far in inverse depth (1/m) the extended umbra of an opaque surface reaches, wherever the surface is.
+    """Reach of an opaque surface's extended umbra in inverse depth, 1/m; the same wherever the surface is.
 
     Args:
         pupil_px: the largest ``|b|`` of all rays, layer pixels times metres: focal length in pixels times the greatest
@@ -46,7 +46,7 @@ def umbra_reach(pupil_px: float) -> float:
 
 
 def layers_needed(pupil_px: float, w_near: float) -> int:
-    """How many layers can hold anything that a ray may see, whatever the scene, where all surfaces are opaque.
+    """Upper bound on the number of layers that hold anything a ray may see, where all surfaces are opaque.
 
     Args:
         pupil_px: as for `umbra_reach`.

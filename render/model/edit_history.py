@@ -22,7 +22,7 @@ MAX_STATES = 200
 """States that are kept; the oldest go first."""
 
 MAX_PACKED_BYTES = 32 * 2**20
-"""Of all states together, packed: a curve of many thousand keys is some hundred kilobytes."""
+"""Limit on all packed states together: a curve of many thousand keys is some hundred kilobytes."""
 
 
 def revision_of(text: str) -> str:
@@ -97,12 +97,12 @@ class EditHistory:
 
     @property
     def undo_label(self) -> str | None:
-        """What would be undone; None for nothing."""
+        """Label of the edit that undo would revert; None for nothing."""
         return self.present.label if self.now > 0 else None
 
     @property
     def redo_label(self) -> str | None:
-        """What would be done again; None for nothing."""
+        """Label of the edit that redo would apply; None for nothing."""
         return self.states[self.now + 1].label if self.now + 1 < len(self.states) else None
 
     def after(self, text: str, label: str, gesture: str = "") -> EditHistory:

@@ -1,5 +1,4 @@
-"""What a lens is, as plain data: surfaces, glass, wavefront errors, iris. Beside `render.model.scene`, which says what a
-scene is.
+"""Lenses as plain data: surfaces, glass, wavefront errors, iris. Scenes are in `render.model.scene`.
 
 Conventions: lengths in millimetres. Along the axis light goes from the scene to the film, and surfaces are listed in that
 order. A radius is positive where the centre of curvature lies toward the film, 0 for a plane. The sag of a surface at distance r
@@ -192,7 +191,7 @@ class DataSheet:
 
 
 MAX_SHEET_MM = 1000.0
-"""What a data sheet's heights, blurs and shifts of focus are at most: six times the half diagonal of 8 x 10 inch film."""
+"""Limit on a data sheet's heights, blurs and focus shifts: six times the half diagonal of 8 x 10 inch film."""
 MAX_F_STOP = 1000.0
 _FINEST_MM = 1e-6
 _MM = f"from {-MAX_SHEET_MM:g} to {MAX_SHEET_MM:g} mm"
@@ -269,24 +268,24 @@ class IrisShape:
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """What stands before the film.
+    """A lens.
 
     Attributes:
         model: which of the fields below hold.
-        name: such as "Zeiss Planar 50/1.4".
-        prescription: of the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
+        name: name, such as "Zeiss Planar 50/1.4".
+        prescription: for the models spherical, heightField (two surfaces) and prescription. It is scaled to the camera's focal
             length, so that the field of view stays what the camera says.
-        seidel: of the model seidel.
-        data_sheet: of the model dataSheet.
-        height_field: of the model heightField.
+        seidel: for the model seidel.
+        data_sheet: for the model dataSheet.
+        height_field: for the model heightField.
         scales: factors on the errors of whatever model it is.
         squeeze: anamorphic squeeze: the bokeh is that many times narrower than high.
         transmittance: share of the light that passes, 0 to 1.
         pupil_magnification: diameter of the exit pupil over the entrance pupil's, of a lens without surfaces.
         natural_vignetting: whether a lens without surfaces darkens the picture's corners by cos⁴; one with surfaces always does.
-        close_focus_m: nearest distance from the film that is marked on it; 0 where none is. Its geometry may reach nearer.
+        close_focus_m: nearest marked distance, from the film; 0 where none is marked. The glass may focus nearer.
         pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
-            to the centre's, and takes the place of the lens's own spherical aberration. Empty for that.
+            to the centre's and replaces the lens's own spherical aberration. Empty keeps the lens's own.
         expressive_blend: from the lens's own (0) to what is drawn (1).
         ghosts: strength of the reflections between pairs of surfaces: 0 off, 1 as the surfaces have them.
         star: strength of the diffraction at the iris: 0 off, 1 as it is.

@@ -1,4 +1,4 @@
-"""How a lens's circle of confusion depends on where it is focused, as plain data. Beside `render.model.lens`.
+"""Dependence of a lens's circle of confusion on its focus, as plain data. The lens itself is in `render.model.lens`.
 
 A point at inverse depth w is imaged by a lens focused at w_f as a disk of diameter ``K(w_f) · |w − w_f| / N`` on the film (DESIGN
 section 2). For a thin lens whose picture does not grow with focus, K is f². Others follow laws of their own: a lens that breathes
@@ -29,15 +29,15 @@ _THIN_REACH = 1 - 1e-3  # of 1/f: at it, a breathing lens would throw its image 
 
 @dataclass(frozen=True, eq=False)
 class LensLaw:
-    """What focusing does to a lens, for n frames or one that stands for all.
+    """Focus-dependent numbers of a lens, for n frames, or for one that stands for all.
 
     Attributes:
-        slopes_at_f1_mm_m: ``(n, m)`` growth of the circle of confusion with inverse depth were the lens at f/1, mm on the film
+        slopes_at_f1_mm_m: ``(n, m)`` growth of the circle of confusion with inverse depth at f/1, mm on the film
             for each 1/m, at m even steps of the focus from ``far_w`` to ``near_w``.
-        pupils_at_f1_mm: ``(n, m)`` radius of the entrance pupil were it at f/1.
-        f_stops: ``(n,)`` what it is set to; 0 is a pinhole.
+        pupils_at_f1_mm: ``(n, m)`` radius of the entrance pupil at f/1.
+        f_stops: ``(n,)`` f-numbers; 0 is a pinhole.
         near_w: ``(n,)`` inverse depth of the nearest focus, 1/m, from the entrance pupil.
-        far_w: ``(n,)`` of the farthest; 0 is infinity.
+        far_w: ``(n,)`` inverse depth of the farthest focus, 1/m; 0 is infinity.
         widest_f_stops: ``(n,)`` the smallest f-number of its glass; 0 where none is known.
     """
 
@@ -117,7 +117,7 @@ class LensLaw:
 
     @property
     def frames(self) -> int:
-        """How many frames it is for; 1 may stand for all."""
+        """Number of frames; 1 may stand for all."""
         return len(self.f_stops)
 
     def at_stops(self, f_stops: ArrayLike) -> LensLaw:

@@ -37,7 +37,7 @@ class Image:
 
 @dataclass(frozen=True, eq=False)
 class TextureLookup:
-    """How one material input reads an image: ``value = texel * scale + bias``.
+    """Image look-up of one material input: ``value = texel * scale + bias``.
 
     Attributes:
         image: the image.

@@ -26,11 +26,11 @@ _STEPS = 64  # a moment's share of an efficiency curve is summed over so many st
 
 @dataclass(frozen=True)
 class Shutter:
-    """How a shutter opens.
+    """Motion of a shutter.
 
     Attributes:
         kind: ``global`` and ``leaf`` expose the whole picture at once, ``rolling`` and ``focalPlane`` line after line.
-        direction: in which the lines are bared, in the picture as it is seen.
+        direction: direction in which lines are exposed, in the picture as it is seen.
         travel: from the first line's opening to the last one's, in time codes.
         efficiency: how much light passes over the time that a place is exposed, at even steps from its opening to its closing,
             joined by straight lines; empty for all of it at all times.
@@ -88,15 +88,15 @@ def moments(opens: float, closes: float, shutter: Shutter, count: int) -> Double
 
 
 def shares(opens: float, closes: float, shutter: Shutter, count: int, width: int, height: int) -> DoubleArray:
-    """What share of each place's exposure falls in the part of the time around each of `moments`.
+    """Share of each place's exposure that falls in the part of the time around each of `moments`.
 
     Args:
         opens: as in `moments`.
         closes: as in `moments`.
-        shutter: how it travels, and what it lets through.
-        count: of moments.
-        width: of the picture in pixels.
-        height: likewise.
+        shutter: its travel and efficiency.
+        count: number of moments.
+        width: picture width in pixels.
+        height: picture height in pixels.
 
     Returns:
         ``(count, height, 1)`` or ``(count, 1, width)``, or ``(count, 1, 1)`` where all places are alike; adds up to 1 over the
@@ -133,7 +133,7 @@ def _delays(shutter: Shutter, width: int, height: int) -> DoubleArray:
 
 
 def _passed(shutter: Shutter, through: DoubleArray) -> DoubleArray:
-    """How much of a place's light has passed by a share of its time, from 0 to 1."""
+    """Share of a place's light that has passed after a share of its exposure time, both 0 to 1."""
     if len(shutter.efficiency) < 2:
         return through
     steps = np.linspace(0.0, 1.0, _STEPS * (len(shutter.efficiency) - 1) + 1)

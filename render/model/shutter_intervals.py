@@ -13,7 +13,7 @@ from render.errors import SettingsError
 from render.model.frame_spec import MAX_FRAMES
 
 MAX_ND_STOPS = 40
-"""Of a filter before its lens. More than any glass takes: the sun itself is looked at through 17."""
+"""Strongest filter, in stops. More than any glass takes: solar filters take 17."""
 
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+))"
 _INTERVAL = re.compile(rf"{_NUMBER}:{_NUMBER}(?:x{_NUMBER})?")

@@ -134,12 +134,12 @@ def sheet_errors(
     f_stop: float,
     scales: AberrationScales = _NO_SCALES,
 ) -> SheetErrors:
-    """What a data sheet says at heights in the picture.
+    """Errors of a lens at heights in the picture, from its data sheet.
 
     Args:
         sheet: the tables.
         heights_mm: ``(h,)`` on the film.
-        focal_length_mm: of the lens.
+        focal_length_mm: focal length of the lens.
         f_stop: above 0.
         scales: factors on the errors: that on spherical aberration is of the blur as far as it is round, that on astigmatism of
             how it differs along the radius and across.

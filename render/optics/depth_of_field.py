@@ -35,7 +35,7 @@ from a person who resolves 5 line pairs for each mm on a print 25 cm wide seen f
 
 @dataclass(frozen=True)
 class DepthOfField:
-    """What counts as sharp.
+    """Limits of sharpness.
 
     Attributes:
         near_m: nearest depth that is sharp; 0 for a pinhole.
@@ -66,12 +66,12 @@ def default_coc_limit_mm(horizontal_aperture_mm: float, vertical_aperture_mm: fl
 def coc_slope_mm_m(
     focal_length_mm: float, f_stop: float, focus_distance_m: float = math.inf, *, breathing: bool = False
 ) -> float:
-    """How fast the circle of confusion grows with inverse depth: its diameter on the film is this × ``|w − w_f|``.
+    """Slope of the circle of confusion over inverse depth: its diameter on the film is this × ``|w − w_f|``.
 
     Args:
         focal_length_mm: focal length.
         f_stop: f-number; 0 is a pinhole, whose circle never grows.
-        focus_distance_m: only asked for when the lens breathes; 0 or infinite is infinity.
+        focus_distance_m: used only where the lens breathes; 0 or infinite is infinity.
         breathing: use the physical image distance ``f·s / (s − f)`` in place of ``f``.
 
     Returns:

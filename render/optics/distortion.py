@@ -41,7 +41,7 @@ class ChiefRays:
     squeeze: float = 1.0
 
     def seen_at(self, slopes: DoubleArray) -> DoubleArray:
-        """What the places ``(..., 2)`` show, as slopes in object space; beyond the last chief ray the distortion stays."""
+        """Slopes in object space seen at the picture slopes ``(..., 2)``; beyond the last chief ray the distortion stays."""
         return np.asarray(slopes * self._stretch(np.linalg.norm(slopes, axis=-1)))
 
     def shown_at(self, slopes: DoubleArray) -> DoubleArray:

@@ -1,4 +1,4 @@
-"""What focusing does to the lens of a camera: how fast the circle of confusion grows, how large the pupil is, what is in reach.
+"""Dependence of a camera's lens on its focus: growth of the circle of confusion, size of the pupil, focus range.
 
 Glass is looked at to first order, at the d line: where its group stands decides what is sharp, how large the entrance pupil is
 and how large the picture. So the law costs no tracing of rays, and holds at any f-number. All of it scales with the focal length.

@@ -1,4 +1,4 @@
-"""What a gate shows: field of view, crop factor, and the frames that pictures of other shapes are composed in.
+"""Framing: a gate's field of view, crop factor, and the frames that pictures of other shapes are composed in.
 
 A gate is what is exposed on the film or sensor. Through an anamorphic lens of squeeze s it shows a picture s times as wide as
 itself, so shapes and fields of view are those of a gate ``s · width`` wide.
@@ -39,12 +39,12 @@ ASPECTS: Mapping[str, float] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Gate:
-    """What is exposed.
+    """Exposed area of the film or sensor.
 
     Attributes:
-        width_mm: on the film or sensor.
-        height_mm: likewise.
-        squeeze: of the lens before it; 1 is spherical.
+        width_mm: width on the film or sensor.
+        height_mm: height on the film or sensor.
+        squeeze: anamorphic squeeze of the lens; 1 is spherical.
         resolution: photosites across and up; (0, 0) for film.
 
     Raises:
@@ -63,7 +63,7 @@ class Gate:
 
     @property
     def diagonal_mm(self) -> float:
-        """Of the gate: the image circle that a lens must have to cover it."""
+        """Diagonal of the gate: the diameter of the image circle that a lens must cover."""
         return math.hypot(self.width_mm, self.height_mm)
 
     @property
@@ -73,7 +73,7 @@ class Gate:
 
     @property
     def crop_factor(self) -> float:
-        """How many times as long a lens shows the same field, corner to corner, on full frame."""
+        """Crop factor: ratio of the focal lengths that show the same field, corner to corner, on full frame and on this gate."""
         seen_mm = math.hypot(self.width_mm * self.squeeze, self.height_mm)
         return math.hypot(*FULL_FRAME_MM) / seen_mm
 

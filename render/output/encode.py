@@ -20,7 +20,7 @@ JPEG_QUALITY = 92
 
 
 class FrameArrays(Protocol):
-    """What a rendered frame holds."""
+    """Arrays of a rendered frame."""
 
     @property
     def color(self) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What a file says about the frame in it: the camera, the time and how the picture was made."""
+"""Metadata of a frame's file: the camera, the time, and the settings of the render."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def exact_frame_rate(frames_per_second: float) -> tuple[int, int]:
 
 
 def _grade_attributes(grade: Grade) -> list[Attribute]:
-    """How the light is meant to be shown: an EXR holds it ungraded, and whoever opens it can grade it so."""
+    """Attributes with the intended grade: an EXR holds ungraded light, and a viewer can apply it."""
     named: list[Attribute] = [
         ("pullfocus:display", "string", grade.display_name),
         ("pullfocus:view", "string", grade.view_name),
@@ -155,7 +155,7 @@ def _grade_attributes(grade: Grade) -> list[Attribute]:
 
 
 def _film_attributes(film: FilmSettings | None) -> list[Attribute]:
-    """What the picture was developed on; the light is as it was before."""
+    """Attributes with the film that the picture was developed on; the light in the file is from before that."""
     if film is None:
         return []
     named: list[Attribute] = [("pullfocus:filmProcess", "string", film.process)]

@@ -1,1 +1,1 @@
-"""What single-image engines do to a finished picture."""
+"""Single-image engines: depth of field added to a finished picture."""

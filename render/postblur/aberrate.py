@@ -102,7 +102,7 @@ def _blurred(picture: DoubleArray, direction: DoubleArray, deviation: DoubleArra
 
 
 def _weights(k: int, steps: DoubleArray) -> DoubleArray:
-    """Of a tap k steps off, over that of the middle one."""
+    """Weights of a tap k steps away, relative to the middle tap's."""
     narrow = steps**2 / 2 / np.maximum(1 - steps**2, 1e-9) if k == 1 else np.zeros_like(steps)
     gauss = np.exp(-0.5 * (k / np.maximum(steps, 1e-9)) ** 2)
     return np.where(steps < THREE_TAPS, narrow, np.where(k <= np.ceil(SIGMAS * steps), gauss, 0.0))

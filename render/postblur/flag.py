@@ -23,9 +23,9 @@ from render.postblur.shed import EVERYTHING, OUTLINE_DEFINES, Field, Shedder, Wi
 BAND_BYTES = 64 << 20
 """Memory of the piles that are held, at most, unless fewest rows need more."""
 PILE_BYTES = 16
-"""Of a slice of a pile."""
+"""Bytes of one texel of the FLAG array."""
 CANCELLABLE_ROWS = 64
-"""That are finished at once while somebody may call the work off."""
+"""Rows blurred between two cancellation points."""
 _TILE = 16
 _HEIGHT_BYTES, _SHED_BYTES = 4, 20  # of a pile's height; of what a pixel sheds, and how far
 
@@ -62,7 +62,7 @@ class Ring:
 
     @property
     def rows(self) -> int:
-        """That are held."""
+        """Rows held."""
         return self.new + 2 * self.ahead
 
 

@@ -40,7 +40,7 @@ class ImportanceBlur:
 
     @property
     def done(self) -> tuple[Done, ...]:
-        """What the last picture took, in front of the focus and behind it."""
+        """Statistics of the last update, for the near and the far field."""
         return tuple(field.done for field in self._fields)
 
     def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:

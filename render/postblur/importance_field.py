@@ -36,11 +36,11 @@ _FEW = 2048  # pixels of a first piece of the work
 
 @dataclass(frozen=True)
 class Extent:
-    """How much of what has changed is made.
+    """Limit on the changes that one update spreads.
 
     Attributes:
-        share: of the pixels, Fearing's M: above 0, at most 1.
-        budget_ms: time after which no more is begun; None for no end. At least one piece is made.
+        share: share of the pixels, Fearing's M: above 0, at most 1.
+        budget_ms: time after which no further piece is begun; None for no limit. At least one piece is spread.
 
     Raises:
         SettingsError: one is out of range.
@@ -66,12 +66,12 @@ ALL = Extent()
 
 @dataclass(frozen=True)
 class Done:
-    """What the last update did.
+    """Statistics of one update.
 
     Attributes:
-        changed: pixels that had changed.
-        made: how many of them were spread anew.
-        was_afresh: whether all of the field was, from nothing.
+        changed: number of pixels that had changed.
+        made: number of them that were spread again.
+        was_afresh: whether the whole field was spread from nothing.
     """
 
     changed: int

@@ -17,12 +17,12 @@ BUCKETS = 64
 
 @dataclass(frozen=True)
 class Importance:
-    """What makes a change important: h = coc_weight · Δcoc + rgb_weight · Δrgb.
+    """Importance of a change: h = coc_weight · Δcoc + rgb_weight · Δrgb (Fearing 1995, section 4).
 
     Attributes:
-        coc_weight: of a pixel of radius of the circle of confusion.
-        rgb_weight: of a unit of colour distance.
-        is_perceptual: take distances in Oklab in place of those of light.
+        coc_weight: weight of one pixel of circle-of-confusion radius.
+        rgb_weight: weight of one unit of colour distance.
+        is_perceptual: measure colour distance in Oklab instead of linear light.
 
     Raises:
         SettingsError: a weight is below 0.

@@ -17,7 +17,7 @@ from render.postblur.shed import Field, Window
 from render.postblur.sides import Sides
 
 LITTLE_SHARE, LITTLE_PX = 0.2, (1.5, 6.0)
-"""What is blurred by less than this share of the picture's most, within these bounds, is little blurred."""
+"""Bound between slightly and strongly blurred: this share of the picture's largest radius, clamped to these pixels."""
 _HAZE = 1.5  # up to so many times that, what is blurred hides the less the more it is blurred
 
 
@@ -41,7 +41,7 @@ class Part:
 
 
 def parts_of(sides: Sides) -> tuple[Part, Part, Part]:
-    """What is near, what is little blurred behind the focus, and what lies behind that."""
+    """Split the picture into three parts: the near field, the slightly blurred far field, and the strongly blurred far field."""
     before = blur_shape(sides.iris, behind=False, squeeze=sides.squeeze)
     behind = blur_shape(sides.iris, behind=True, squeeze=sides.squeeze)
     near, far = Field(sides.near, sides.radii, 0), Field(sides.far, sides.radii, 1)

@@ -27,14 +27,17 @@ from render.postblur.sides import Sides
 from render.postblur.spread_tables import STEP_PX, IrisImage, Spread, SpreadTables
 
 CUTOFF_PX, CUTOFF_SHARE = 1.5, 2.0
-"""What lies farther than a pixel is hidden by it if it is blurred by more than this and so many times the pixel's own radius: for
-what is sharp, Fearing's 3 pixels of diameter; what is blurred itself hides only part of what is around it."""
+"""Cut-off: a nearer pixel hides a farther one whose blur radius is above the first number (px) and above the second
+times its own.
+
+For a sharp pixel these are Fearing's 3 pixels of diameter; a blurred pixel hides only part of its surroundings.
+"""
 NO_CUTOFF = 1e9
 """Nothing is hidden: the method as Potmesil & Chakravarty have it."""
 LIGHT_BITS = 29
 TILE, LANES = 8, 64
 Buffers = tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]
-"""What sheds light: half tiles, how far, and which tiles."""
+"""Buffers that light is spread from: half tiles, their reach, and the list of tiles."""
 _HEADROOM = 2  # powers of 2 above the brightest light, so that a brighter one can join
 _LESS_LIGHT = 4  # by how many it must fall for a finer scale
 _SPARE_STEPS = 8  # tables beyond those that a picture needs
@@ -313,6 +316,6 @@ class LinearBlur:
 
 
 def fields_of(sides: Sides) -> tuple[tuple[Field, float, Spread], tuple[Field, float, Spread]]:
-    """What is in front of the focus and what is behind it, as fields, their side, and how they are spread."""
+    """Near and far fields with their sign and their spread."""
     near, far = (IrisImage(sides.iris, is_behind=behind, squeeze=sides.squeeze) for behind in (False, True))
     return (Field(sides.near, sides.radii, 0), 1.0, near), (Field(sides.far, sides.radii, 1), -1.0, far)

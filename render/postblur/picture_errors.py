@@ -22,7 +22,7 @@ from render.optics.view import PinholeView
 
 ROWS = 256
 SIGMAS = 3.5
-"""How far blur reaches, in standard deviations: 5e-4 of its light is left out."""
+"""Reach of a Gaussian blur in standard deviations: 5e-4 of its light is left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +93,15 @@ def picture_errors(
     colours: bool = True,
     axis_is_drawn: bool = False,
 ) -> PictureErrors:
-    """What a lens by its data sheet does to pictures.
+    """Picture errors of a lens described by a data sheet.
 
     Args:
-        sheet: what was measured.
+        sheet: the lens's measurements.
         scales: factors on its errors.
-        focal_length_mm: of the lens.
+        focal_length_mm: focal length of the lens.
         f_stop: above 0.
         last_slope: field of the picture's farthest corner.
-        squeeze: of an anamorphic lens.
+        squeeze: anamorphic squeeze.
         colours: whether colour errors are drawn.
         axis_is_drawn: whether the picture has the blur of one colour that there is on the axis, as the engine `scatter` draws
             it: over the whole picture, and changing with defocus. What is left then is what the blur has more elsewhere.

@@ -78,7 +78,7 @@ class ScatterBlur:
         return [1 << level for level in range(first, last + 1)]
 
     def _shed(self, points: Points, shrink: int, finest: int, held: Resources) -> Iterator[moderngl.Texture]:
-        """What the points of a target shed, class by class from the front, each valid until the next."""
+        """Draw the splats of one resolution, size class by size class from the front; each texture is valid until the next."""
         is_finest = shrink == finest
         tables = self._spots.tables(points.spot, shrink, behind=points.behind)
         if shrink > 1:

@@ -1,4 +1,8 @@
-"""What of a lens's errors makes its spot on the axis, in numbers so few and so round that a pull of the focus keeps the spot.
+"""On-axis spot of a lens, from a few rounded numbers, so that a focus pull keeps the same spot tables.
+
+A symmetric lens has a profile there: over the radius of the pupil, how far from the centre light lands, and where it
+passes the pupil. Both are odd polynomials, given by their values at a few radii. These values are rounded and the spot
+is computed from them alone, so that a picture does not depend on what was drawn before it.
 
 A symmetric lens has a profile there: over the radius of the pupil, how far off light lands, and where it passes the pupil.
 Both are odd polynomials, told by their values at a few radii. These are rounded, and the spot is made from them alone, so that
@@ -28,7 +32,7 @@ class AxisSpot(Protocol):
 
     @property
     def key(self) -> Hashable:
-        """What is alike makes the same spot."""
+        """Cache key: equal keys give equal spots."""
         ...
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
@@ -57,12 +61,12 @@ _SAMPLE = np.concatenate([r * np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=
 
 @dataclass(frozen=True)
 class SymmetricSpot:
-    """Of a profile.
+    """Spot of a rotationally symmetric profile.
 
     Attributes:
-        landing: at the nodes, how far off light lands in focus, in steps.
-        pupil: at theirs, where it passes, likewise.
-        opened: half axes of what of the iris is open, in steps of the pupil.
+        landing: distance from the centre at which light lands in focus, at the landing nodes, in steps of `LANDING_PX`.
+        pupil: radius at which light passes the pupil, at the pupil nodes, in steps of `PUPIL`.
+        opened: half axes of the open part of the iris, in steps of `PUPIL`.
     """
 
     landing: tuple[int, ...]
@@ -71,7 +75,7 @@ class SymmetricSpot:
 
     @classmethod
     def of(cls, errors: LensErrors, axes: DoubleArray) -> SymmetricSpot:
-        """Of a table of polynomials, with the half axes of what it has open."""
+        """Profile of a polynomial table, with the half axes of its open part."""
         across, down = (int(value) for value in np.maximum(np.round(axes / PUPIL), 1))
 
         def profile(nodes: DoubleArray, which: int, step: float) -> tuple[int, ...]:
@@ -102,7 +106,7 @@ class SymmetricSpot:
 
 @dataclass(frozen=True, eq=False)
 class ExactSpot:
-    """Of any lens, as its table has it."""
+    """Spot of any lens, straight from its table."""
 
     errors: LensErrors
 
@@ -117,7 +121,7 @@ class ExactSpot:
 
 
 def axis_spot(errors: LensErrors) -> AxisSpot:
-    """Of a lens: rounded where that moves no ray by more than `ROUNDED_PX` and `ROUNDED_PUPIL`."""
+    """Axis spot of a lens, rounded where that moves no ray by more than `ROUNDED_PX` and `ROUNDED_PUPIL`."""
     if isinstance(errors.table, GridTable):
         return ExactSpot(errors)
     axes = np.array(open_axes(errors.table), np.float64)

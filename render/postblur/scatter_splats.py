@@ -74,13 +74,13 @@ class Splats:
         *,
         backward: bool = False,
     ) -> Iterator[moderngl.Texture]:
-        """What points shed, class by class: a texture as large as theirs, valid until the next class is asked for.
+        """Draw the points' splats, size class by size class, into a texture as large as theirs, valid until the next class.
 
         Args:
-            points: of which side.
-            tables: their spots.
-            edges: radii at which classes begin, and the last one ends: pixels, ascending.
-            held: keeps what is made.
+            points: points of the near or the far field.
+            tables: tables of their spots.
+            edges: radii at which size classes begin, and at which the last one ends: pixels, ascending.
+            held: scope that owns the textures.
             backward: whether the widest come first.
 
         Yields:

@@ -22,7 +22,7 @@ from render.optics.iris import fill_iris
 from render.postblur.scatter_axis import AxisSpot
 
 SIDES = (1, 2, 4, 8)
-"""Of squares of alike pixels that are drawn as one."""
+"""Sides of the squares of like pixels that are drawn as one splat."""
 STEPS = 2
 """Tables to a pixel of the circle of confusion; between two their light is mixed."""
 _RAYS = 1 << 16
@@ -52,7 +52,7 @@ class Spot:
 
     @cached_property
     def error_reach_px(self) -> float:
-        """How far off light lands at most, in focus."""
+        """Greatest distance, in pixels, at which light lands from the centre in focus."""
         return float(np.hypot(*self.error_px.T).max())
 
     @cached_property
@@ -116,7 +116,7 @@ class SpotTables:
 
     @property
     def steps(self) -> int:
-        """How many sizes there are."""
+        """Number of sizes."""
         return len(self.weights) // len(SIDES)
 
     @property

@@ -35,7 +35,7 @@ class TableTextures:
 
     @classmethod
     def of(cls, ctx: moderngl.Context, tables: SpotTables) -> TableTextures:
-        """Of tables; to be given back."""
+        """Upload tables; the caller releases them."""
         count, side, _ = tables.weights.shape
         weights = ctx.texture_array((side, side, count), 1, tables.weights.tobytes(), dtype="f4")
         weights.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -69,7 +69,7 @@ class SpotStore:
         self._kept: dict[tuple[object, ...], _Kept] = {}
 
     def spot(self, sides: Sides) -> Spot:
-        """Of a picture's camera."""
+        """Spot of a picture's camera."""
         lens = None if sides.errors is None else axis_spot(sides.errors)
         key = (*_content(sides.iris), sides.squeeze, None if lens is None else lens.key)
         kept = self._kept.pop(key, None)
@@ -81,12 +81,12 @@ class SpotStore:
         return kept.spot
 
     def tables(self, spot: Spot, shrink: int, *, behind: bool) -> TableTextures:
-        """Of a spot that `spot` told, in pixels of a picture ``shrink`` times smaller.
+        """Tables of a spot, in pixels of a picture ``shrink`` times smaller.
 
         Args:
-            spot: in pixels of the whole picture; among the last few that were asked for.
-            shrink: likewise.
-            behind: for what is behind the focus.
+            spot: from `spot`, in pixels of the whole picture; one of the last few returned.
+            shrink: factor by which the picture is smaller.
+            behind: whether the tables are for the far field.
         """
         tables = next(kept.tables for kept in self._kept.values() if kept.spot is spot)
         key = shrink if spot.has_errors else 1, behind
@@ -101,6 +101,6 @@ class SpotStore:
 
 
 def _content(iris: IrisShape) -> tuple[object, ...]:
-    """What makes two irises equal."""
+    """Cache key of an iris: equal keys are equal irises."""
     mask = None if iris.mask is None else (iris.mask.shape, iris.mask.tobytes())
     return iris.blades, iris.roundness, iris.rotation_rad, mask, iris.radial_weights

@@ -1,6 +1,4 @@
-"""What the points of a picture shed on those that their circles of confusion cover: with it begins every blur that spreads them
-evenly.
-"""
+"""Per-pixel scatter weights: the first step of every blur that spreads light evenly over the circle of confusion."""
 
 from __future__ import annotations
 
@@ -15,9 +13,9 @@ from render.model.arrays import FloatArray
 from render.postblur.blur_shape import AREA_STEPS, COLUMNS, BlurShape
 
 LEAST_PX = 0.25
-"""What is sharper is a pixel."""
+"""Radius below which a pixel is drawn sharp, pixels."""
 OUTLINE_DEFINES = {"OUTLINE_INSET": f"{(COLUMNS - 1) / COLUMNS:.9f}", "OUTLINE_EDGE": f"{0.5 / COLUMNS:.9f}"}
-"""What ``layers/outline.glsl`` needs: between the middles of its first and its last texel lie columns from -1 to 1."""
+"""Defines of ``layers/outline.glsl``: columns from -1 to 1 lie between the middles of its first and its last texel."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +55,12 @@ class Field:
 
 @dataclass(frozen=True)
 class Shed:
-    """What each point sheds. The textures are valid until they are given back.
+    """Light that each pixel scatters. The textures are valid until they are released.
 
     Attributes:
-        light: RGBA32F, on one pixel.
-        reach: R32F, its radius in pixels, 0 where it sheds nothing.
-        outline: of the shape, over columns from -1 to 1: how far it reaches up and down.
+        light: RGBA32F, light on each covered pixel.
+        reach: R32F, radius in pixels, 0 where a pixel scatters nothing.
+        outline: extent of the blur shape up and down, over columns from -1 to 1.
     """
 
     light: moderngl.Texture
@@ -77,14 +75,14 @@ class Shedder:
         self._ctx, self._programs = ctx, programs
 
     def shed(self, field: Field, shape: BlurShape, most_px: float, window: Window, held: Resources) -> Shed:
-        """What a field's points shed.
+        """Compute the light that a field's pixels scatter.
 
         Args:
-            field: of the picture.
-            shape: of the blur.
+            field: near or far field of the picture.
+            shape: blur shape.
             most_px: no radius in the window is larger.
-            window: the light that is meant.
-            held: keeps what is made.
+            window: range of radii that is included.
+            held: scope that owns the textures.
         """
         size = field.light.size
         light = held.keep(self._ctx.texture(size, 4, dtype="f4"))

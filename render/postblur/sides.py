@@ -1,4 +1,4 @@
-"""What stands before and behind the focus: what every engine that blurs one picture works on."""
+"""Near and far field of a picture: its parts before and behind the focus, which every single-image engine blurs."""
 
 from __future__ import annotations
 

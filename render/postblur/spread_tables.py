@@ -1,5 +1,4 @@
-"""How the light of a point out of focus is spread: tables of weights, one for each step of the radius (Fearing 1995, section
-4.2).
+"""Tables of weights for spreading the light of a point out of focus, one per step of the radius (Fearing 1995, section 4.2).
 
 A circle of confusion is spread by the table whose radius is nearest to its own, so that a change below a step is no change: half
 a pixel up to a radius of 32, a 64th of the radius beyond. Weights are multiples of 2 to the power of -20, and those of a table
@@ -28,7 +27,7 @@ _ROWS = 4  # of a table in one texel
 
 
 class Spread(Protocol):
-    """How light is distributed over a circle of confusion. Equal spreads have equal tables."""
+    """Distribution of light over a circle of confusion. Equal spreads have equal tables."""
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
         """``(2·half + 1, 2·half + 1)`` how much falls on each pixel around the circle's middle, 0 or more; y down."""

@@ -1,4 +1,4 @@
-"""What a stage asks for that is not honoured, and what in it could not be used."""
+"""Findings: requests of a stage that are not honoured, and parts of it that cannot be used."""
 
 from __future__ import annotations
 

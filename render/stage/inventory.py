@@ -1,4 +1,4 @@
-"""What a stage draws: every surface, instancer and light that is visible and of the asked purpose, found in one walk."""
+"""Inventory of a stage: every visible surface, instancer and light of the requested purpose, found in one walk."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Occurrence:
 
 @dataclass(frozen=True)
 class _State:
-    """What a prim hands down to its children."""
+    """Traversal state that a prim passes down to its children."""
 
     purpose: UsdGeom.Imageable.PurposeInfo
     mover: Usd.Prim | None = None

@@ -1,4 +1,4 @@
-"""How much of a stage is walked and drawn: files of a kilobyte can ask for more prims than there is time or memory for."""
+"""Limits on the prims that are walked and drawn: files of a kilobyte can ask for more than time or memory allow."""
 
 from __future__ import annotations
 

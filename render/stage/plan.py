@@ -1,4 +1,4 @@
-"""What is drawn with what: the inventory cut into pieces by material and gathered into groups."""
+"""Draw plan: the inventory cut into pieces by material and gathered into groups."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def _pieces_by_material(
 
 
 def _inherited(prim: Usd.Prim, wanted: Wanted, time: Usd.TimeCode) -> tuple[Hashable, bool]:
-    """What instances of the same prim may differ by, the primvars that come from above; and whether any primvar varies."""
+    """Key of the inherited primvars by which instances of one prim may differ; and whether any primvar varies over time."""
     values: list[Hashable] = []
     varies = False
     for name in (wanted.uv, wanted.color, wanted.opacity):

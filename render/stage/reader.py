@@ -25,7 +25,7 @@ from usd_schemas.units import metres_per_unit
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """What holds for all times, until the stage is edited."""
+    """State that is valid for all times, until the stage is edited."""
 
     inventory: Inventory
     groups: list[Group]
@@ -69,12 +69,12 @@ class StageReader:
 
     @property
     def findings(self) -> list[Finding]:
-        """What has been found so far that is not honoured or could not be used, each once."""
+        """Findings so far, each once: requests that are not honoured and parts that could not be used."""
         return self._log.as_list()
 
     @property
     def changes(self) -> int:
-        """How often something else than a camera has been changed since: what was seen before is out of date then."""
+        """Count of edits to anything but cameras; results read at an earlier count are out of date."""
         return self._changes
 
     def read(self, time: float) -> Scene:

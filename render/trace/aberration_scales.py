@@ -21,11 +21,11 @@ _DEGREE = 7
 
 @dataclass(frozen=True, eq=False)
 class ChangeOfErrors:
-    """What is to be added to the slope errors of one field height to scale them.
+    """Addend that scales the slope errors of one field height.
 
     Attributes:
-        tangential: coefficients of the even basis.
-        sagittal: of the odd one.
+        tangential: coefficients in the even basis.
+        sagittal: coefficients in the odd basis.
     """
 
     tangential: DoubleArray
@@ -43,13 +43,13 @@ class ChangeOfErrors:
 def change_of_errors(
     slope: DoubleArray, on_stop: DoubleArray, axis_defocus: float, scales: AberrationScales
 ) -> ChangeOfErrors:
-    """How slope errors change when each kind of aberration is scaled.
+    """Change of the slope errors when each kind of aberration is scaled by its factor.
 
     Args:
         slope: ``(n, 2)`` of one field height, tangential first.
-        on_stop: ``(n, 2)`` where on the stop, in units of its radius.
+        on_stop: ``(n, 2)`` points on the stop, in units of its radius.
         axis_defocus: `defocus` of the field height 0.
-        scales: the factors; chromatic and vignetting are not looked at.
+        scales: the factors; chromatic and vignetting are ignored.
     """
     tangential, sagittal = _coefficients(slope, on_stop)
     change_t = tangential * (_factors(even_powers_of(_DEGREE), 0, scales) - 1)

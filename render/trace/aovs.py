@@ -1,4 +1,4 @@
-"""What is measured beside the colour, seen through the same lens: each pixel by the ray through the middle of the pupil."""
+"""AOVs seen through the lens: each pixel's depth and ids along the chief ray, the one through the middle of the pupil."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def measured(
 def _nearest(
     peeler: Peeler, view: PinholeView, chief: ChiefRays | None
 ) -> tuple[NDArray[np.float32], NDArray[np.uint32], IntArray]:
-    """What each pixel's chief ray meets first."""
+    """Trace each pixel's chief ray to the first surface."""
     if chief is None:
         return read_surfaces(peeler, view)
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
@@ -82,7 +82,7 @@ def _nearest(
 
 
 def _scale(seen: DoubleArray, view: PinholeView) -> float:
-    """How fine the surfaces are drawn that lie at the slopes ``(..., 2)``, against the picture's own pixels."""
+    """Scale of the pixels in which surfaces at slopes ``(..., 2)`` are drawn, relative to the picture's own; at most 1."""
     span = np.ptp(seen.reshape(-1, 2), axis=0) * [view.fx, view.fy] + 1
     most = min(MAX_AREA_RATIO * view.width * view.height, 0.9 * MAX_LAYER_PIXELS)
     return min(1.0, float(np.sqrt(most / span.prod())), float((MAX_PICTURE_SIDE_PX - 4) / span.max()))

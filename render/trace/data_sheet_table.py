@@ -69,7 +69,7 @@ def _node_rays(
 
 
 def _regions(errors: SheetErrors) -> list[Region]:
-    """What of the pupil is open, at each height."""
+    """Open part of the pupil at each field height."""
     line, turn = np.linspace(-1.0, 1.0, _GRID), np.linspace(0.0, np.pi, 2 * _GRID + 1)
     grid = np.stack(np.meshgrid(line, line[_GRID // 2 :]), axis=-1).reshape(-1, 2)
     edge = np.stack([np.cos(turn), np.sin(turn)], axis=1)

@@ -132,7 +132,7 @@ class _Errors:
 
     @property
     def wavelengths_nm(self) -> tuple[float, ...]:
-        """What sharpness is told at, and what colour errors are scaled from."""
+        """Wavelengths at which sharpness is measured and from which colour errors are scaled."""
         middle = THREE_LINES.wavelengths_nm[1]
         return {0.0: (D_LINE_NM,), 1.0: (middle,)}.get(self.scales.chromatic, (middle, D_LINE_NM))
 
@@ -212,7 +212,7 @@ def _traced(
 def _told(
     errors: _Errors, table: PolynomialTable, seen: DoubleArray, focal_length_mm: float, pupil_radius_mm: float
 ) -> FieldFocus:
-    """What a table says, with drawn power added to it; ``seen`` is without the factor on distortion."""
+    """Field focus from a lens table, with drawn power added to it; ``seen`` is without the factor on distortion."""
     slope, pupil, is_open = rays_of_heights(table)
     if is_drawn(errors.lens):
         slope = slope + slope_errors(errors.lens, focal_length_mm, pupil_radius_mm / 1000, pupil)
@@ -223,7 +223,9 @@ def _told(
 
 
 def _stretched(heights: DoubleArray, ideal: DoubleArray, seen: DoubleArray) -> DoubleArray:
-    """What is seen at heights, for chief rays that say it at others; beyond the last of them the distortion stays."""
+    """Slopes seen at ``heights``, from chief rays given at the heights ``ideal``; beyond the last of them the
+    distortion stays.
+    """
     inside = np.clip(heights, 1e-9 * ideal[-1], ideal[-1])
     return np.asarray(heights * np.interp(inside, ideal, np.maximum.accumulate(seen)) / inside)
 
@@ -260,7 +262,7 @@ def _rays(
 
 @lru_cache(maxsize=256)
 def _of_thin(errors: _Errors, focal_length_mm: float, f_stop: float, reach: float) -> FieldFocus:
-    """Of a thin lens, which is the same wherever it is focused."""
+    """Field focus of a lens without surfaces, which is the same wherever it is focused."""
     scales, wavelengths, radius_m = (
         own_scales(errors.lens),
         errors.wavelengths_nm[:1],

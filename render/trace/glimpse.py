@@ -1,4 +1,4 @@
-"""What a camera sees at one moment of its shutter's opening, of layers that were peeled in the middle of it.
+"""View of a camera at one moment of the exposure, onto layers that were peeled in the middle of it.
 
 A straight ray of the camera where it is then is a straight ray from where it was, so that its line ``s(w) = a + b·w`` only gets
 other numbers: the camera's own motion needs no velocities, and is exact.
@@ -45,7 +45,7 @@ class Glimpse:
         return self.peeled_for.camera_from_world @ np.linalg.inv(self.view.camera_from_world)
 
     def uniforms(self, layers: PinholeView) -> dict[str, object]:
-        """What ``lens/lens_rays.glsl`` and ``layers/carried.glsl`` must know of it, where the layers have this view."""
+        """Uniforms of ``lens/lens_rays.glsl`` and ``layers/carried.glsl`` for layers that have this view."""
         scale = layers.fx / self.peeled_for.fx
         offset = layers.cx - scale * self.peeled_for.cx, layers.cy - scale * self.peeled_for.cy
         return {

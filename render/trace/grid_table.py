@@ -132,7 +132,9 @@ def _change_of_shape(
 def _changes(
     slope: DoubleArray, passes: NDArray[np.bool_], nodes: DoubleArray, scales: AberrationScales
 ) -> list[ChangeOfErrors | None]:
-    """Of each height ``(heights, nodes, 2)``; None where part of the pupil is dark: it has no powers to tell apart."""
+    """Changes of slope errors ``(heights, nodes, 2)`` per field height; None where part of the pupil is dark, which no
+    basis fits.
+    """
     if not passes[0].all():
         return [None] * len(slope)
     on_axis = defocus(slope[0], nodes)

@@ -1,4 +1,4 @@
-"""How much of the world the layers must show, and how finely: the picture, and a guard band for what its rays reach beyond it."""
+"""View of the layers: its extent, which is the picture and a guard band for rays that leave it, and its resolution."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _EDGE_POINTS = 33
 
 @dataclass(frozen=True)
 class Extent:
-    """What rays reach in slopes of object space, relative to the view axis: x right, y down."""
+    """Bounds of rays, in slopes of object space relative to the view axis: x right, y down."""
 
     left: float
     top: float
@@ -93,12 +93,12 @@ def reached(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w
 
 
 def reached_from(extent: Extent, turn: DoubleArray, move_m: DoubleArray, nearest_w: float) -> Extent:
-    """What a camera reaches that stands elsewhere, in slopes from here.
+    """Bounds of the rays of a camera that stands elsewhere, in slopes seen from here.
 
     Args:
-        extent: what it reaches in its own slopes.
+        extent: bounds in that camera's own slopes.
         turn: ``(3, 3)`` from its axes to those here: x right, y down, z ahead.
-        move_m: ``(3,)`` where it is, in the axes here, metres.
+        move_m: ``(3,)`` its position, in the axes here, metres.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
     x, y = np.meshgrid(np.linspace(extent.left, extent.right, 5), np.linspace(extent.top, extent.bottom, 5))

@@ -31,7 +31,7 @@ from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
 STAGES: tuple[Stage, ...] = get_args(Stage)
-"""What a picture is made of, in order: the lens's table, the layers, what bounds them, the rays through them."""
+"""Stages of a picture in order: lens table, layers, N-buffers, rays."""
 
 
 @dataclass(frozen=True)
@@ -195,11 +195,11 @@ class LensEngine:
         return TracedPicture(color, peeled, nbuffers)
 
     def so_far(self) -> tuple[FloatArray, FloatArray]:
-        """Of the picture that is being traced: see `Tracer.so_far`."""
+        """Radiance and rays traced so far of the picture under way: see `Tracer.so_far`."""
         return self._tracer.so_far()
 
     def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
-        """What is measured beside the colour: see `render.trace.aovs.measured`."""
+        """AOVs of the picture: see `render.trace.aovs.measured`."""
         bundle = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()))
         chief = chief_rays(camera)
         return measured(peeler, view, bundle, picture_focus(camera, view), chief)
@@ -213,7 +213,7 @@ class LensEngine:
 def _ended(
     work: Generator[float, None, TracedPicture], on_progress: Callable[[float], None] | None = None
 ) -> TracedPicture:
-    """What work gives in the end."""
+    """Run a generator to its end, passing on its progress, and return its result."""
     while True:
         try:
             share = next(work)

@@ -1,4 +1,4 @@
-"""How a lens bends its rays, as tables that the tracer reads.
+"""Lens tables: the rays of a lens as the tracer reads them.
 
 Both tables hold, for a field point, a wavelength and a pupil point, the ray in object space: its slope's error against the ideal
 lens in the plane of focus (m of x to a m of depth) and where it passes the plane of the entrance pupil (metres).

@@ -28,8 +28,9 @@ HEIGHTS = 48
 MAX_SLOPE = 4.5
 """Beyond 77 degrees from the axis a picture from one point cannot be drawn; the lens is dark there."""
 FILM_ERROR_MM = 0.004
-"""How far off, on the film, a ray of the fitted lens may land for polynomials of a lower degree to be good enough: a fifth of a
-pixel of 36 mm over 1920."""
+"""Greatest error of a fitted ray on the film, mm, at which polynomials of a lower degree are accepted: a fifth of a
+pixel of 36 mm over 1920.
+"""
 PUPIL_ERROR = 1.5e-3
 """Likewise on the entrance pupil, over its radius: by as much a circle of confusion is off at its edge."""
 _GRID = 41
@@ -125,7 +126,7 @@ def _table(rows: DoubleArray, last_slope: float, degrees: Degrees) -> Polynomial
 
 
 def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray) -> list[Region]:
-    """What of the stop is open for each field height."""
+    """Open part of the stop for each field height."""
     line = np.linspace(-1, 1, _GRID)
     disc = np.stack(np.meshgrid(line, line[_GRID // 2 :], indexing="ij"), axis=-1).reshape(-1, 2)
     disc = disc[np.hypot(*disc.T) <= 1 + 1e-9]

@@ -43,7 +43,7 @@ class RayBuffers:
         self._unit = 0
 
     def defines(self, bundle: RayBundle) -> Defines:
-        """What the shader must know of the bundle to be compiled for it."""
+        """Shader defines for a ray bundle: the kind of its lens table, its degrees, and whether the iris has a shape."""
         defines: Defines = {"SHAPED_IRIS": 1} if bundle.pattern.iris_points is not None else {}
         if isinstance(bundle.table, PolynomialTable):
             defines |= {"POLYNOMIAL_LENS": 1, **_ROW_DEFINES}

@@ -1,4 +1,4 @@
-"""What the tracer knows of a lens: where a pixel's rays pass the pupil, and how the lens bends them."""
+"""Ray bundles, the tracer's model of a lens: where a pixel's rays pass the pupil, and how the lens bends them."""
 
 from __future__ import annotations
 

@@ -19,11 +19,11 @@ _NODES = 256
 
 @dataclass(frozen=True, eq=False)
 class Sharpness:
-    """Of each pixel ``(height, width)``.
+    """Sharpness of each pixel, ``(height, width)``.
 
     Attributes:
-        w: inverse depth at which it is sharpest, 1/m.
-        pupil_m: radius of the pupil that it sees: of a disc with the same spread as its rays.
+        w: inverse depth at which the pixel is sharpest, 1/m.
+        pupil_m: radius of the pupil that the pixel sees: a disc with the same spread as its rays.
     """
 
     w: DoubleArray

@@ -36,14 +36,14 @@ from render.trace.tracer import Tracer
 
 @dataclass(frozen=True, eq=False)
 class ShutterSample:
-    """What is looked at in one moment of the shutter's opening.
+    """Camera and picture at one moment of the shutter interval.
 
     Attributes:
-        camera: with its lens.
-        view: its picture.
-        since: when: from -0.5, as the shutter opens, to 0.5.
-        pattern: where its rays start.
-        lines: of the picture that are exposed then, from the first to before the last.
+        camera: camera with its lens.
+        view: its picture's view.
+        since: time, from -0.5, where the shutter opens, to 0.5.
+        pattern: points of the pupil that its rays start from.
+        lines: half-open range of the picture's lines exposed then.
     """
 
     camera: Camera
@@ -115,7 +115,7 @@ class SweptEngine:
 
 
 class _Sweep:
-    """What the moments of an opening have in common. Bundles are made when they are asked for: all at once they can be many."""
+    """Sweep over the moments of one shutter interval. Bundles are made one at a time, since all at once may be too large."""
 
     def __init__(
         self, bundles: BundleMaker, middle: PinholeView, looks: Sequence[ShutterSample], wavelengths: int
@@ -154,7 +154,7 @@ class _Sweep:
         return self.bundle(look).reach_m * float(pupil.max())
 
     def _extent(self, nearest_w: float, crossed: DoubleArray) -> Extent:
-        """What the rays of all moments reach, seen from the middle, and what moves into it."""
+        """Bounds of the rays of all moments, in slopes seen from the middle, widened by what moves into them."""
         most = MAX_BLUR_SHARE * self._middle.width / self._middle.fx
         extents = []
         for look in self._looks:
@@ -178,7 +178,7 @@ def _shared(bundle: RayBundle, focus: PictureFocus, f_px: float, nearest_w: floa
 
 
 def _carried_m(glimpse: Glimpse) -> float:
-    """How far beside its place in the middle the camera is, for rays to the corners of its picture, metres."""
+    """Greatest sideways offset of the camera from its place in the middle, for rays to the corners of its picture, metres."""
     view = glimpse.view
     x = max(view.cx, view.width - view.cx) / view.fx
     y = max(view.cy, view.height - view.cy) / view.fy

@@ -22,7 +22,7 @@ from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
 
 RAYS_PER_PASS = 128
-"""What is worked out for a pixel before its rays, its footprint's bounds and its row of the lens table, is done once a pass."""
+"""Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""
 _RAYS_PER_DISPATCH = 1 << 24
 """A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
 _FIRST_UNIT = 0
@@ -35,11 +35,11 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class TracePass:
-    """How far a picture is.
+    """Progress of a picture.
 
     Attributes:
-        rays: how many rays each pixel has had, in whole passes.
-        share: of all rays of all pixels.
+        rays: rays traced per pixel, in whole passes.
+        share: share of all rays of all pixels, 0 to 1.
     """
 
     rays: int

@@ -33,13 +33,13 @@ _ENDLESS = 3e38  # where a sensor that never clips does
 
 @dataclass(frozen=True)
 class Exposure:
-    """How light falls on the film.
+    """Exposure of the film.
 
     Attributes:
-        scale: what the camera's exposure multiplies light by.
+        scale: factor on the light, from the camera's exposure.
         frame: frame number, for grain and noise.
         gate_mm: width and height of the film that the picture covers.
-        seed: of the render, beside the film's own.
+        seed: seed of the render, beside the film's own.
     """
 
     scale: float

@@ -10,7 +10,7 @@ _LANES = 64  # of the shaders that work along a line
 
 
 def groups(threads: int) -> int:
-    """How many work groups of a line's shader do so many places."""
+    """Number of work groups that cover ``threads`` invocations of a one-dimensional shader."""
     return -(-threads // _LANES)
 
 
@@ -19,7 +19,7 @@ class TooLargeError(GraphicsError):
 
 
 class Scratch:
-    """What a pass keeps between pictures, by name."""
+    """Buffers and textures that a pass keeps between pictures, by name."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx

@@ -105,7 +105,7 @@ def assembled(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
 
 
 def _said(rows: Sequence[Row]) -> frozenset[str]:
-    """What the file gives of what drives a camera; without a focus distance it is no focus curve."""
+    """Attributes that drive a camera and that the file gives. Every focus curve gives a focus distance."""
     drive = [column.attribute for column in COLUMNS if column.drives]
     given = {name for name in drive if any(name in row.numbers for row in rows if not row.problem)}
     return frozenset(given | {FOCUS_DISTANCE.attribute})
@@ -146,7 +146,7 @@ def _problem(row: Row, said: frozenset[str]) -> str:
 
 
 def _expected(name: str, value: float) -> str:
-    """What a number must be, where it is not."""
+    """Expected range of a number that is outside it, in words; empty where the number is valid."""
     if name == "focus_distance_m":
         return "" if value > 0 else "above 0, or infinite"
     if name == "focal_length_mm":

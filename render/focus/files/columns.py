@@ -69,4 +69,4 @@ POINT_COLUMNS = (
     Column("share", "share", "share"),
     Column("coc_mm", "coc_mm", "cocMm"),
 )
-"""Of each focus point."""
+"""Columns of each focus point."""

@@ -126,10 +126,10 @@ def rows_of_dict(data: Any, what: str) -> Rows:
 
 
 def rates_of(data: dict[str, Any]) -> Rates:
-    """How a file, or a sample of one, counts time.
+    """Frame rate and time-code rate of a file, or of a sample of one.
 
     Raises:
-        BadRowError: it does not say, or a rate is not above 0.
+        BadRowError: a rate is missing or not above 0.
     """
     rates = [json_number(data.get(name), name) for name in ("framesPerSecond", "timeCodesPerSecond")]
     if not all(math.isfinite(rate) and rate > 0 for rate in rates):
@@ -166,10 +166,10 @@ def points_of(sample: dict[str, Any]) -> dict[str, PointCell]:
 
 
 def loaded(text: str) -> Any:
-    """What is in a JSON text.
+    """Parse a JSON text.
 
     Raises:
-        InputError: it is no JSON, or JSON with NaN or infinity in it, which is none.
+        InputError: the text is not valid JSON; NaN and infinity are not valid either.
     """
 
     def refused(constant: str) -> None:

@@ -127,7 +127,7 @@ def _row(sample: Any, ours: dict[str, Any], place: str, time_code: float, clock:
 
 
 def _told(lens: dict[str, Any]) -> dict[str, float]:
-    """What the protocol's own fields say."""
+    """Lens numbers from the protocol's own fields."""
     numbers = {}
     for attribute, names in _FIELDS.items():
         name = next((name for name in names if lens.get(name) is not None), None)
@@ -137,7 +137,9 @@ def _told(lens: dict[str, Any]) -> dict[str, float]:
 
 
 def _merged(told: dict[str, float], extra: dict[str, float]) -> dict[str, float]:
-    """What the protocol says, and beside it what only our own part can; where they differ, what follows is not known."""
+    """Merge the protocol's fields with our own extension. Where they differ, the protocol wins and numbers that depend
+    on it become NaN.
+    """
     merged = dict(extra)
     for name, value in told.items():
         ours = extra.get(name, math.nan)
@@ -160,7 +162,7 @@ def _part(data: Any, name: str) -> dict[str, Any]:
 
 
 def _rates(samples: Sequence[Any], own: Sequence[dict[str, Any]]) -> Rates | None:
-    """How the samples count time: as we wrote it, or by the rate that most of them give."""
+    """Rates of the samples: those that we wrote, or else the rate that most of them give."""
     try:
         return rates_of(own[0])
     except BadRowError:

@@ -15,11 +15,11 @@ class BadRowError(ValueError):
 
 @dataclass(frozen=True)
 class Rates:
-    """How time is counted.
+    """Frame rate and time-code rate.
 
     Attributes:
-        frames_per_second: frames.
-        time_codes_per_second: USD time codes.
+        frames_per_second: frames per second.
+        time_codes_per_second: USD time codes per second.
     """
 
     frames_per_second: float

@@ -86,11 +86,11 @@ class Timecode:
 
 
 def frames_a_day(rate: Fraction, *, drop_frame: bool) -> int:
-    """How many frames timecode counts before it begins anew.
+    """Number of frames that timecode counts before it wraps around.
 
     Args:
         rate: frames per second.
-        drop_frame: whether numbers are dropped.
+        drop_frame: whether frame numbers are dropped (SMPTE drop-frame timecode).
     """
     count = math.ceil(rate)
     dropped = _DROPPED_A_MINUTE.get(count, 0) if drop_frame else 0

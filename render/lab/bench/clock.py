@@ -1,4 +1,4 @@
-"""What work costs: wall time, and the processor time of the whole process with the threads that a software rasteriser starts.
+"""Cost of work: wall time, and processor time of the whole process, threads of a software rasteriser included.
 
 Wall time is what a user waits, and what counts on a GPU. On a machine that has other work to do it measures that work too;
 processor time does not.
@@ -25,12 +25,12 @@ class Spent:
 
 @dataclass(frozen=True)
 class Repeats:
-    """How often something is measured for its median: often where it is quick, and where it is slow as often as must be.
+    """Repetitions of a measurement for its median: many where it is quick, few where it is slow.
 
     Attributes:
-        least: at least so often.
-        most: never more often.
-        enough_ms: wall time after which no further run is begun.
+        least: fewest repetitions.
+        most: most repetitions.
+        enough_ms: wall time after which no further repetition is begun.
     """
 
     least: int

@@ -1,4 +1,4 @@
-"""What the benches on the demo shot take as arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Arguments of the benches on the demo shot. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 

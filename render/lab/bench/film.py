@@ -60,17 +60,17 @@ class FinishRow:
 
 @dataclass(frozen=True)
 class FilmBench:
-    """What the film bench finds; its fields are the keys of its JSON.
+    """Results of the film bench; the fields are the keys of its JSON.
 
     Attributes:
-        device: that drew.
-        width: of the picture in pixels.
-        height: likewise.
-        rays: for each pixel.
-        frame_ms: the frame itself, without its finish, by the wall's clock.
-        frame_cpu_ms: by the processor's.
+        device: name of the device.
+        width: picture width in pixels.
+        height: picture height in pixels.
+        rays: rays per pixel.
+        frame_ms: wall time of the frame without its finish.
+        frame_cpu_ms: the same in processor time.
         rows: the ways to finish it.
-        goals: what is held to what.
+        goals: goals and whether they are met.
     """
 
     device: str

@@ -1,4 +1,4 @@
-"""What the film bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the film bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from render.lab.bench.demo_plan import add_picture_arguments, of_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540)
-"""What `record` makes where nothing else is said."""
+"""Default settings of `record`."""
 FRAME = 40
-"""Of the demo shot."""
+"""Frame of the demo shot."""
 HALATION, NO_HALATION = HalationSettings(amount=0.05, radius_mm=0.1), HalationSettings()
 
 

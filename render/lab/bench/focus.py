@@ -32,13 +32,13 @@ GOAL_SOLVE_S = 1.0
 
 @dataclass(frozen=True)
 class SurfaceRow:
-    """What control points cost. Milliseconds.
+    """Cost of control points, in milliseconds.
 
     Attributes:
-        points: how many; 0 is the plane that a lens has.
-        trace_ms: the tracing, by the wall's clock.
-        trace_cpu_ms: by the processor's, of all threads.
-        share: of the plane's tracing that comes on top, by the processor's clock.
+        points: number of control points; 0 is the lens's plane of focus.
+        trace_ms: wall time of the tracing.
+        trace_cpu_ms: processor time of the tracing, all threads.
+        share: extra processor time, as a share of the plane's.
     """
 
     points: int
@@ -49,16 +49,16 @@ class SurfaceRow:
 
 @dataclass(frozen=True)
 class FocusBench:
-    """What the focus bench finds; its fields are the keys of its JSON.
+    """Results of the focus bench; the fields are the keys of its JSON.
 
     Attributes:
-        device: that traced.
-        width: of the picture in pixels.
-        height: likewise.
-        rays: for each pixel.
-        solvers: seconds of one core.
-        surfaces: the tracer's part.
-        goals: what is held to what.
+        device: name of the device.
+        width: picture width in pixels.
+        height: picture height in pixels.
+        rays: rays per pixel.
+        solvers: times of the solvers on one core, seconds.
+        surfaces: times of the tracer.
+        goals: goals and whether they are met.
     """
 
     device: str

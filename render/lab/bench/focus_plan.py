@@ -1,4 +1,4 @@
-"""What the focus bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the focus bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=False)
-"""That of the lens bench."""
+"""Settings of the lens bench."""
 POINT_COUNTS = (0, 1, 8, 32, 64)
 
 

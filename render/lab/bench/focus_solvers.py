@@ -1,4 +1,4 @@
-"""What solving for focus costs: one core's seconds for many points over many frames."""
+"""Cost of the focus solvers: processor seconds for many points over many frames."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _FRAME_WIDTH = 0.72  # slopes: 36 mm of film behind 50 mm
 
 @dataclass(frozen=True)
 class SolverRow:
-    """What a solver costs.
+    """Cost of one solver.
 
     Attributes:
-        solver: which.
+        solver: name of the solver.
         points: focus points in every frame.
-        frames: solved together.
-        seconds: of the processor, all threads: the least of a few runs, as others' work only adds.
+        frames: frames solved together.
+        seconds: processor seconds, all threads: the least of a few runs, since other load only adds.
     """
 
     solver: str

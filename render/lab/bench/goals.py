@@ -1,4 +1,4 @@
-"""What the lens engine is held to, beside what the bench has measured. The comparison in wall time is the goal."""
+"""Goals of the lens engine and their measured values. The comparison in wall time is the goal."""
 
 from __future__ import annotations
 

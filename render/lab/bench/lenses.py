@@ -60,7 +60,7 @@ class BenchLens:
 
     @property
     def surfaces(self) -> int:
-        """How many; 0 for the ideal lens."""
+        """Number of surfaces; 0 for the ideal lens."""
         return len(self.lens.prescription.surfaces) if self.lens.prescription else 0
 
 

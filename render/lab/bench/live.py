@@ -72,15 +72,15 @@ class DragRow:
 
 @dataclass(frozen=True)
 class LiveBench:
-    """What the live bench finds; its fields are the keys of its JSON.
+    """Results of the live bench; the fields are the keys of its JSON.
 
     Attributes:
-        device: that drew.
-        width: of the picture at rest in pixels.
-        height: likewise.
-        rays: of each of its pixels.
+        device: name of the device.
+        width: width of the picture at rest in pixels.
+        height: height of the picture at rest in pixels.
+        rays: rays per pixel of the picture at rest.
         rows: the drags.
-        goals: what is held to what.
+        goals: goals and whether they are met.
     """
 
     device: str
@@ -167,7 +167,7 @@ class _Stand:
         return times[0], times[-1], shown, looks
 
     def _left(self, asked: PreviewRequest, after_s: float) -> float:
-        """How long work goes on that becomes stale so long after its first picture; 0 where it is done before."""
+        """Time for which work goes on after it becomes stale, ``after_s`` after its first picture; 0 where it ends before."""
         self._driver.release()
         since: list[float] = []  # the first picture
 

@@ -1,4 +1,4 @@
-"""What the live bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the live bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from render.lab.bench.demo_plan import add_picture_arguments, of_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540)
-"""What `record` makes where nothing else is said."""
+"""Default settings of `record`."""
 FRAME = 48
-"""Of the demo shot, where the drags begin."""
+"""Frame of the demo shot where the drags begin."""
 STEPS = 20
 """Pictures of a drag, before the hand rests."""
 FIRST_MS = {"focus": 120.0, "aperture": 120.0, "time": 400.0}
@@ -23,11 +23,11 @@ DRAGS = ("focus", "aperture", "time", "camera", "grade")
 
 @dataclass(frozen=True)
 class LivePlan:
-    """What is measured.
+    """Plan of the measurements.
 
     Attributes:
-        picture: at rest.
-        steps: pictures of each drag.
+        picture: settings of the picture at rest.
+        steps: number of pictures in each drag.
     """
 
     picture: FrameSettings

@@ -53,15 +53,15 @@ class MotionRow:
 
 @dataclass(frozen=True)
 class MotionBench:
-    """What the motion bench finds; its fields are the keys of its JSON.
+    """Results of the motion bench; the fields are the keys of its JSON.
 
     Attributes:
-        device: that drew.
-        width: of the picture in pixels.
-        height: likewise.
-        rays: for each pixel, over all moments.
+        device: name of the device.
+        width: picture width in pixels.
+        height: picture height in pixels.
+        rays: rays per pixel, over all moments.
         rows: the ways.
-        goals: what is held to what.
+        goals: goals and whether they are met.
     """
 
     device: str

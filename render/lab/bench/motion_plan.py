@@ -1,4 +1,4 @@
-"""What the motion bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the motion bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from render.lab.bench.demo_plan import add_picture_arguments, of_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540, motion=16)
-"""What `record` makes where nothing else is said, at sixteen moments."""
+"""Default settings of `record`, at sixteen moments."""
 FRAME = 48
-"""Of the demo shot: both robots walk, the camera travels, and the focus goes from one to the other."""
+"""Frame of the demo shot in which both robots walk, the camera travels, and the focus goes from one to the other."""
 COUNTS = (4, 16, 64)
 """Moments that velocities are measured at."""
 

@@ -1,4 +1,4 @@
-"""What the lens bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the lens bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from render.lab.reference.bench_scenes import SCENES
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=False)
-"""What the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
+"""Settings that the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
 TABLE_REPEATS, SWEEP_REPEATS = Repeats(least=3), Repeats(least=1)
 SWEPT = "statues"
 """The scene of the sweeps, where it is among those measured."""
@@ -19,16 +19,16 @@ SWEPT = "statues"
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured.
+    """Plan of the measurements.
 
     Attributes:
         picture: settings of the table.
-        repeats: of the table's pictures; times are medians.
-        sweep_repeats: of those of the sweeps.
-        rays: counts of the sweep.
-        layers: likewise.
-        f_stops: likewise.
-        lenses: likewise.
+        repeats: repetitions of the table's pictures; times are medians.
+        sweep_repeats: repetitions of the sweeps' pictures.
+        rays: numbers of rays in their sweep.
+        layers: numbers of layers in their sweep.
+        f_stops: f-numbers in their sweep.
+        lenses: lenses in their sweep.
     """
 
     picture: FrameSettings = PICTURE
@@ -67,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_plan(arguments: argparse.Namespace) -> Plan:
-    """What the arguments ask for.
+    """Plan from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

@@ -1,4 +1,4 @@
-"""How a bench says what it found: a table for people, JSON for programs."""
+"""Output of a bench: a table for people, JSON for programs."""
 
 from __future__ import annotations
 

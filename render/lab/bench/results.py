@@ -1,4 +1,4 @@
-"""What the lens bench finds, as plain data: its fields are the keys of the bench's JSON."""
+"""Results of the lens bench as plain data: the fields are the keys of the bench's JSON."""
 
 from __future__ import annotations
 
@@ -137,13 +137,13 @@ class SurfacesRow(Times):
 
 @dataclass(frozen=True)
 class Goal:
-    """What is wanted, and whether it holds.
+    """Goal and whether it is met.
 
     Attributes:
-        goal: what, in words.
-        want: the bound.
-        got: what was measured.
-        holds: whether it is within the bound.
+        goal: the goal in words.
+        want: bound.
+        got: measured value.
+        holds: whether the value is within the bound.
     """
 
     goal: str
@@ -154,14 +154,14 @@ class Goal:
 
 @dataclass(frozen=True)
 class Sweeps:
-    """What changes along one setting, in the scene that is named.
+    """Sweeps of one setting each, in the named scene.
 
     Attributes:
-        scene: its name.
-        rays: by count.
-        layers: likewise.
-        aperture: by f-number.
-        surfaces: by lens.
+        scene: name of the scene.
+        rays: rows by number of rays.
+        layers: rows by number of layers.
+        aperture: rows by f-number.
+        surfaces: rows by lens.
     """
 
     scene: str
@@ -214,7 +214,7 @@ def _finite(value: Any) -> Any:
 
 
 def times(traced: Traced) -> tuple[Times, Times]:
-    """What a picture cost, by the wall's clock and by the processor's."""
+    """Cost of a picture, in wall time and in processor time."""
     peel, nbuffers = traced.stages["peel"], traced.stages["nbuffers"]
     trace = traced.stages["rays"] + traced.stages["trace"]
     total = peel + nbuffers + trace

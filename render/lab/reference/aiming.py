@@ -27,12 +27,12 @@ _NEAR = 1e-2  # the same, where it is on the way to another
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """How rays have to leave the film.
+    """Rays that reach their points on the stop, as they leave the film.
 
     Attributes:
         slopes: ``(n, 2)`` x and y for a step of -z, on the film's side.
         jacobian: ``(n, 2, 2)`` derivative of the point on the stop by the slope, mm.
-        solved: ``(n,)`` whether the ray goes through the wanted point of the stop.
+        solved: ``(n,)`` whether the ray passes its target point on the stop.
     """
 
     slopes: DoubleArray
@@ -105,7 +105,7 @@ class AimedLens:
         return met - stop_mm, np.stack([by_x - met, by_y - met], axis=-1) / _NUDGE
 
     def _near_axis(self) -> tuple[float, float]:
-        """What a point on the stop near the axis moves by for one mm on the film, and for a slope of one."""
+        """Derivatives of the point on the stop, near the axis: by the height on the film (mm), and by the slope."""
         small = 1e-4
         met = self.on_stop(self.from_film(small * np.array([[1.0, 0], [0, 0]]), small * np.array([[0.0, 0], [1, 0]])))
         return float(met[0, 0]) / small, float(met[1, 0]) / small

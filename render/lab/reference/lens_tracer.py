@@ -123,7 +123,7 @@ class _Step:
 def _through(
     steps: Sequence[_Step], origins: DoubleArray, directions: DoubleArray, *, clip: bool
 ) -> tuple[DoubleArray, DoubleArray, IntArray, NDArray[np.bool_]]:
-    """What `TracedRays` holds, vectors as ``(3, n)``; for as few rays as fit a cache."""
+    """Fields of `TracedRays`, with vectors as ``(3, n)``; for no more rays than fit a cache."""
     positions, headings = np.array(origins, np.float64), np.array(directions, np.float64)
     last, blocked_at = headings.copy(), np.full(positions.shape[1], OPEN, np.int32)
     beyond_rim = np.zeros(len(blocked_at), bool)

@@ -1,4 +1,4 @@
-"""How alike two pictures are: PSNR and SSIM (Wang et al. 2004), on display-encoded values.
+"""Similarity of two pictures: PSNR and SSIM (Wang et al. 2004), on display-encoded values.
 
 Scene-linear radiance has no white to measure noise against, and one light would outweigh a whole picture; both pictures are
 clipped to [0, 1] and encoded by the sRGB curve first, as one would look at them.

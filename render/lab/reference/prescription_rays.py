@@ -38,13 +38,13 @@ class SceneRays:
 
 @dataclass(frozen=True, eq=False)
 class _Guesses:
-    """How rays from a coarse grid of film points have to be aimed, for every sample of the pupil.
+    """Start values for aiming: rays from a coarse grid of film points, for every sample of the pupil.
 
     Attributes:
         across: ``(columns,)`` ideal slopes of the nodes.
         up: ``(rows,)`` likewise.
         aims: ``(samples, rows, columns, 6)`` slope on the film's side, and the derivative of the stop point by it.
-        open: ``(samples, rows, columns)`` whether such a ray was found and comes through the lens.
+        open: ``(samples, rows, columns)`` whether such a ray was found and passes the lens.
     """
 
     across: DoubleArray

@@ -24,11 +24,11 @@ _DEPTH_SHARE = 0.25  # how much a box's depth counts against its breadth where b
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What rays met, in the shape ``(packets, rays)`` of the rays.
+    """Hits of rays, in the shape ``(packets, rays)`` of the rays.
 
     Attributes:
         w: inverse depth, 1/m; 0 where a ray met nothing.
-        triangle: which, -1 for none.
+        triangle: index of the triangle, -1 for none.
         u: barycentric coordinate of the second corner.
         v: barycentric coordinate of the third corner.
     """

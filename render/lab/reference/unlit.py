@@ -37,7 +37,7 @@ class _Part:
 
 
 class UnlitScene:
-    """What rays see, from one camera."""
+    """Unlit scene seen from one camera."""
 
     def __init__(self, scene: Scene, camera_from_world: DoubleArray, *, near_m: float, far_m: float) -> None:
         """Bring the scene's triangles, instances and all, before the camera.
@@ -62,7 +62,7 @@ class UnlitScene:
         self._world_from_camera = np.linalg.inv(camera_from_world)
 
     def seen(self, offsets: DoubleArray, slopes: DoubleArray) -> DoubleArray:
-        """What each ray sees.
+        """Radiance along each ray.
 
         Args:
             offsets: ``(packets, rays, 2)`` where rays pass the entrance pupil's plane, metres to the right and up.

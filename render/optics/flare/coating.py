@@ -1,4 +1,4 @@
-"""How much light a lens surface sends back: Fresnel's equations, bare or under a quarter-wave coating.
+"""Reflectance of a lens surface: Fresnel's equations, bare or under a quarter-wave coating.
 
 Light is unpolarised at each surface: the mean of both polarisations counts (as in Hullin et al. 2011, "Physically-Based Real-Time
 Lens Flare Rendering", section 4.3), and glass and coating absorb nothing.
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 
 MGF2_INDEX = 1.38
-"""Of magnesium fluoride, which single coatings of lenses are made of (Macleod, "Thin-Film Optical Filters")."""
+"""Refractive index of magnesium fluoride, the material of single coatings (Macleod, "Thin-Film Optical Filters")."""
 
 
 def reflectance(

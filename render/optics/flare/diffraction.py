@@ -25,19 +25,19 @@ _ROUND = 512  # corners of the iris between two neighbouring ones of its blades,
 _CHORDS = 2048
 _CORE, _LEAST_CORE_PX = 3.0, 2.0  # of a star, in λ/D and at least
 _SIDE = 512
-# Of a picture's frequencies, in cycles a pixel, away from 0: those that look alike on its pixels. As many lie on either side of
-# half a cycle, so that the sum has no kink there, which would draw every other pixel too bright.
+# Frequencies that alias to one of a picture's, in cycles a pixel, as offsets away from 0. As many lie on either side
+# of half a cycle, so that the sum has no kink there, which would draw every other pixel too bright.
 _NEIGHBOURS, _FAR = (-2, -1, 0, 1), (-2, 1)
 _ROWS = 128  # of frequencies at once: it bounds the memory
 
 
 @dataclass(frozen=True, eq=False)
 class Star:
-    """What diffraction does to pictures of one size.
+    """Diffraction star for pictures of one size.
 
     Attributes:
-        transfer: ``(rows, columns / 2 + 1, 3)`` what each spatial frequency of the padded picture keeps.
-        kept: ``(height, width, 3)`` of each place of a white picture with black around it, how much light is still there.
+        transfer: ``(rows, columns / 2 + 1, 3)`` transfer function over the spatial frequencies of the padded picture.
+        kept: ``(height, width, 3)`` share of its light that each pixel of a white picture on black keeps.
         padded: rows and columns.
     """
 
@@ -105,7 +105,7 @@ def _star(
 def _transfer(
     table: FloatArray, across: DoubleArray, down: DoubleArray, shift: tuple[float, float], turn_rad: float
 ) -> FloatArray:
-    """What frequencies in cycles a pixel keep, once pixels have gathered the light that falls anywhere in them.
+    """Transfer function at frequencies in cycles a pixel, with the light integrated over each pixel.
 
     A pixel of light meets a pixel of film: both are even squares, whose overlap over the distance is a triangle. So between
     pixels the star is weighed by triangles, and its transform is a sum over the frequencies that look alike on pixels.

@@ -96,7 +96,7 @@ _Job = tuple[Source, _Box, int]
 def _boxes(
     lens: FocusedLens, path: GhostPath, sources: Sequence[Source], iris_share: float, faintest: float
 ) -> list[tuple[Source, _Box]]:
-    """What of the front lens a ghost's light enters by, for those sources whose ghost is there and bright enough."""
+    """Boxes on the front lens by which a ghost's light enters, for the sources whose ghost is there and bright enough."""
     front, shape = lens.prescription.surfaces[0], (len(sources), _COARSE[1], _COARSE[0])
     deep = abs(float(sag_mm(front, front.semi_diameter_mm**2)))
     halves = [front.semi_diameter_mm + deep * float(np.hypot(*source.slope)) for source in sources]

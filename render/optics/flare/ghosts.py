@@ -171,6 +171,6 @@ def _reflects(prescription: Prescription, index: int) -> bool:
 
 
 def _coating_nm(prescription: Prescription, index: int) -> float:
-    """Of a surface between glass and air; where glass is cemented to glass there is no coating."""
+    """Coating of a surface between glass and air, nm; a cemented surface has none."""
     is_cemented = _is_glass(prescription, index - 1) and _is_glass(prescription, index)
     return 0.0 if is_cemented else prescription.surfaces[index].coating_nm

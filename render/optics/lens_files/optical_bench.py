@@ -132,7 +132,7 @@ def _powers(text: LensText, constants: Sequence[Row]) -> list[int]:
 
 
 def _finish_focus(draft: Draft, positions: Positions, thickness_names: Sequence[str]) -> None:
-    """What the positions say of the last distance, of focusing, and of the choice among them."""
+    """Set the last distance and the focusing group from the file's positions, and note which position was chosen."""
     last = draft.surfaces[-1]
     if positions.object_is_near() or last.thickness < 0:
         last.thickness = 0.0

@@ -12,10 +12,10 @@ _NOTHING = ("", "undefined", "?")
 
 
 class Positions:
-    """What the section [variable distances] says.
+    """Section [variable distances] of a file.
 
     Args:
-        text: the file.
+        text: text of the file.
         rows: line and words of each row, by its name in small letters.
     """
 

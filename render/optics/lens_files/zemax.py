@@ -31,7 +31,7 @@ _UNITS_MM = {"MM": 1.0, "CM": 10.0, "IN": 25.4, "INCH": 25.4, "INCHES": 25.4, "M
 _TYPES = ("STANDARD", "EVENASPH")
 _PARAMETERS = tuple("12345678")
 _MODEL_GLASS = "___BLANK"
-# What stands behind the name of a catalogue glass: no index of its own, as files written by OpticStudio show.
+# Placeholder behind the name of a catalogue glass: not its own index, as files written by OpticStudio show.
 _NO_INDEX = (1.5, 40.0)
 
 

@@ -68,7 +68,7 @@ class ExposureSettings:
 
     @property
     def scale(self) -> float:
-        """What radiance is multiplied by; UsdGeomCamera's ``ComputeLinearExposureScale``."""
+        """Factor on radiance; UsdGeomCamera's ``ComputeLinearExposureScale``."""
         return self.time_s * self._gain / (100 * self.f_stop**2)
 
     @property
@@ -77,7 +77,7 @@ class ExposureSettings:
         return math.log2(100 * self.f_stop**2 / (self.time_s * self.iso))
 
     def value(self, lux_seconds: ArrayLike) -> DoubleArray:
-        """What an exposure of the film becomes in the picture, scene-linear.
+        """Scene-linear picture value of an exposure of the film.
 
         Args:
             lux_seconds: any shape; `illuminance_lux` times the exposure time.
@@ -126,7 +126,7 @@ def nd_transmittance(density: float) -> float:
 
 
 def stops_of_density(density: float) -> float:
-    """How many stops darker a neutral density filter makes the picture: 0.3 is one, nearly."""
+    """Stops of a neutral density filter; a density of 0.3 is nearly one stop."""
     return density * math.log2(10)
 
 
@@ -151,7 +151,7 @@ def transmittance_of_t_stop(t_stop: float, f_stop: float) -> float:
 
 
 def shutter_time_s(angle_rad: float, frames_per_second: float) -> float:
-    """How long a rotating shutter of an opening exposes each frame.
+    """Exposure time of each frame under a rotating shutter.
 
     Raises:
         SettingsError: the opening is not above 0 and up to a full turn, or the frame rate is not positive.

@@ -27,7 +27,8 @@ from render.optics.view import PinholeView
 
 @dataclass(frozen=True)
 class LightPath:
-    """What is between a surface of the scene and the film: the terms of the illuminance that are the same all over it.
+    """Light path between a surface of the scene and the film: the terms of the illuminance that are constant over the
+    surface.
 
     Attributes:
         f_stop: N, relative aperture: focal length over the diameter of the entrance pupil.
@@ -151,13 +152,14 @@ UNVIGNETTED = ("pinhole", "thin", "seidel")
 
 
 def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: bool = False) -> FloatArray | None:
-    """What is left of the light over a picture where that is not in the lens's rays; None where it is, or all of it is left.
+    """Relative light over the picture, where the lens's rays do not carry it; None where they do, or where it is 1
+    everywhere.
 
     Args:
-        camera: its lens says whether it falls off.
-        width: of the picture in pixels.
-        height: likewise.
-        is_pinhole: whether it is drawn as a pinhole, whatever its lens.
+        camera: camera whose lens says whether light falls off.
+        width: picture width in pixels.
+        height: picture height in pixels.
+        is_pinhole: whether the picture is drawn as a pinhole's, whatever the lens.
 
     Returns:
         ``(height, width)``.

@@ -33,11 +33,11 @@ _ROWS_AT_ONCE = 256
 
 @dataclass(frozen=True)
 class Reading:
-    """What a meter says.
+    """Reading of a light meter.
 
     Attributes:
-        luminance_nits: mean luminance of what it looked at; 0 where that is black.
-        settings: of the exposure.
+        luminance_nits: mean luminance of the metered pixels; 0 where they are black.
+        settings: exposure settings.
     """
 
     luminance_nits: float
@@ -105,7 +105,7 @@ def meter_weights(
     spot_px: tuple[float, float] | None = None,
     spot_radius_px: float = 0.0,
 ) -> DoubleArray:
-    """How much each pixel counts.
+    """Weights of the pixels in a metering mode.
 
     - ``spot``: a disc, such as around a focus point; no smaller than a pixel.
     - ``center``: a bell in the middle of the picture, three quarters of it within a circle of a third of the picture's width, as
@@ -113,9 +113,9 @@ def meter_weights(
     - ``average``: all of the picture alike.
 
     Args:
-        mode: which of them.
-        width: of the picture, pixels.
-        height: likewise.
+        mode: metering mode.
+        width: picture width in pixels.
+        height: picture height in pixels.
         spot_px: middle of the spot, right and down from the top left corner.
         spot_radius_px: see `spot_radius_px`.
 

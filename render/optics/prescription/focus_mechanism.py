@@ -1,4 +1,4 @@
-"""What moves when a lens is focused, how far it can, and where it must stand for an object to be sharp.
+"""Focusing mechanism of a lens: the glass that moves, its travel, and its position for an object distance.
 
 The film stands still, where it is with the lens focused at infinity. For any place of what moves, the film has one image in
 object space to first order; focusing finds the place where that image lies as far away as is asked for.
@@ -38,13 +38,13 @@ _SHARP = 1e-8  # spread on the film over that in the pupil
 
 @dataclass(frozen=True)
 class FilmThroughLens:
-    """How the film is seen from object space, to first order: ``y = lift·h + scale·u`` is where a ray ends on the film that
+    """View of the film from object space, to first order: ``y = lift·h + scale·u`` is where a ray ends on the film that
     passes the entrance pupil at height h with slope u.
 
     Attributes:
         lift: 0 for a lens focused at infinity.
         scale_mm: the focal length for a lens focused at infinity.
-        pupil_depth_mm: from the front vertex to the entrance pupil.
+        pupil_depth_mm: distance from the front vertex to the entrance pupil.
     """
 
     lift: float
@@ -57,7 +57,7 @@ class FilmThroughLens:
 
     @property
     def nearness(self) -> float | None:
-        """Of the plane that is sharp; None where none is before the lens."""
+        """Nearness of the plane that is sharp; None where none is before the lens."""
         if abs(self.lift) < _SHARP:
             return 0.0
         if self.scale_mm <= 0 or self.lift > 0 or -self.lift * self.pupil_depth_mm >= self.scale_mm:
@@ -103,7 +103,7 @@ class FocusMechanism:
         return moved
 
     def film_through_lens(self, shift_mm: float) -> FilmThroughLens:
-        """How the film is seen from object space."""
+        """View of the film from object space, with the moving glass shifted by ``shift_mm``."""
         system = replace(self.system, vertices_mm=self.moved(shift_mm))
         (lift, scale), _ = transfer(system, 0, len(system.powers), to_mm=self.film_mm)
         depth = entrance_pupil(system, self.stop)[0] - float(system.vertices_mm[0])
@@ -179,7 +179,7 @@ class FocusMechanism:
         return (start + end) / 2
 
     def travel(self) -> tuple[float, float]:
-        """How far the group can move toward the scene (not above 0) and toward the film (not below)."""
+        """Travel of the group: toward the scene (at most 0) and toward the film (at least 0), mm."""
         surfaces, (first, last) = self.prescription.surfaces, self.moving
         focal_mm = 1 / abs(float(transfer(self.system, 0, len(surfaces))[1][0]))
         front, behind = LONGEST_WAY * focal_mm, surfaces[last].thickness_mm

@@ -92,7 +92,7 @@ def _check_complete(prescription: Prescription) -> None:
 
 
 def _stop_radius_mm(prescription: Prescription, f_stop: float) -> float:
-    """Of the iris: f-numbers are those of the lens focused at infinity."""
+    """Radius of the stop; the f-number refers to the lens focused at infinity."""
     first = first_order(prescription)
     wide_open = prescription.surfaces[stop_index(prescription)].semi_diameter_mm
     return min(wide_open, first.focal_length_mm / (2 * f_stop * abs(first.entrance_pupil_magnification)))

@@ -47,10 +47,10 @@ def breathing_ratio(camera: Camera) -> float:
 
 
 def distance_from_film_m(camera: Camera) -> float:
-    """How far before the film the plane of focus is, as makers engrave distances; the camera's own is from the entrance pupil.
+    """Focus distance measured from the film, as makers engrave it; the camera's own is measured from the entrance pupil.
 
     Raises:
-        InputError: the prescription is no lens.
+        InputError: the prescription is not a lens.
         SettingsError: it does not reach the focus distance.
     """
     distance_m = camera.focus_distance_m

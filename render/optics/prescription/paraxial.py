@@ -18,7 +18,7 @@ from render.optics.glass import D_LINE_NM, refractive_index
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """What a lens is to first order, at one wavelength, in air.
+    """First-order properties of a lens at one wavelength, in air.
 
     Attributes:
         focal_length_mm: effective focal length; positive where parallel light converges.

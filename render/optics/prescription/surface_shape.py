@@ -53,7 +53,7 @@ def conic_extent_mm(surface: Surface) -> float:
 
 
 def extent_mm(surface: Surface) -> float:
-    """How far from the axis the surface is known: its clear semi-diameter, else where it turns back or grows too steep."""
+    """Radius out to which the surface is known: its clear semi-diameter, else where it turns back or grows too steep."""
     if surface.semi_diameter_mm > 0:
         return surface.semi_diameter_mm
     if not surface.aspheric:

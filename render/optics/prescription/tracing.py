@@ -24,7 +24,7 @@ _RIM_SLACK = 1 + 1e-9
 
 
 class Fate(IntEnum):
-    """What becomes of a ray."""
+    """Outcome of tracing a ray."""
 
     PASSES = 0
     BLOCKED = 1  # by the rim of a surface, or by the stop
@@ -142,7 +142,7 @@ def _trace(
 
 
 def _rim_mm(surface: Surface, stop_radius_mm: float | None) -> float:
-    """How far from the axis a surface lets light through."""
+    """Radius from the axis within which a surface lets light pass."""
     rim = surface.semi_diameter_mm if surface.semi_diameter_mm > 0 else np.inf
     return min(rim, stop_radius_mm) if surface.is_stop and stop_radius_mm is not None else rim
 

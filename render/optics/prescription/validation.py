@@ -1,4 +1,4 @@
-"""What is wrong with a prescription, said of the surface that it is wrong at: counted from 1, front to rear."""
+"""Validation of prescriptions. A fault names its surface, counted from 1, front to rear."""
 
 from __future__ import annotations
 

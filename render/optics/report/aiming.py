@@ -22,10 +22,10 @@ _SOLVED = 1e-7  # of the stop's radius: how near to its point a ray passes
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """What rays are to connect.
+    """End points of the rays to be found.
 
     Attributes:
-        slopes: ``(n, 2)`` where their object stands: right and up for a step of depth, from the entrance pupil's centre.
+        slopes: ``(n, 2)`` direction of their object: right and up per step of depth, from the entrance pupil's centre.
         nearness_per_mm: 1 over its depth; 0 is infinity.
         stop_mm: ``(n, 2)`` where they cross the stop.
         pupil_mm: ``(n, 2)`` where the chief ray to that object crosses the plane of the entrance pupil.
@@ -41,13 +41,13 @@ class Targets:
 
 @dataclass(frozen=True, eq=False)
 class AimedRays:
-    """How rays have to enter the lens.
+    """Rays that reach their targets, as they enter the lens.
 
     Attributes:
         points_mm: ``(n, 3)`` on the plane of the front vertex.
         directions: ``(n, 3)`` unit vectors toward the film.
         shrinking: ``(n,)`` area on the entrance pupil's plane over area on the stop.
-        solved: ``(n,)`` whether the ray gets to its point of the stop.
+        solved: ``(n,)`` whether the ray reaches its point on the stop.
     """
 
     points_mm: DoubleArray

@@ -1,4 +1,4 @@
-"""What a small bright light far behind the subject looks like in the picture, at places of the frame."""
+"""Bokeh: the image of a small bright light far behind the subject, at places of the frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a lens changes over its field: spots, the curvature of its focus, distortion and illumination."""
+"""Field dependence of a lens: spots, field curvature, distortion and illumination."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Spot:
 
 @dataclass(frozen=True, eq=False)
 class FieldCurves:
-    """What changes with the image height; NaN where the lens is dark.
+    """Curves over the image height; NaN where the lens is dark.
 
     Attributes:
         heights_mm: ``(n,)`` from the axis to the corner of the gate.

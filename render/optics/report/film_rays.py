@@ -1,4 +1,4 @@
-"""What a lens makes of light from points of the scene, on its film: one account of it for every lens model.
+"""Rays from points of the scene on a lens's film, by one interface for every lens model.
 
 Places are millimetres on the film as the upright picture has them, right and up; depth along the light, from the film's plane.
 """

@@ -91,13 +91,13 @@ class GlassRays:
     def aimed(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_mm: float
     ) -> tuple[AimedRays, DoubleArray, DoubleArray]:
-        """How rays enter the lens that end at places of the picture, whatever rims say.
+        """Rays as they enter the lens that end at places of the picture; rims are ignored.
 
         Args:
             places_mm: ``(f, 2)``.
             pupil: ``(n, 2)``.
-            wavelength_nm: of the light.
-            nearness_per_mm: 1 over the depth that they come from.
+            wavelength_nm: wavelength of the light.
+            nearness_per_mm: 1 over the depth of their object.
 
         Returns:
             The rays, by place and pupil point; their wavelengths; and ``(f,)`` area in slopes over area on the film, 1/mm².

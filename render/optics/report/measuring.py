@@ -113,7 +113,7 @@ def _of_spheres(squared: DoubleArray, pupil: DoubleArray) -> tuple[DoubleArray, 
 
 
 def _share(off: DoubleArray, shape: DoubleArray) -> float:
-    """How much of a shape of errors is in these, by least squares."""
+    """Least-squares coefficient of a shape of errors in these errors."""
     return float((off * shape).sum() / (shape**2).sum())
 
 

@@ -1,5 +1,5 @@
 #version 450 core
-// What a film or a sensor makes of light, as render/film/process.py and sensor.py have it.
+// Film or sensor response, as in render/film/process.py and sensor.py.
 // in:  light, exposed and balanced; with HALATION what the base spreads of it; with GRAIN or SMOOTH_GRAIN noise; the stock's
 //      tables, RECORDS rows each: density over log exposure, granularity over density, the PRINT's density over log exposure
 // out: light of the print or positive on the screen, 1 where it is clear; of a SENSOR, or of neither, scene-linear light

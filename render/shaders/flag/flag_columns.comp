@@ -15,7 +15,7 @@ uniform int rows;
 uniform int ring;               // rows that are held, whole stretches
 uniform int most;
 
-// What a row sheds, which stands in the held row `held` and is `below` it.
+// Light of the row stored in `held`, which lies `below` rows below this one, on this row.
 vec4 shed_by(int x, int held, int below)
 {
     int z = abs(below);

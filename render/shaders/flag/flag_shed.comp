@@ -1,5 +1,5 @@
 #version 450 core
-// What each pixel sheds on those that its circle of confusion covers, and how far.
+// Light that each pixel scatters on every pixel of its circle of confusion, and the circle's radius.
 // in:  light of a field (premultiplied), its radii in pixels, the light of a spread point (blur_shape.py)
 // out: `shed`: light on one pixel; `reach`: radius in pixels, 0 where nothing is shed
 // Moersch & Hamilton 2014, section 3.2.1, keep light and radius together as well.

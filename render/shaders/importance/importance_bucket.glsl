@@ -1,4 +1,4 @@
-// How much a change shows, and into which bucket that puts the pixel (Fearing 1995, section 4.3).
+// Importance of a change, and the bucket that it puts the pixel in (Fearing 1995, section 4.3).
 // out: `waiting`: bucket, 0 for no change, and 256 times the number of pictures that the pixel has waited for; `counts` of the buckets,
 //      in each chunk of 64 half tiles
 // Buckets are quarters of an octave of importance. What waits doubles in importance with each picture, so that nothing starves.

@@ -1,4 +1,4 @@
-// What the change of a pixel comes to: effects that are added to the sums, each a light spread by one table.
+// Effects of a pixel's change: lights to add to the sums, each spread by one table.
 // state: number of the table, signed radius in pixels
 
 uniform bool has_cutoff;            // whether what is nearer hides what is farther: then the effects of two states never go together

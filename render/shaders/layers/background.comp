@@ -1,5 +1,5 @@
 #version 450 core
-// What a ray sees that meets no surface: the dome, at the direction of each pixel of the layers' view. Alpha is 0.
+// Radiance of rays that meet no surface: the dome, at the direction of each pixel of the layers' view. Alpha is 0.
 // in:  the dome's image; focal length and principal point of the view in pixels
 // out: radiance, scene-linear
 

@@ -11,7 +11,7 @@ uniform float since;        // the moment: -0.5 when the shutter opens, 0.5 when
 
 const float MOST_M = 60000.0;   // what a half holds
 
-// How a surface moves in both halves of the time, in three words; the fourth is 1 where it moves at all.
+// Pack a surface's motion in both halves of the exposure into three words; the fourth is 1 where it moves.
 uvec4 packed_motion(vec3 first, vec3 second, bool moves)
 {
     first = clamp(first, vec3(-MOST_M), vec3(MOST_M));
@@ -44,7 +44,7 @@ vec2 carried(vec2 place, float w, vec3 moved)
     return layer_axis + layer_focal * (slope + moved.xy * w) / max(1.0 + moved.z * w, w * nearest_m);
 }
 
-// How fast something at `place` and w moves over the layers, px, if it moves by `moved`.
+// Motion over the layers, px, of a surface at `place` and w that moves by `moved` metres.
 vec2 drift(vec2 place, float w, vec3 moved)
 {
     return layer_focal * moved.xy * w - moved.z * w * (place - layer_axis);

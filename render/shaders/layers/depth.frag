@@ -23,7 +23,7 @@ uniform float umbra;  // how far in w an opaque surface hides what is behind it,
 layout(binding = 12) uniform usampler2DArray previous_motion;
 uniform int previous_layer;
 
-// How far this surface and the one in front of it part, at most, in either half of the time, px.
+// Greatest distance, px, by which this surface and the one in front of it move apart, in either half of the exposure.
 float parting(float last_w)
 {
     uvec4 stored = texelFetch(previous_motion, ivec3(ivec2(gl_FragCoord.xy), previous_layer), 0);

@@ -1,4 +1,4 @@
-// How the surface of this fragment moves in both halves of the time that the shutter is open; of what stands still, not at all.
+// Motion of this fragment's surface in both halves of the exposure; zero where it stands still.
 
 #include "layers/carried.glsl"
 

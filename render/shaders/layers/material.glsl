@@ -14,8 +14,8 @@ struct Surface {
     vec3 normal;         // camera space, towards the viewer's side
 };
 
-// How an image is read: rows 0 and 1 hold the 2x3 texture-coordinate transform, 2 the scale, 3 the bias;
-// row 0's last number is the channel that a scalar takes.
+// Image look-up: rows 0 and 1 hold the 2x3 texture-coordinate transform, 2 the scale, 3 the bias; the last number of
+// row 0 is the channel of a scalar input.
 struct Lookup {
     vec4 rows[4];
 };

@@ -1,5 +1,6 @@
 #version 450 core
-// What moves in each 4x4 block of each layer, and what it sweeps over while the shutter is open.
+// Moving surfaces in each 4x4 block of each layer, and the range of inverse depth that they sweep while the shutter is
+// open.
 // in:  w of the layers, four in a texture, and how their surfaces move (surface.frag)
 // out: `movers`: for each layer, the fastest and the slowest thing that moves in the block, in the first half of the time and in the
 //      second: how far (motion_in_half) and its w; 0 where nothing does

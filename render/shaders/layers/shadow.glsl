@@ -1,4 +1,5 @@
-// How much of a light a point sees, by shadow maps (one for a distant, disk, rect or spot light, six for a bare sphere).
+// Visibility of a light from a point, by shadow maps (one for a distant, disk, rect or spot light, six for a bare
+// sphere).
 // The maps hold reversed depth (1 near, 0 far); four bilinear comparisons soften the edge over about two texels.
 
 layout(std140, binding = 3) uniform ShadowBlock {

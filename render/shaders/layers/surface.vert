@@ -42,7 +42,7 @@ mat3 cofactor(mat3 m)
 }
 
 #ifdef MOVES
-// How far the vertex moves in both halves of the time.
+// Motion of the vertex in both halves of the exposure.
 void move(out vec3 first, out vec3 second)
 {
     vec3 from = position, to = position;

@@ -1,5 +1,5 @@
 #version 430
-// What of a ghost's light the iris and the rims let through, at each crossing.
+// Share of a ghost's light that the iris and the rims pass, at each crossing.
 
 uniform sampler2D iris;  // over the square around the unit circle, row 0 at the top, and a dark edge
 uniform float inner;     // share of it without the edge

@@ -63,7 +63,7 @@ bool meet_conic(LensSurface s, vec3 o, vec3 d, out float t)
     return true;
 }
 
-// How far a point of the ray lies behind the surface.
+// Distance, along z, of a point of the ray behind the surface.
 float behind(LensSurface s, vec3 p)
 {
     float sag;

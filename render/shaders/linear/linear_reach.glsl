@@ -1,4 +1,4 @@
-// How far a pixel sheds light, in pixels; below 0 where it has none.
+// Distance to which a pixel spreads light, in pixels; below 0 where it has none.
 
 uniform float beyond_px;            // what the tables reach over the radii that they are made for, at most
 

@@ -18,7 +18,7 @@ bool is_hidden(float from_px, float here_px)
     return from_px < own_share * min(here_px, 0.0) - cutoff_px;
 }
 
-// How often light of a radius counts on a pixel of this column.
+// Factor of light of a radius on a pixel of this column.
 float counted(float from_px, int row)
 {
     float counts = is_hidden(from_px, own_px[row]) ? 0.0 : 1.0;

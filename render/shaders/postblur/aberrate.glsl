@@ -1,4 +1,5 @@
-// What the image-space passes share: the errors of a lens over the height in the picture (render/postblur/picture_errors.py).
+// Picture errors of a lens over the height in the picture, shared by the image-space passes
+// (render/postblur/picture_errors.py).
 // Places are slopes of pixel centres, x right and y down; errors are slopes too, and `focal_px` makes pixels of them.
 // A row has source, even, along and across for red, green and blue each, then coma and light.
 

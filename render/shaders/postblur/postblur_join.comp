@@ -27,7 +27,7 @@ vec4 part(ivec2 at, sampler2D fine, sampler2D wide, vec2 wide_px)
     return wide_px.x > 0.0 ? light + textureLod(wide, (vec2(at) + 0.5) / wide_px, 0.0) : light;
 }
 
-// What is before, over what is behind it. More of it than can be is as much as can be.
+// Composite one part over another. Coverage above 1 counts as 1.
 vec3 over(vec4 before, vec3 behind)
 {
     return before.a >= 1.0 ? before.rgb / before.a : before.rgb + (1.0 - before.a) * behind;

@@ -1,5 +1,5 @@
 #version 450 core
-// What a point sheds on a pixel; the device adds it to what others shed.
+// Light of a splat on a pixel; additive blending sums the splats.
 
 flat in vec4 shed;
 flat in ivec2 corner;

@@ -1,4 +1,4 @@
-// What scattering knows of a point: how wide its spot is, and what of it needs no spot.
+// Splat of a pixel: the radius of its spot, and the share of its light that needs no spot.
 
 uniform sampler2D light;        // premultiplied
 uniform sampler2D radii;        // of circles of confusion, in pixels of the light

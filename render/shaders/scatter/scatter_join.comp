@@ -2,8 +2,8 @@
 // Puts a class of spots behind the ones that stand before it.
 // in:  what the spots of one class shed: light, and how much of each pixel it fills
 // out: `sum`: the classes so far, from the front; a pixel that they fill has no room for more
-// What is in front is drawn first, so that what is far out of focus does not leak over what is less so; a surface that goes on
-// from one class to the next fills its pixels from both.
+// Nearer size classes are composited over farther ones, so that a strongly blurred background does not leak over a less
+// blurred one; a surface that spans two classes fills its pixels from both.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;

@@ -1,5 +1,6 @@
 #version 450 core
-// What is spread wide, at less resolution: light of points whose circles of confusion are within some bounds, averaged over squares of pixels.
+// Reduce wide splats to less resolution: light of pixels whose circles of confusion are within bounds, averaged over
+// squares of pixels.
 // in:  a field's light (premultiplied) and circles of confusion in pixels
 // out: `reduced`, a `shrink`th as large on a side, and `reduced_radii` in its own pixels
 // Kyaw 2013, chapter 9, proposes a target of half the size for wide spots.

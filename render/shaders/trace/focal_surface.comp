@@ -32,7 +32,7 @@ uniform float squeeze;
 
 const float LEAST_D2 = 1e-14;
 
-// What the place shows: its slope in object space.
+// Slope in object space seen at a slope of the picture.
 vec2 seen_at(vec2 slope)
 {
     if (stretch_count == 0) return slope;

@@ -1,4 +1,4 @@
-// What peeled layers hold under a footprint: the range of inverse depth, and the stretches of it with surfaces.
+// Contents of peeled layers under a footprint: the range of inverse depth, and the intervals of it that hold surfaces.
 // Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values".
 
 uniform sampler2DArray ranges;  // N-buffers

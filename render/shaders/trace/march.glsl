@@ -21,7 +21,7 @@ uniform usampler2DArray motion; // how surfaces move while the shutter is open (
 uniform sampler2DArray movers;  // what moves in each block (movers.comp)
 layout(std430, binding = 10) readonly buffer Landing { uvec4 landing[]; };  // what lands in it (landing.comp)
 
-// What may move into a pixel at this moment; nothing where its third is 0.
+// Surfaces that may move into a pixel at this moment; none where the third number is 0.
 uvec4 landing_at(ivec2 pixel)
 {
     return landing[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
@@ -145,7 +145,7 @@ vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
     return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
 }
 
-// What a ray sees: premultiplied radiance and coverage, composited front to back.
+// March a ray through the layers: premultiplied radiance and coverage, composited front to back.
 vec4 march(vec2 a, vec2 b)
 {
     ivec2 last = textureSize(packed_w, 0) - 1;

@@ -6,7 +6,8 @@
 uniform int most_tries;         // more than enough; told from outside, so that no compiler writes the loops out
 const int ROUNDS_OF_MOTION = 4;
 const float SAME_PLACE = 0.8;   // px by which a surface may miss the ray that found it
-// What is looked for: what stands still; the fastest and the nearest of what may land here; what was peeled here and moves.
+// Kinds of surfaces searched for: still ones; the fastest and the nearest that may move into this pixel; moving ones
+// that were peeled in this pixel.
 const int STILL = 0, FASTEST = 1, NEAREST = 2, PASSED = 3;
 
 // A surface that is met: `hit.w` where it was peeled, `w` at the moment; `b` of the ray relative to it, and the pixel it was found in.
@@ -17,7 +18,7 @@ struct Look { int sought; vec4 mover; int round; };
 
 const Met NOTHING = Met(Hit(0.0, -1, false, 0.0), 0.0, vec2(0.0), ivec2(-9));
 
-// How the surface of a layer moves at this moment, and 1 where it does.
+// Motion of a layer's surface at this moment, and 1 where it moves.
 vec4 motion_at(ivec2 pixel, int layer)
 {
     uvec4 stored = texelFetch(motion, ivec3(pixel, layer), 0);
@@ -43,7 +44,7 @@ Stretch seen_moving(vec2 a, vec2 b, Stretch at, vec4 mover, ivec2 last, out vec2
     return there;
 }
 
-// What to look for when a look has ended; false where nothing is left.
+// Choose the next search when one has ended; false where none is left.
 bool next_look(inout Look look, uvec4 landed, vec4 passed)
 {
     look.round = 0;
@@ -106,7 +107,7 @@ Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
     return met;
 }
 
-// What a ray sees: premultiplied radiance and coverage, composited front to back.
+// March a ray through moving layers: premultiplied radiance and coverage, composited front to back.
 vec4 march_moving(vec2 a, vec2 b)
 {
     ivec2 last = textureSize(packed_w, 0) - 1;

@@ -1,5 +1,5 @@
-// How a surface's inverse depth changes over a layer pixel, as a share of itself, in 16 bits: w is linear over a plane's picture,
-// so w and its slope are the plane. Eight bits along x and along y, finer where the slope is small.
+// Slope of a surface's inverse depth over a layer pixel, relative to w, in 16 bits: eight along x and eight along y,
+// finer where the slope is small. w is linear over a plane's picture, so w and its slope define the plane.
 
 const float STEEPEST = 1.0;       // share of w per pixel; what is steeper lies on edge to the eye
 const float LONGEST_REACH = 0.05; // share of w by which a surface is followed from a pixel's centre to its corner at most
@@ -17,7 +17,7 @@ vec4 unpacked_slopes(uvec4 bits)
     return STEEPEST * root * root * root;
 }
 
-// How far, as a share of w, four surfaces reach between a pixel's centre and its corners.
+// Greatest relative difference of w between a pixel's centre and its corners, for four surfaces.
 vec4 reach_of(uvec4 slopes)
 {
     return min(0.5 * (abs(unpacked_slopes(slopes)) + abs(unpacked_slopes(slopes >> 8))), vec4(LONGEST_REACH));

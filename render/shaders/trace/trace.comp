@@ -110,8 +110,9 @@ uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
     return held;
 }
 
-// How much light passes the lens for this pixel is known better than a few rays tell that pass or are blocked: what they see is
-// brought to that. Not where the iris is shaped and clipped, which the table does not know.
+// Share of the light that passes the lens for this pixel, from the lens table, which is more accurate than counting a
+// few rays that pass or are blocked: the radiance is scaled to it. Not where the iris is shaped and clipped, which the
+// table does not know.
 float known_light(float weights, float count)
 {
 #ifdef POLYNOMIAL_LENS

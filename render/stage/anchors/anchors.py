@@ -120,7 +120,7 @@ class AnchorReader:
 
 
 class _Sources:
-    """What holds at all times that are asked for at once."""
+    """Sources shared by all times of one request."""
 
     def __init__(self, stage: Usd.Stage, skeletons: Skeletons, log: FindingLog) -> None:
         self.stage, self.skeletons, self.log = stage, skeletons, log
@@ -130,10 +130,10 @@ class _Sources:
         self._chains: dict[tuple[str, str], list[tuple[InstancerLink, ...]]] = {}
 
     def prim(self, focus_point: FocusPoint) -> Usd.Prim:
-        """What a focus point is on.
+        """Prim that a focus point is attached to.
 
         Raises:
-            NotFoundError: it is no prim with a place.
+            NotFoundError: the target is not a prim with a place in the world.
         """
         path = focus_point.target[-1] if focus_point.target else ""
         prim = self.stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None

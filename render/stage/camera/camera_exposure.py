@@ -27,7 +27,7 @@ def camera_number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
 
 
 def exposure_scale(usd: UsdGeom.Camera, time: Usd.TimeCode) -> float:
-    """What radiance is multiplied by, as UsdGeomCamera computes it, which passes over what is not a number.
+    """Factor on radiance, as UsdGeomCamera computes it. Unlike UsdGeomCamera, raise where a number is out of range.
 
     Raises:
         CameraError: one of the numbers is beyond what an exposure can have, or all together are; the message names it.

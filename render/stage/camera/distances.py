@@ -1,4 +1,4 @@
-"""How far from the origin single precision still puts vertices where they belong."""
+"""Greatest distance from the origin at which single-precision vertices are accurate enough."""
 
 from __future__ import annotations
 

@@ -15,14 +15,14 @@ ASPHERIC = tuple(f"aspheric{power}" for power in range(4, 21, 2))
 
 
 def lens_data(prescription: Prescription, name: str = "") -> LensData:
-    """What LensAPI says of a prescription.
+    """LensAPI data of a prescription.
 
     Args:
-        prescription: as a file has it; what is missing stays so.
-        name: of the lens; by default the prescription's own.
+        prescription: as read from a file; missing values stay missing.
+        name: name of the lens; by default the prescription's own.
 
     Raises:
-        InputError: it has terms that the schema has no place for.
+        InputError: it has terms that the schema cannot hold.
     """
     surfaces = prescription.surfaces
     longest = max(len(surface.aspheric) for surface in surfaces)
@@ -58,7 +58,7 @@ def lens_data(prescription: Prescription, name: str = "") -> LensData:
 
 
 def measured_lens_data(lens: MeasuredLens) -> LensData:
-    """What LensAPI says of a lens by its data sheet."""
+    """LensAPI data of a lens described by its data sheet."""
     sheet = lens.sheet
     return LensData(
         model="dataSheet",

@@ -26,7 +26,7 @@ from render.stage.materials.material import BoundMaterial
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What a group needs to draw at a time.
+    """Resources for drawing a group at one time.
 
     Attributes:
         transforms: transforms at that time.
@@ -64,7 +64,7 @@ class Group(ABC):
 
     @abstractmethod
     def batches(self, moment: Moment) -> tuple[Batch, ...]:
-        """What is drawn at a time; the same objects as before where nothing has changed."""
+        """Batches drawn at a time; the same objects as before where nothing has changed."""
 
     def _drawn(
         self,

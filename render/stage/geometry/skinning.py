@@ -15,12 +15,12 @@ from render.stage.world import column_matrix
 
 @dataclass(frozen=True, eq=False)
 class _Bound:
-    """What bends a prim.
+    """Skinning of a prim.
 
     Attributes:
         prim: the skeleton beside the prim; a native instance's own, while the queries speak of the prototype's.
         skeleton: its joints.
-        skinning: how the prim hangs on them.
+        skinning: binding of the prim to the joints.
     """
 
     prim: Usd.Prim

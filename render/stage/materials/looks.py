@@ -1,4 +1,4 @@
-"""What a bound material looks like, whatever language it is written in; each material is read once."""
+"""Looks of bound materials, in any supported shading language; each material is read once."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from render.stage.geometry.primvars import as_rows
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """What feeds a shader input.
+    """Source of a shader input's value.
 
     Attributes:
         value: the constant, or None where a shader feeds it.
@@ -37,7 +37,7 @@ class NetworkReader:
         self.varies = False
 
     def source(self, shader: UsdShade.Shader, name: str) -> Source | None:
-        """What feeds an input, or None where nothing is authored."""
+        """Source of an input's value, or None where nothing is authored."""
         shader_input = shader.GetInput(name)
         if not shader_input:
             return None

@@ -45,10 +45,10 @@ def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: Fi
 
 
 def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
-    """How many corners each face of a mesh has, and which point each corner is.
+    """Corner counts of a mesh's faces, and the point index of each corner.
 
     Raises:
-        BadGeometry: they contradict each other, or are no whole numbers.
+        BadGeometry: the arrays contradict each other, or are not integers.
     """
     mesh = UsdGeom.Mesh(prim)
     with _explained():
@@ -105,7 +105,7 @@ def mesh_points(
 
 @contextmanager
 def _explained() -> Iterator[None]:
-    """What reading raises where values are of other types than the schema's, told as `BadGeometry`."""
+    """Raise the errors of reading a value of the wrong type as `BadGeometry`."""
     try:
         yield
     except BadGeometry:

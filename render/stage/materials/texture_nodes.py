@@ -20,7 +20,7 @@ _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": -1}
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """What a UsdUVTexture gives an input.
+    """Value that a UsdUVTexture gives an input.
 
     Attributes:
         lookup: how to read the image, or None where there is no image.

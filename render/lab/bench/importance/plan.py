@@ -1,4 +1,4 @@
-"""What the importance bench measures, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the importance bench, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ LEAST_SIZE, MOST_SIZE, MOST_FRAMES = 32, 2048, 10_000
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured.
+    """Plan of the measurements.
 
     Attributes:
-        sizes: of the pictures, pixels along each side; the cutoff is measured at the first.
-        frames: of each experiment.
-        shares: of the changes that are made, Fearing's M.
+        sizes: sides of the pictures in pixels; the cutoff is measured at the first.
+        frames: frames of each experiment.
+        shares: shares of the changes that are spread, Fearing's M.
     """
 
     sizes: tuple[int, ...] = (256, 1024)
@@ -27,7 +27,7 @@ class Plan:
     shares: tuple[float, ...] = (0.05, 0.1, 0.15, 0.25, 0.5, 0.75, 1.0)
 
     def linear_frames(self, size: int) -> int:
-        """How many frames of an experiment the linear method is measured on, at least two of more."""
+        """Number of frames on which an experiment's linear method is measured, at least two where there are more."""
         return min(self.frames, max(MOST_LINEAR_PX // size**2, 2))
 
 
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_plan(arguments: argparse.Namespace) -> Plan:
-    """What the arguments ask for.
+    """Plan from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

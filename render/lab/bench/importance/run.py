@@ -89,14 +89,14 @@ class CutoffRow:
 
 @dataclass(frozen=True)
 class ImportanceBench:
-    """What the importance bench finds; its fields are the keys of its JSON.
+    """Results of the importance bench; the fields are the keys of its JSON.
 
     Attributes:
-        device: that drew.
-        step_px: of the radius: a smaller change is none.
+        device: name of the device.
+        step_px: step of the radius; a smaller change counts as none.
         experiments: Fearing's tables 1 and 2.
         cutoff: his figure 4.
-        goals: what is held to what.
+        goals: goals and whether they are met.
     """
 
     device: str
@@ -164,7 +164,7 @@ class _Stand:
         return self._ordered
 
     def pictures(self) -> tuple[FloatArray, FloatArray]:
-        """What both made of their last picture: averages."""
+        """Last pictures of both methods, as averages."""
         return _average(self.linear_sums), _average(self.ordered_sums)
 
     def _send(self, picture: Picture) -> Field:

@@ -1,4 +1,4 @@
-"""What the bench of single-image blurs measures, and its arguments. Imports no OpenGL: the command line starts at once."""
+"""Plan of the bench of single-image blurs, and its arguments. Imports no OpenGL: the command line starts at once."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ RADII = (3, 5, 7, 9, 13, 19, 27, 39, 57, 81)
 AHEAD_FROM = 7
 """Pixels of radius from which on FLAG is to be ahead of the naive gather."""
 FRAME = 40
-"""Of the demo shot."""
+"""Frame of the demo shot."""
 F_STOP = 0.35
-"""Of the generated scenes' cameras: wide open, so that small pictures have large circles."""
+"""f-number of the generated scenes' cameras: wide open, so that small pictures have large circles of confusion."""
 SUFFIXES = (".png", ".svg")
 
 
 @dataclass(frozen=True)
 class PostBlurPlan:
-    """What is measured.
+    """Plan of the measurements.
 
     Attributes:
         side: pixels of the square picture that is blurred for time.
-        radii: of its blur.
-        repeats: of the quick blurs; the naive gather is measured once where it is slow.
-        picture: of the generated scenes, for likeness.
-        demo: of the demo shot; without it the demo shot is left out.
+        radii: radii of its blur in pixels.
+        repeats: repetitions of the quick blurs; the naive gather is measured once where it is slow.
+        picture: settings of the generated scenes, for the comparison of pictures.
+        demo: settings of the demo shot; None leaves it out.
     """
 
     side: int
@@ -65,5 +65,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_plan(arguments: argparse.Namespace) -> PostBlurPlan:
-    """What the arguments ask for."""
+    """Plan from the command line's arguments."""
     return QUICK if arguments.quick else FULL

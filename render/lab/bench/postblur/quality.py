@@ -1,4 +1,4 @@
-"""How near each engine that blurs one picture comes to the lens tracer and to the accumulation buffer."""
+"""Distance of each single-image engine from the lens tracer and from the accumulation buffer."""
 
 from __future__ import annotations
 

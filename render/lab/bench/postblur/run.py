@@ -28,28 +28,28 @@ FULL_HD = (1920, 1080)
 
 @dataclass(frozen=True)
 class PostBlurBench:
-    """What the bench finds; its fields are the keys of its JSON.
+    """Results of the single-image bench; the fields are the keys of its JSON.
 
     Attributes:
         device: that drew.
         side: pixels of the square picture that is blurred for time.
-        clock: that exponents and ratios are by: the ``processor``'s where it does the work, which then counts no other work of a
-            busy machine, else the ``wall``'s.
+        clock: clock of exponents and ratios: ``processor`` where the CPU does the work, which leaves out other load of a
+            busy machine; else ``wall``.
         flag_exponent: e of the c + k·rᵉ that FLAG's times follow, where all radii are alike.
-        naive_exponent: of the naive gather's.
+        naive_exponent: the same for the naive gather.
         crossover_px: radius from which on FLAG is ahead, the smallest measured or between two; None where it is not at the
             largest.
-        radii: of the blur in pixels.
-        flag_ms: of FLAG at each, by that clock.
-        naive_ms: of the naive gather.
+        radii: radii of the blur in pixels.
+        flag_ms: time of FLAG at each radius, by that clock.
+        naive_ms: the same for the naive gather.
         memory_mb: megabytes (10⁶) that FLAG holds at each beside the picture.
-        bound_mb: of them its piles are at most so much, unless the rows that reach one stretch of rows need more.
-        full_hd_mb: what the engine ``flag`` holds at most for a part of a 1920x1080 picture: circles that are wider than it takes
+        bound_mb: limit on its arrays, unless the rows that reach one stretch of rows need more.
+        full_hd_mb: most memory of the engine ``flag`` for a part of a 1920x1080 picture: circles wider than it takes
             at full resolution are spread at less.
-        even: all of the times where all radii are alike.
-        mixed: where they change over the picture from 0 to the radius.
-        quality: engines against references.
-        goals: what is held to what.
+        even: all times where the radii are equal.
+        mixed: all times where the radii change over the picture from 0 to the radius.
+        quality: engines compared with references.
+        goals: goals and whether they are met.
     """
 
     device: str
@@ -104,7 +104,7 @@ def measure(plan: PostBlurPlan) -> PostBlurBench:
 
 
 def goals(plan: PostBlurPlan, even: Growth, mixed: Growth, rows: list[QualityRow]) -> list[Goal]:
-    """What the paper claims, and that a blur is nearer to the truth than none."""
+    """Goals from the paper's claims, and the goal that a blurred picture is nearer to the truth than a sharp one."""
     found = []
     for name, picture in (("even radii", even), ("mixed radii", mixed)):
         linear, quadratic = picture.flag_exponent, picture.naive_exponent

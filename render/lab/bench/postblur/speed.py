@@ -1,4 +1,4 @@
-"""What FLAG and the naive gather take as the blur grows: the same picture, the same shape of blur, the same context.
+"""Time of FLAG and of the naive gather over the blur's radius: the same picture, blur shape and context.
 
 Moersch & Hamilton 2014, section 4 and figure 9.
 """
@@ -25,9 +25,9 @@ from render.postblur.gather import Gather
 from render.postblur.shed import Field
 
 SLOW = Repeats(1, most=3)
-"""Of the naive gather."""
+"""Repetitions of the naive gather."""
 EXPONENTS = np.arange(0.2, 3.2, 0.01)
-"""That growth may have."""
+"""Exponents of growth that are tried."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def growth(ctx: moderngl.Context, plan: PostBlurPlan, *, mixed: bool, by_process
 def _spent(
     ctx: moderngl.Context, blurs: tuple[Flag, Gather], plan: PostBlurPlan, radius_px: float, *, mixed: bool
 ) -> tuple[Spent, Spent]:
-    """What FLAG and the naive gather take at one radius."""
+    """Time of FLAG and of the naive gather at one radius."""
     shape = blur_shape(IrisShape(), behind=True)
     with Resources() as held:
         field, target = _picture(ctx, held, plan.side, radius_px, mixed=mixed)
@@ -91,7 +91,7 @@ def _spent(
 
 
 def judged(plan: PostBlurPlan, spent: Sequence[tuple[Spent, Spent]], *, by_processor: bool) -> Growth:
-    """What times say: of FLAG and of the naive gather at each of the plan's radii."""
+    """Growth of the times of FLAG and of the naive gather, measured at each of the plan's radii."""
     flag, naive = ([pair[i] for pair in spent] for i in (0, 1))
     times = [[one.cpu_ms if by_processor else one.wall_ms for one in side] for side in (flag, naive)]
     exponents = [exponent(plan.radii, side) for side in times]

@@ -1,4 +1,4 @@
-"""What the soak does, and its arguments. Imports no OpenGL, so that the command line starts at once."""
+"""Plan of the soak, and its arguments. Imports no OpenGL, so that the command line starts at once."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ QUICK_EDITS, QUICK_CHECK_EVERY = 60, 20
 
 @dataclass(frozen=True)
 class SoakPlan:
-    """What is done.
+    """Plan of the soak.
 
     Attributes:
-        edits: how many.
-        check_every: edits, between two comparisons with a new renderer.
-        seed: of what is edited.
+        edits: number of edits.
+        check_every: number of edits between two comparisons with a new renderer.
+        seed: seed of the choice of edits.
     """
 
     edits: int

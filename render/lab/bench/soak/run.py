@@ -37,27 +37,27 @@ from render.shot import Shot
 PICTURE = FrameSettings(128, 72, rays=24, layers=3, supersample=1)
 MOST_LEVELS, MOST_MB = 1.0, 64.0
 _SETTLED = 0.3
-"""Of the edits, after which memory has to stay as it is: by then every program and texture has been needed."""
+"""Share of the edits after which memory must be stable: by then every program and texture has been needed."""
 
 
 @dataclass(frozen=True)
 class SoakBench:
-    """What the soak finds; its fields are the keys of its JSON.
+    """Results of the soak; the fields are the keys of its JSON.
 
     Attributes:
-        device: that drew.
-        edits: how many.
-        seconds: all of it.
-        pictures: that were shown.
-        finals: how many of them were the last of their edit.
-        left: edits whose pictures were left half way.
-        edits_by_kind: how often each.
-        checks: how often a new renderer was asked.
-        drift_levels: the greatest difference to it, in 255 levels.
-        memory_mb: of the process, at each check, its new renderer closed.
-        growth_mb: since the first third.
-        gl_errors: that the device told of.
-        goals: what is held to what.
+        device: name of the device.
+        edits: number of edits.
+        seconds: duration of the soak.
+        pictures: number of pictures shown.
+        finals: number of them that were the last of their edit.
+        left: number of edits whose pictures were cancelled half way.
+        edits_by_kind: number of edits of each kind.
+        checks: number of comparisons with a new renderer.
+        drift_levels: greatest difference from it, in 255 levels.
+        memory_mb: memory of the process at each check, with the new renderer closed.
+        growth_mb: growth of memory since the first third.
+        gl_errors: OpenGL errors reported by the device.
+        goals: goals and whether they are met.
     """
 
     device: str
@@ -127,7 +127,7 @@ class _Soak:
         self.gl_errors += self._renderer.graphics.ctx.error != "GL_NO_ERROR"
 
     def drift_levels(self) -> float:
-        """How far the picture at rest is from that of a new renderer; 0 where neither can be made."""
+        """Difference between the picture at rest and a new renderer's, in levels; 0 where neither can be made."""
         asked = self.asked
         try:
             *_, shown = self._driver.pictures(asked)
@@ -231,7 +231,7 @@ def measure(plan: SoakPlan) -> SoakBench:
 
 
 def memory_mb() -> float:
-    """What the process has of the machine's memory, megabytes (10⁶)."""
+    """Resident memory of the process, megabytes (10⁶)."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * 4096 / 1e6
 

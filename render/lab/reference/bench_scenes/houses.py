@@ -15,16 +15,16 @@ Parts = list[tuple[str, Mesh]]
 
 @dataclass(frozen=True)
 class House:
-    """What a house is built by. Lengths are metres.
+    """Design of a house. Lengths are metres.
 
     Attributes:
-        width_m: of its front.
+        width_m: width of its front.
         storeys: floors above the ground floor, at least one.
         wall: look of its walls.
         shutter: look of its shutters and door.
         arcaded: whether its ground floor is left open for an arcade.
         balcony: whether the first floor has one.
-        seed: which windows are lit.
+        seed: seed of the choice of lit windows.
     """
 
     width_m: float

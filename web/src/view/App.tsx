@@ -3,13 +3,13 @@
 import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Editor } from "../editor/editor";
-import { Help } from "./Help";
-import { Inspector } from "./Inspector";
-import { SheetDialog } from "./SheetDialog";
-import { Shots } from "./Shots";
-import { Timeline } from "./Timeline";
+import { Help } from "./dialogs/Help";
+import { Inspector } from "./panels/Inspector";
+import { SheetDialog } from "./dialogs/SheetDialog";
+import { Shots } from "./dialogs/Shots";
+import { Timeline } from "./timeline/Timeline";
 import { TopBar } from "./TopBar";
-import { Viewer } from "./Viewer";
+import { Viewer } from "./viewer/Viewer";
 
 export function App({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;

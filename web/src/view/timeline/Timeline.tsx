@@ -2,12 +2,12 @@
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import type { LengthUnit } from "../model/distance";
-import { fractionOf, frameAtFraction, type FrameRange } from "../model/time";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import type { LengthUnit } from "../../model/distance";
+import { fractionOf, frameAtFraction, type FrameRange } from "../../model/time";
 import { CurveChart } from "./CurveChart";
-import { followPointer, useSize } from "./hooks";
+import { followPointer, useSize } from "../hooks";
 import { KeyLanes } from "./KeyLanes";
 import { Scrubber } from "./Scrubber";
 import { Transport } from "./Transport";

@@ -2,13 +2,13 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import type { Session } from "../editor/session";
-import { keyAt, valueOf, type SimpleAttribute } from "../model/command";
-import { BLURS_MM, EXTENTS, FALLOFFS } from "../model/scale";
-import { EASES, keysOf, type Ease, type FocusPoint } from "../model/shot";
-import { Field, type FieldProps } from "./Field";
-import { KeyDiamond } from "./KeyDiamond";
-import { parseQuantity, trim } from "./numbers";
+import type { Session } from "../../editor/session";
+import { keyAt, valueOf, type SimpleAttribute } from "../../model/command";
+import { BLURS_MM, EXTENTS, FALLOFFS } from "../../model/scale";
+import { EASES, keysOf, type Ease, type FocusPoint } from "../../model/shot";
+import { Field, type FieldProps } from "../controls/Field";
+import { KeyDiamond } from "../timeline/KeyDiamond";
+import { parseQuantity, trim } from "../numbers";
 
 export function PointSettings({ session, point }: { session: Session; point: FocusPoint }): JSX.Element {
   const mode = session.document.readout.value?.focusMode;

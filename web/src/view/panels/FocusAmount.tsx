@@ -1,13 +1,13 @@
 /** A number or a switch of how the focus is found, with its key. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import { settingKeyAt } from "../model/command";
-import type { FocusNumber, FocusSettings } from "../model/shot";
-import type { FieldProps } from "./Field";
-import { KeyDiamond } from "./KeyDiamond";
-import { parseQuantity, trim } from "./numbers";
-import { Setting } from "./Setting";
+import type { Session } from "../../editor/session";
+import { settingKeyAt } from "../../model/command";
+import type { FocusNumber, FocusSettings } from "../../model/shot";
+import type { FieldProps } from "../controls/Field";
+import { KeyDiamond } from "../timeline/KeyDiamond";
+import { parseQuantity, trim } from "../numbers";
+import { Setting } from "../controls/Setting";
 
 export interface FocusSettingsProps {
   readonly session: Session;

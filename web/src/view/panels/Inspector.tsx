@@ -1,8 +1,8 @@
 /** The panel on the right: the lens, what it holds sharp, how its focus is found, and the focus points; or the camera. */
 
 import type { JSX } from "preact";
-import type { Editor } from "../editor/editor";
-import { PANELS, type Panel } from "../editor/remembered";
+import type { Editor } from "../../editor/editor";
+import { PANELS, type Panel } from "../../editor/remembered";
 import { CameraPanel } from "./CameraPanel";
 import { FocusPanel } from "./FocusPanel";
 import { FocusPoints } from "./FocusPoints";

@@ -1,13 +1,13 @@
 /** The list of focus points: what each asks for at this time, its keys, and where it is. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import { formatDistance, type LengthUnit } from "../model/distance";
-import { linearScale } from "../model/scale";
-import { inFrame, primName, type FocusPoint } from "../model/shot";
-import { Field } from "./Field";
-import { Icon } from "./icons";
-import { parseQuantity } from "./numbers";
+import type { Session } from "../../editor/session";
+import { formatDistance, type LengthUnit } from "../../model/distance";
+import { linearScale } from "../../model/scale";
+import { inFrame, primName, type FocusPoint } from "../../model/shot";
+import { Field } from "../controls/Field";
+import { Icon } from "../icons";
+import { parseQuantity } from "../numbers";
 import { KeyButton, PointSettings } from "./PointSettings";
 
 const WEIGHTS = linearScale(0, 1, 0.05);

@@ -2,10 +2,10 @@
 
 import type { JSX } from "preact";
 import { useRef, useState } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import { grouped, mountedLens, type LensSummary, type MountedLens } from "../model/lens";
-import type { Readout } from "../model/shot";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import { grouped, mountedLens, type LensSummary, type MountedLens } from "../../model/lens";
+import type { Readout } from "../../model/shot";
 
 const THIN = "";
 const OTHER = "*";

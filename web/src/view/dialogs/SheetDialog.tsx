@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Editor, Sheet } from "../editor/editor";
+import type { Editor, Sheet } from "../../editor/editor";
 
 export function SheetDialog({ editor }: { editor: Editor }): JSX.Element {
   const ref = useRef<HTMLDialogElement>(null);

@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Drag } from "../editor/document";
-import type { Scale } from "../model/scale";
+import type { Drag } from "../../editor/document";
+import type { Scale } from "../../model/scale";
 
 export interface FieldProps {
   readonly label: string;

@@ -2,10 +2,10 @@
 
 import type { JSX } from "preact";
 import { useRef, useState } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import type { Upload } from "../editor/library";
-import type { Note, ShotSummary } from "../model/shot";
-import { Icon } from "./icons";
+import type { Editor } from "../../editor/editor";
+import type { Upload } from "../../editor/library";
+import type { Note, ShotSummary } from "../../model/shot";
+import { Icon } from "../icons";
 
 const ACCEPTED = ".usd,.usda,.usdc,.usdz,.zip";
 

@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
-import type { Session } from "../editor/session";
-import { FOCUS_MODES, type FocusMode } from "../model/shot";
+import type { Session } from "../../editor/session";
+import { FOCUS_MODES, type FocusMode } from "../../model/shot";
 import { ModeSettings } from "./FocusSettings";
 
 const MODES: Readonly<Record<FocusMode, readonly [name: string, does: string]>> = {

@@ -1,11 +1,11 @@
 /** What the glass does to the light beside focusing it: how much comes through, how it falls off, and what flares. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import type { ExposureNumber, ExposureSettings } from "../model/photography";
-import { FLARES, SHARES, type Scale } from "../model/scale";
-import { parseQuantity, trim } from "./numbers";
-import { Setting } from "./Setting";
+import type { Session } from "../../editor/session";
+import type { ExposureNumber, ExposureSettings } from "../../model/photography";
+import { FLARES, SHARES, type Scale } from "../../model/scale";
+import { parseQuantity, trim } from "../numbers";
+import { Setting } from "../controls/Setting";
 
 interface PartProps {
   readonly session: Session;

@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import type { Session } from "../editor/session";
-import { distancesOf, pointNames, sampleAt, type Curve, type CurveSample } from "../model/curve";
+import type { Session } from "../../editor/session";
+import { distancesOf, pointNames, sampleAt, type Curve, type CurveSample } from "../../model/curve";
 import {
   axisFraction,
   distanceAxis,
@@ -11,8 +11,8 @@ import {
   formatMark,
   type DistanceAxis,
   type LengthUnit,
-} from "../model/distance";
-import { useSize } from "./hooks";
+} from "../../model/distance";
+import { useSize } from "../hooks";
 import type { TimeAxis } from "./Timeline";
 
 interface CurveChartProps {

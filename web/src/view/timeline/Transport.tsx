@@ -2,10 +2,10 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import type { Session } from "../editor/session";
-import { formatDistance, type LengthUnit } from "../model/distance";
-import { formatFrame } from "../model/time";
-import { Icon, type IconName } from "./icons";
+import type { Session } from "../../editor/session";
+import { formatDistance, type LengthUnit } from "../../model/distance";
+import { formatFrame } from "../../model/time";
+import { Icon, type IconName } from "../icons";
 
 export function Transport({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const { playhead } = session;

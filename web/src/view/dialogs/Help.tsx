@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import { SHORTCUTS } from "./keyboard";
+import type { Editor } from "../../editor/editor";
+import { SHORTCUTS } from "../keyboard";
 
 export function Help({ editor }: { editor: Editor }): JSX.Element {
   const ref = useRef<HTMLDialogElement>(null);

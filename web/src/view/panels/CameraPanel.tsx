@@ -2,14 +2,14 @@
 
 import type { JSX } from "preact";
 import { useSignalEffect } from "@preact/signals";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } from "../model/photography";
-import { Choice, Options } from "./Choice";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import { SHUTTER_TYPES, type FilmSettings, type Photography, type ShutterType } from "../../model/photography";
+import { Choice, Options } from "../controls/Choice";
 import { ExposurePanel } from "./ExposurePanel";
 import { FilmPanel, GradePanel } from "./FilmPanel";
 import { GlassPanel } from "./GlassPanel";
-import { trim } from "./numbers";
+import { trim } from "../numbers";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
   const said = session.photography.said.value;

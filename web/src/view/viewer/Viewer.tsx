@@ -3,16 +3,16 @@
 import { useSignalEffect } from "@preact/signals";
 import type { JSX } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import type { Displayed } from "../editor/pictures";
-import type { ClickIntent, Session } from "../editor/session";
-import { letterbox, MOTION_MOMENTS } from "../model/quality";
-import { formatFrame } from "../model/time";
+import type { Editor } from "../../editor/editor";
+import type { Displayed } from "../../editor/pictures";
+import type { ClickIntent, Session } from "../../editor/session";
+import { letterbox, MOTION_MOMENTS } from "../../model/quality";
+import { formatFrame } from "../../model/time";
 import { Guides, MeterSpot } from "./Guides";
-import { usePixelRatio, useSize } from "./hooks";
-import { Icon } from "./icons";
+import { usePixelRatio, useSize } from "../hooks";
+import { Icon } from "../icons";
 import { Markers, Picking } from "./Markers";
-import { UploadButton } from "./Shots";
+import { UploadButton } from "../dialogs/Shots";
 
 export function Viewer({ editor }: { editor: Editor }): JSX.Element {
   const session = editor.session.value;

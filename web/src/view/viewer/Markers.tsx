@@ -2,11 +2,11 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import { MarkerDrag } from "../editor/marker";
-import type { Session } from "../editor/session";
-import { formatDistance, type LengthUnit } from "../model/distance";
-import { inFrame, type FocusPoint } from "../model/shot";
-import { followPointer } from "./hooks";
+import { MarkerDrag } from "../../editor/marker";
+import type { Session } from "../../editor/session";
+import { formatDistance, type LengthUnit } from "../../model/distance";
+import { inFrame, type FocusPoint } from "../../model/shot";
+import { followPointer } from "../hooks";
 
 /** How far a pointer must go before it drags, CSS px. */
 const SLACK_PX = 4;

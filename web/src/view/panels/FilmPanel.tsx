@@ -2,13 +2,19 @@
 
 import type { JSX } from "preact";
 import { useEffect } from "preact/hooks";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import { formatStops, groupedFilms, type FilmNumber, type FilmSettings, type FilmSummary } from "../model/photography";
-import { AMOUNTS, HALATIONS, PUSHES, TEMPERATURES_K, type Scale } from "../model/scale";
-import { Choice, Options } from "./Choice";
-import { parseQuantity, trim } from "./numbers";
-import { Setting } from "./Setting";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import {
+  formatStops,
+  groupedFilms,
+  type FilmNumber,
+  type FilmSettings,
+  type FilmSummary,
+} from "../../model/photography";
+import { AMOUNTS, HALATIONS, PUSHES, TEMPERATURES_K, type Scale } from "../../model/scale";
+import { Choice, Options } from "../controls/Choice";
+import { parseQuantity, trim } from "../numbers";
+import { Setting } from "../controls/Setting";
 
 const [NO_FILM, SENSOR, DRAWN] = ["", "*digital", "*drawn"];
 

@@ -1,8 +1,8 @@
 /** Light meter, stop, shutter, sensitivity, filter and compensation: what makes the picture as bright as it is. */
 
 import type { JSX } from "preact";
-import type { CameraPhotography } from "../editor/photography";
-import type { Session } from "../editor/session";
+import type { CameraPhotography } from "../../editor/photography";
+import type { Session } from "../../editor/session";
 import {
   agrees,
   formatStops,
@@ -11,12 +11,12 @@ import {
   type ExposureNumber,
   type ExposureSettings,
   type Photography,
-} from "../model/photography";
-import { COMPENSATIONS, DENSITIES, F_NUMBERS, ISOS, SHUTTER_ANGLES_DEG, type Scale } from "../model/scale";
-import type { Readout } from "../model/shot";
+} from "../../model/photography";
+import { COMPENSATIONS, DENSITIES, F_NUMBERS, ISOS, SHUTTER_ANGLES_DEG, type Scale } from "../../model/scale";
+import type { Readout } from "../../model/shot";
 import { LightMeter } from "./LightMeter";
-import { parseQuantity, trim } from "./numbers";
-import { Setting } from "./Setting";
+import { parseQuantity, trim } from "../numbers";
+import { Setting } from "../controls/Setting";
 
 interface PartProps {
   readonly session: Session;

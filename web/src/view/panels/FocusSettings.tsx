@@ -11,11 +11,18 @@ import {
   RING_SPEEDS_DEG_S,
   SHARES,
   TILTS_DEG,
-} from "../model/scale";
-import { OCCLUDED, OFF_SCREEN, type FocusSettings, type Occluded, type OffScreen, type Readout } from "../model/shot";
-import { Choice, Options } from "./Choice";
+} from "../../model/scale";
+import {
+  OCCLUDED,
+  OFF_SCREEN,
+  type FocusSettings,
+  type Occluded,
+  type OffScreen,
+  type Readout,
+} from "../../model/shot";
+import { Choice, Options } from "../controls/Choice";
 import { Amount, Switch, type FocusSettingsProps } from "./FocusAmount";
-import { trim } from "./numbers";
+import { trim } from "../numbers";
 
 /** What the mode uses, and no more. */
 export function ModeSettings({

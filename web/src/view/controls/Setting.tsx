@@ -1,11 +1,11 @@
 /** One number of a camera's settings: its diamond and its field. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import { settingKeyAt, type SettingsKind } from "../model/command";
-import type { Keyed } from "../model/photography";
+import type { Session } from "../../editor/session";
+import { settingKeyAt, type SettingsKind } from "../../model/command";
+import type { Keyed } from "../../model/photography";
 import { Field, type FieldProps } from "./Field";
-import { KeyDiamond } from "./KeyDiamond";
+import { KeyDiamond } from "../timeline/KeyDiamond";
 
 interface SettingProps extends FieldProps {
   readonly session: Session;

@@ -1,15 +1,15 @@
 /** f-number, focal length and focus distance, and the depth of field that they give. */
 
 import type { JSX } from "preact";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import { formatDistance, parseDistance, type LengthUnit } from "../model/distance";
-import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../model/scale";
-import type { Readout } from "../model/shot";
-import { DepthStrip } from "./DepthStrip";
-import { LensChooser } from "./LensChooser";
-import { trim } from "./numbers";
-import { Setting } from "./Setting";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
+import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../../model/scale";
+import type { Readout } from "../../model/shot";
+import { DepthStrip } from "../viewer/DepthStrip";
+import { LensChooser } from "../dialogs/LensChooser";
+import { trim } from "../numbers";
+import { Setting } from "../controls/Setting";
 
 interface LensPanelProps {
   readonly editor: Editor;

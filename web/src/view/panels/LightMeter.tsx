@@ -1,17 +1,17 @@
 /** A light meter: how far over or under the exposure is, and what light it saw. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
+import type { Session } from "../../editor/session";
 import {
   formatStops,
   type ExposureChange,
   type ExposureSettings,
   type MeterMode,
   type MeterReading,
-} from "../model/photography";
-import { parseQuantity, trim } from "./numbers";
-import { Setting } from "./Setting";
-import { COMPENSATIONS } from "../model/scale";
+} from "../../model/photography";
+import { parseQuantity, trim } from "../numbers";
+import { Setting } from "../controls/Setting";
+import { COMPENSATIONS } from "../../model/scale";
 
 const REACH = 4;
 const [WIDTH, HEIGHT, MARGIN] = [264, 40, 14];

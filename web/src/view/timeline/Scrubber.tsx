@@ -1,8 +1,8 @@
 /** The frames in a row: drag to scrub, or use the arrow keys. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import { formatFrame, frameTicks } from "../model/time";
+import type { Session } from "../../editor/session";
+import { formatFrame, frameTicks } from "../../model/time";
 import type { TimeAxis } from "./Timeline";
 
 const HEIGHT_PX = 26;

@@ -1,9 +1,9 @@
 /** A lane of keys for each focus point that has any: click a key to go there. */
 
 import type { JSX } from "preact";
-import type { Session } from "../editor/session";
-import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../model/shot";
-import { formatFrame, sameTime } from "../model/time";
+import type { Session } from "../../editor/session";
+import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../../model/shot";
+import { formatFrame, sameTime } from "../../model/time";
 import type { TimeAxis } from "./Timeline";
 
 export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {

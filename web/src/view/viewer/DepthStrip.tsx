@@ -1,8 +1,8 @@
 /** Depth from the lens to infinity on a reciprocal scale, as on a lens barrel: what is sharp, and where the points are. */
 
 import type { JSX } from "preact";
-import { axisFraction, distanceAxis, formatDistance, formatMark, type LengthUnit } from "../model/distance";
-import type { FocusPoint, Readout } from "../model/shot";
+import { axisFraction, distanceAxis, formatDistance, formatMark, type LengthUnit } from "../../model/distance";
+import type { FocusPoint, Readout } from "../../model/shot";
 
 interface DepthStripProps {
   readonly readout: Readout;

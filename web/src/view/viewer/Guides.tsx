@@ -1,9 +1,9 @@
 /** The frame of a delivery on the picture: what falls outside of it is dimmed. */
 
 import type { JSX } from "preact";
-import type { Editor } from "../editor/editor";
-import type { Session } from "../editor/session";
-import { guideIn } from "../model/photography";
+import type { Editor } from "../../editor/editor";
+import type { Session } from "../../editor/session";
+import { guideIn } from "../../model/photography";
 
 export function Guides({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const name = editor.remembered.guide.value;

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.test_editor import edited, picture, revision_of, settled
+from tests.e2e.editor import revision_of, shown_picture, wait_edited, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -17,7 +17,7 @@ pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 @pytest.fixture
 def camera(page: Page) -> Page:
     """The editor with the camera's panel open."""
-    settled(page, time=1)
+    wait_settled(page, time=1)
     page.keyboard.press("c")
     expect(page.get_by_role("tab", name="Camera & film")).to_have_attribute("aria-selected", "true")
     return page
@@ -31,48 +31,48 @@ def off_by(page: Page) -> float:
 
 
 def test_a_stop_more_of_iso_is_a_stop_more_on_the_meter_and_brighter(camera: Page) -> None:
-    before, dark = off_by(camera), picture(camera)
+    before, dark = off_by(camera), shown_picture(camera)
     revision = revision_of(camera)
     iso = camera.get_by_role("textbox", name="ISO")
     iso.fill("200")
     iso.press("Enter")
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     expect(camera.locator("[data-meter='off by']")).to_have_text(
         f"{before + 1:+.1f}".replace(".0", "").replace("-", "−")
     )
-    assert picture(camera).mean() > 1.15 * dark.mean()
+    assert shown_picture(camera).mean() > 1.15 * dark.mean()
 
     camera.get_by_role("button", name="Set to meter").click()
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     expect(camera.locator("[data-meter='off by']")).to_have_text("±0")
     camera.get_by_role("button", name="Undo: Set to the meter").click()
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     camera.keyboard.press("Control+z")
-    edited(camera, revision)
+    wait_edited(camera, revision)
     expect(iso).to_have_value("100")
-    assert np.abs(picture(camera) - dark).max() < 0.01
+    assert np.abs(shown_picture(camera) - dark).max() < 0.01
 
 
 def test_the_shutter_exposes_by_its_time_once_they_match(camera: Page, service: str) -> None:
-    before, revision = picture(camera), revision_of(camera)
+    before, revision = shown_picture(camera), revision_of(camera)
     camera.get_by_role("button", name="Match").click()
-    revision = edited(camera, revision)
-    assert np.abs(picture(camera) - before).max() < 0.02
+    revision = wait_edited(camera, revision)
+    assert np.abs(shown_picture(camera) - before).max() < 0.02
     shutter = camera.get_by_role("textbox", name="Shutter")
     shutter.fill("1/96")
     shutter.press("Enter")
-    edited(camera, revision)
+    wait_edited(camera, revision)
     expect(shutter).to_have_value("90°")
     asked = httpx.get(f"{service}/v1/shots/demo/camera/exposure", params={"time": 1}, timeout=120).json()
     assert asked["exposureTimeS"] == pytest.approx(1 / 96, rel=1e-5)
-    assert picture(camera).mean() < before.mean()
+    assert shown_picture(camera).mean() < before.mean()
 
 
 def test_a_film_is_loaded_has_a_sheet_and_is_taken_out_again(camera: Page) -> None:
     revision = revision_of(camera)
     stock = camera.get_by_label("Stock")
     stock.select_option("double_x_5222")
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     expect(camera.get_by_role("textbox", name="Grain")).to_have_value("1×")
     camera.get_by_role("button", name="Sheet").click()
     sheet = camera.get_by_role("img", name="Sheet of Kodak Double-X 5222")
@@ -82,17 +82,17 @@ def test_a_film_is_loaded_has_a_sheet_and_is_taken_out_again(camera: Page) -> No
     expect(sheet).to_have_count(0)
 
     camera.get_by_role("button", name="Key of Push", exact=True).click()
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     expect(camera.get_by_role("button", name="Key of Push", exact=True)).to_have_attribute("aria-pressed", "true")
     stock.select_option("")
-    edited(camera, revision)
+    wait_edited(camera, revision)
     expect(camera.get_by_role("textbox", name="Grain")).to_have_count(0)
 
 
 def test_a_body_gives_the_picture_its_shape_and_guides_lie_on_it(camera: Page) -> None:
     revision = revision_of(camera)
     camera.locator(".body").get_by_label("Body").last.select_option("academy_35")
-    revision = edited(camera, revision)
+    revision = wait_edited(camera, revision)
     box = camera.locator("canvas").bounding_box()
     assert box is not None
     assert box["width"] / box["height"] == pytest.approx(22.05 / 16.03, rel=0.02)
@@ -103,18 +103,18 @@ def test_a_body_gives_the_picture_its_shape_and_guides_lie_on_it(camera: Page) -
     camera.get_by_label("Guides").select_option("")
     expect(camera.locator(".guide")).to_have_count(0)
     camera.keyboard.press("Control+z")
-    edited(camera, revision)
+    wait_edited(camera, revision)
 
 
 def test_a_curve_of_another_tool_is_imported(page: Page, tmp_path: Path) -> None:
-    settled(page, time=1)
+    wait_settled(page, time=1)
     file = tmp_path / "pulled.csv"
     file.write_text("frame,focus_distance_m\n" + "".join(f"{frame},{2 + frame / 32}\n" for frame in range(1, 97)))
     revision = revision_of(page)
     page.get_by_label("Focus curve file").set_input_files(file)
-    revision = edited(page, revision)
+    revision = wait_edited(page, revision)
     expect(page.get_by_role("radio", name="By hand")).to_be_checked()
     expect(page.get_by_role("textbox", name="Focus distance")).to_have_value("2.03 m")
     page.get_by_role("button", name="Undo: Import pulled.csv").click()
-    edited(page, revision)
+    wait_edited(page, revision)
     expect(page.get_by_role("radio", name="Points", exact=True)).to_be_checked()

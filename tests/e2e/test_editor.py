@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import json
 import re
 from pathlib import Path
@@ -12,15 +10,26 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from PIL import Image
-from playwright.sync_api import Locator, Page, expect
-from scipy.ndimage import gaussian_laplace
+from playwright.sync_api import Page, expect
+
+from tests.e2e.editor import (
+    FAR,
+    NEAR,
+    click_on,
+    download,
+    focus_points,
+    metres,
+    readout_m,
+    revision_of,
+    scrub_to,
+    sharpness,
+    shown_picture,
+    wait_edited,
+    wait_settled,
+)
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
-NEAR, FAR = "pip", "mara"  # the demo's two subjects, and the names of the focus points on them
-LAST_FRAME = 96.0
 BOX = """#usda 1.0
 def Cube "Box"
 {
@@ -34,122 +43,33 @@ def Camera "cam"
 """
 
 
-def settled(page: Page, **attributes: float) -> Locator:
-    """Wait until the best picture of the present state is on screen."""
-    said = "".join(f'[data-{name}="{value:g}"]' for name, value in attributes.items())
-    canvas = page.locator(f"canvas[data-settled=true]{said}")
-    canvas.wait_for()
-    return canvas
-
-
-def edited(page: Page, revision: int) -> int:
-    """Wait until the best picture after an edit is on screen; its revision."""
-    page.wait_for_function(
-        """(old) => { const c = document.querySelector("canvas[data-settled=true]");
-                      return c !== null && Number(c.dataset.revision) > old; }""",
-        arg=revision,
-    )
-    return revision_of(page)
-
-
-def revision_of(page: Page) -> int:
-    """How many edits the picture on screen has seen."""
-    return int(page.locator("canvas").get_attribute("data-revision") or -1)
-
-
-def picture(page: Page) -> NDArray[np.float64]:
-    """``(height, width)`` luminance, 0 to 1, of the picture that the page shows; nothing that lies over it."""
-    address = page.locator("canvas").evaluate("canvas => canvas.toDataURL('image/png')")
-    pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(address.split(",")[1]))).convert("RGB"), np.float64)
-    return pixels @ (0.2126, 0.7152, 0.0722) / 255
-
-
-def sharpness(image: NDArray[np.float64], at: tuple[float, float], reach: float = 0.05) -> float:
-    """Energy of detail around a place in a picture: the variance of its Laplacian, at the scale of a pixel.
-
-    Args:
-        image: ``(height, width)``.
-        at: 0 to 1 from the top left corner.
-        reach: of the window to each side, in picture widths.
-    """
-    height, width = image.shape
-    x, y, r = round(at[0] * width), round(at[1] * height), round(reach * width)
-    window = gaussian_laplace(image, 1)[max(y - r, 0) : y + r, max(x - r, 0) : x + r]
-    return float(window.var())
-
-
-def points(service: str, time: float) -> dict[str, Any]:
-    """The focus points at a time by name, as the service has them."""
-    answer = httpx.get(f"{service}/v1/shots/demo/focus-points", params={"time": time}, timeout=120).raise_for_status()
-    return {point["name"]: point for point in answer.json()["focusPoints"]}
-
-
-def click_on(page: Page, at: tuple[float, float]) -> None:
-    """Click at a place of the picture, 0 to 1 from its top left corner."""
-    box = page.locator("canvas").bounding_box()
-    assert box is not None
-    page.mouse.click(box["x"] + at[0] * box["width"], box["y"] + at[1] * box["height"])
-
-
-def scrub_to(page: Page, frame: float) -> None:
-    """Drag the playhead to a frame."""
-    tick = page.locator(".scrub-bed").bounding_box()
-    assert tick is not None
-    x = tick["x"] + tick["width"] * (frame - 1) / (LAST_FRAME - 1)
-    page.mouse.move(tick["x"] + 2, tick["y"] + 8)
-    page.mouse.down()
-    page.mouse.move((tick["x"] + x) / 2, tick["y"] + 8)
-    page.mouse.move(x, tick["y"] + 8)
-    page.mouse.up()
-
-
-def download(page: Page, what: str, folder: Path) -> Path:
-    """Take something from the download menu."""
-    page.get_by_role("button", name="Download").click()
-    with page.expect_download() as started:
-        page.get_by_role("button", name=what, exact=True).click()
-    path = folder / started.value.suggested_filename
-    started.value.save_as(path)
-    return path
-
-
-def metres(text: str) -> float:
-    """A distance that the page shows."""
-    return float("inf") if text == "∞" else float(re.sub(r"[^\d.]", "", text))
-
-
-def reading(page: Page, name: str) -> float:
-    """A distance of the depth-of-field readout, in metres."""
-    return metres(page.locator(f"[data-reading={name}]").inner_text())
-
-
 def test_a_click_pulls_the_focus_and_the_curve_has_it(page: Page, service: str, tmp_path: Path) -> None:
-    settled(page, time=1)
-    before = points(service, 1)
+    wait_settled(page, time=1)
+    before = focus_points(service, 1)
     near, far = before[NEAR]["screen"], before[FAR]["screen"]
-    focused_near = picture(page)
+    focused_near = shown_picture(page)
 
     page.keyboard.press("m")  # the markers away: the click is for the subject, not for the point on it
     expect(page.locator(".marker")).to_have_count(0)
     click_on(page, far)
-    edited(page, revision_of(page))
-    focused_far = picture(page)
+    wait_edited(page, revision_of(page))
+    focused_far = shown_picture(page)
 
     # In pictures this small the blur is under 4 px wide; measured, the far subject gains 7.8-fold and the near keeps 0.39.
     assert sharpness(focused_far, far) > 2 * sharpness(focused_near, far)
     assert sharpness(focused_far, near) < 0.6 * sharpness(focused_near, near)
 
-    after = points(service, 1)
+    after = focus_points(service, 1)
     (name,) = set(after) - set(before)
     depth_m = after[name]["depthM"]
     assert depth_m == pytest.approx(before[FAR]["depthM"], rel=0.1)
     assert metres(page.get_by_role("textbox", name="Focus distance").input_value()) == pytest.approx(depth_m, rel=0.01)
 
     scrub_to(page, 50)
-    settled(page, time=50)
-    assert np.abs(picture(page) - focused_far).mean() > 0.01
+    wait_settled(page, time=50)
+    assert np.abs(shown_picture(page) - focused_far).mean() > 0.01
     page.keyboard.press("m")
-    assert_markers_stand_on_their_points(page, points(service, 50))
+    assert_markers_stand_on_their_points(page, focus_points(service, 50))
 
     samples = json.loads(download(page, "JSON", tmp_path).read_text())["samples"]
     assert [sample["frame"] for sample in samples] == [float(frame) for frame in range(1, 97)]
@@ -175,33 +95,33 @@ def assert_markers_stand_on_their_points(page: Page, placed: dict[str, Any]) -> 
 
 
 def test_a_smaller_stop_holds_more_sharp_and_undo_takes_it_back(page: Page) -> None:
-    settled(page)
-    near, far = reading(page, "near"), reading(page, "far")
+    wait_settled(page)
+    near, far = readout_m(page, "near"), readout_m(page, "far")
     stop = page.get_by_role("textbox", name="f-number")
     opened = stop.input_value()
 
     revision = revision_of(page)
     stop.fill("8")
     stop.press("Enter")
-    revision = edited(page, revision)
-    assert reading(page, "near") < near
-    assert reading(page, "far") > far
+    revision = wait_edited(page, revision)
+    assert readout_m(page, "near") < near
+    assert readout_m(page, "far") > far
 
     page.keyboard.press("Control+z")
-    edited(page, revision)
+    wait_edited(page, revision)
     expect(stop).to_have_value(opened)
-    assert (reading(page, "near"), reading(page, "far")) == (near, far)
+    assert (readout_m(page, "near"), readout_m(page, "far")) == (near, far)
 
 
 def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_path: Path) -> None:
-    settled(page, time=1)
+    wait_settled(page, time=1)
     focal_length = page.get_by_role("textbox", name="Focal length")
     chooser, before = page.get_by_label("Lens on the camera"), focal_length.input_value()
     expect(chooser).to_have_value("")
 
     revision = revision_of(page)
     chooser.select_option("telephoto_250")
-    revision = edited(page, revision)
+    revision = wait_edited(page, revision)
     expect(chooser).to_have_value("telephoto_250")
     expect(focal_length).to_have_value("249.6 mm")
     section = page.get_by_alt_text("Telephoto 250 mm f/5.4, cut along its axis")
@@ -212,20 +132,20 @@ def test_a_lens_is_mounted_and_undone_with_all_that_it_brought(page: Page, tmp_p
     file = tmp_path / "plano-convex.dat"
     file.write_text("30 4 1.5168 20\n0 0 1 20\n")
     page.get_by_label("Lens file").set_input_files(file)
-    revision = edited(page, revision)
+    revision = wait_edited(page, revision)
     expect(chooser.locator("option:checked")).to_have_text("plano-convex")
     expect(section).to_have_count(0)
 
     page.get_by_role("button", name="Undo: Mount plano-convex.dat").click()
-    revision = edited(page, revision)
+    revision = wait_edited(page, revision)
     page.get_by_role("button", name="Undo: Mount Telephoto 250 mm f/5.4").click()
-    edited(page, revision)
+    wait_edited(page, revision)
     expect(chooser).to_have_value("")
     expect(focal_length).to_have_value(before)
 
 
 def test_a_drag_on_a_slider_is_one_edit(page: Page, service: str) -> None:
-    settled(page)
+    wait_settled(page)
     before, revision = httpx.get(f"{service}/v1/shots/demo").json()["revision"], revision_of(page)
     slider = page.get_by_role("slider", name="Focal length").bounding_box()
     assert slider is not None
@@ -235,18 +155,18 @@ def test_a_drag_on_a_slider_is_one_edit(page: Page, service: str) -> None:
     for part in (0.4, 0.3, 0.2):
         page.mouse.move(slider["x"] + part * slider["width"], y)
     page.mouse.up()
-    revision = edited(page, revision)
+    revision = wait_edited(page, revision)
     focal_length = page.get_by_role("textbox", name="Focal length")
     assert metres(focal_length.input_value()) < 30
 
     page.get_by_role("button", name="Undo: focal length").click()
-    edited(page, revision)
+    wait_edited(page, revision)
     expect(focal_length).to_have_value("50 mm")
     assert httpx.get(f"{service}/v1/shots/demo").json()["revision"] == before
 
 
 def test_each_mode_shows_what_it_uses_and_why_the_focus_is_where_it_is(page: Page, service: str) -> None:
-    settled(page)
+    wait_settled(page)
     modes = {"By hand": "manual", "Tilt plane": "tiltPlane", "Surface": "surface", "Points": "points"}
     uses = {"By hand": (), "Tilt plane": ("Largest angle",), "Surface": ("Expressive", "Locality"), "Points": ()}
     for name, mode in modes.items():
@@ -266,14 +186,14 @@ def test_a_rack_runs_from_the_selected_point_to_another(page: Page, service: str
     untouched = httpx.get(f"{edits}/history", timeout=120).json()["steps"][0]["revision"]
     httpx.put(edits, json={"revision": untouched}, timeout=120).raise_for_status()
     page.goto("/?shot=demo&time=5")
-    settled(page, time=5)
+    wait_settled(page, time=5)
     page.get_by_role("button", name=re.compile(f"^{NEAR} ")).click()
     page.get_by_label("Point to rack to").select_option(FAR)
     page.get_by_label("Length of the rack in frames").fill("12")
     revision = revision_of(page)
     page.get_by_role("button", name="Rack", exact=True).click()
-    edited(page, revision)
-    weights = {time: {name: p["weight"] for name, p in points(service, time).items()} for time in (5, 11, 17)}
+    wait_edited(page, revision)
+    weights = {time: {name: p["weight"] for name, p in focus_points(service, time).items()} for time in (5, 11, 17)}
     assert (weights[5][NEAR], weights[5][FAR]) == (1, 0)
     assert 0 < weights[11][FAR] < 1
     assert (weights[17][NEAR], weights[17][FAR]) == (0, 1)
@@ -282,7 +202,7 @@ def test_a_rack_runs_from_the_selected_point_to_another(page: Page, service: str
 
 
 def test_two_editors_do_not_overwrite_each_other(page: Page, service: str) -> None:
-    settled(page)
+    wait_settled(page)
     address = f"{service}/v1/shots/demo"
     httpx.patch(f"{address}/camera", json={"fStop": 5}, timeout=120).raise_for_status()
     stop = page.get_by_role("textbox", name="f-number")
@@ -295,7 +215,7 @@ def test_two_editors_do_not_overwrite_each_other(page: Page, service: str) -> No
     revision = revision_of(page)
     stop.fill("8")
     stop.press("Enter")
-    edited(page, revision)
+    wait_edited(page, revision)
     readout = httpx.get(f"{address}/readout", params={"time": 1}, timeout=120).json()
     assert readout["fStop"] == 8
     # Whoever comes back to the page sees what was done meanwhile.
@@ -305,7 +225,7 @@ def test_two_editors_do_not_overwrite_each_other(page: Page, service: str) -> No
 
 
 def test_the_keyboard_moves_in_time(page: Page) -> None:
-    settled(page)
+    wait_settled(page)
     frame = page.get_by_role("textbox", name="Frame")
     for keys, expected in (
         ("ArrowRight", "2"),
@@ -320,11 +240,11 @@ def test_the_keyboard_moves_in_time(page: Page) -> None:
     expect(page.get_by_role("button", name="Pause")).to_be_visible()
     expect(frame).not_to_have_value("1")
     page.keyboard.press("Space")
-    settled(page, time=float(frame.input_value()))
+    wait_settled(page, time=float(frame.input_value()))
 
 
 def test_a_refused_file_says_why_and_leaves_the_shot_open(page: Page) -> None:
-    settled(page)
+    wait_settled(page)
     page.get_by_label("File of a shot").first.set_input_files(
         {"name": "notes.usda", "mimeType": "text/plain", "buffer": b"this is no USD"}
     )
@@ -332,17 +252,17 @@ def test_a_refused_file_says_why_and_leaves_the_shot_open(page: Page) -> None:
     expect(refusal).to_contain_text("notes.usda")
     page.get_by_role("button", name="Dismiss notes.usda").click()
     expect(refusal).to_have_count(0)
-    settled(page)
+    wait_settled(page)
 
 
 def test_a_dropped_file_becomes_a_shot(page: Page, service: str) -> None:
-    settled(page)
+    wait_settled(page)
     make = "text => { const d = new DataTransfer(); d.items.add(new File([text], 'box.usda')); return d; }"
     data = page.evaluate_handle(make, BOX)
     page.dispatch_event(".app", "drop", {"dataTransfer": data})
     expect(page.locator(".crumbs .shot-name")).to_have_text(re.compile("box"))
-    settled(page)
-    assert picture(page).std() > 0.001  # the box is there
+    wait_settled(page)
+    assert shown_picture(page).std() > 0.001  # the box is there
 
     page.get_by_role("button", name=re.compile("^Remove .*box")).click()
     page.get_by_role("button", name="Remove", exact=True).click()

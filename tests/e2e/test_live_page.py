@@ -13,7 +13,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.conftest import PATIENCE_MS, VIEWPORT
-from tests.e2e.test_editor import FAR, NEAR, metres, picture, points, reading, revision_of, settled
+from tests.e2e.editor import FAR, NEAR, focus_points, metres, readout_m, revision_of, shown_picture, wait_settled
 
 pytestmark = [pytest.mark.e2e, pytest.mark.gl]
 
@@ -50,8 +50,8 @@ def wait_for_pictures(page: Page, count: int) -> None:
 def test_a_drag_of_the_focus_is_seen_while_it_goes_and_is_exact_when_it_rests(page: Page, service: str) -> None:
     untouched(service)
     page.goto("/?shot=demo&time=40")
-    settled(page, time=40)
-    before, near = history(service), reading(page, "near")
+    wait_settled(page, time=40)
+    before, near = history(service), readout_m(page, "near")
     slider = page.get_by_role("slider", name="Focus distance").bounding_box()
     assert slider is not None
     y = slider["y"] + slider["height"] / 2
@@ -72,7 +72,7 @@ def test_a_drag_of_the_focus_is_seen_while_it_goes_and_is_exact_when_it_rests(pa
     page.wait_for_function(
         "old => Number(document.querySelector('canvas[data-settled=true]')?.dataset.revision ?? -1) > old", arg=revision
     )
-    shown = picture(page)
+    shown = shown_picture(page)
     height, width = shown.shape
     asked = {"time": 40, "width": width, "height": height, "rays": 100, "layers": 4, "supersample": 2}
     file = httpx.get(f"{service}/v1/shots/demo/frame", params=asked | {"motionBy": "velocities"}, timeout=300)
@@ -90,8 +90,8 @@ def test_a_drag_of_the_focus_is_seen_while_it_goes_and_is_exact_when_it_rests(pa
 def test_a_given_up_drag_shows_again_what_was_there(page: Page, service: str) -> None:
     untouched(service)
     page.goto("/?shot=demo&time=40")
-    settled(page, time=40)
-    before, shown = history(service)["revision"], picture(page)
+    wait_settled(page, time=40)
+    before, shown = history(service)["revision"], shown_picture(page)
     slider = page.get_by_role("slider", name="f-number")
     box = slider.bounding_box()
     assert box is not None
@@ -103,15 +103,15 @@ def test_a_given_up_drag_shows_again_what_was_there(page: Page, service: str) ->
     page.keyboard.press("Escape")
     page.mouse.up()
     page.wait_for_selector("canvas[data-settled=true]")
-    assert np.array_equal(picture(page), shown)
+    assert np.array_equal(shown_picture(page), shown)
     assert history(service)["revision"] == before
 
 
 def test_a_marker_that_is_dragged_takes_the_focus_with_it(page: Page, service: str) -> None:
     untouched(service)
     page.goto("/?shot=demo&time=40")
-    settled(page, time=40)
-    placed = points(service, 40)
+    wait_settled(page, time=40)
+    placed = focus_points(service, 40)
     canvas = page.locator("canvas").bounding_box()
     assert canvas is not None
     start, end = (
@@ -126,10 +126,10 @@ def test_a_marker_that_is_dragged_takes_the_focus_with_it(page: Page, service: s
     far_m = placed[FAR]["depthM"]
     said = page.get_by_role("textbox", name="Focus distance")
     expect(said).to_have_value(re.compile(rf"^{int(far_m)}\."))
-    assert points(service, 40)[NEAR]["depthM"] == pytest.approx(placed[NEAR]["depthM"])  # it is tried, not done
+    assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(placed[NEAR]["depthM"])  # it is tried, not done
     page.mouse.up()
     page.wait_for_selector("canvas[data-settled=true][data-tried=false]")
-    assert points(service, 40)[NEAR]["depthM"] == pytest.approx(far_m, rel=0.1)
+    assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(far_m, rel=0.1)
     untouched(service)
 
 
@@ -138,8 +138,8 @@ def test_without_a_websocket_pictures_come_one_by_one(browser: Browser, service:
     page.set_default_timeout(PATIENCE_MS)
     page.add_init_script(NO_SOCKET)
     page.goto("/?shot=demo&time=1")
-    settled(page, time=1)
+    wait_settled(page, time=1)
     page.keyboard.press("ArrowRight")
-    settled(page, time=2)
+    wait_settled(page, time=2)
     expect(page.get_by_role("alert")).to_have_count(0)
     page.close()

@@ -10,14 +10,14 @@ from pxr import Gf, UsdGeom
 
 from render.lab.bench.motion_plan import FRAME
 from tests.render.kits.cli_shots import Command
-from tests.render.pictures.test_motion_velocities import write_scene
+from tests.render.kits.moving_shots import write_posts_shot
 
 pytestmark = pytest.mark.gl
 
 
 def write_room(folder: Path) -> Path:
     """A room in place of the demo shot, through which the camera trucks."""
-    stage = write_scene(folder / "room.usda")
+    stage = write_posts_shot(folder / "room.usda")
     track = UsdGeom.Camera.Get(stage, "/cam").AddTranslateOp()
     for time, x in ((FRAME, -0.1), (FRAME + 1, 0.1)):
         track.Set(Gf.Vec3d(x, 0, 0), time)

@@ -19,7 +19,7 @@ from render.optics.report.lens_report import film_rays
 from render.optics.report.measuring import measured_sheet
 from render.optics.report.sheet_rays import SheetRays
 from render.shot.lens.lens_alone import lens_alone
-from tests.render.optics.test_data_sheet import SHEET
+from tests.render.kits.data_sheets import SHEET
 from usd_schemas import library_lenses
 
 

@@ -13,50 +13,14 @@ from pxr import Gf, Usd, UsdGeom
 
 from render.errors import SettingsError
 from render.film import Grade
-from render.frame import FrameRenderer, FrameSettings
+from render.frame import FrameRenderer
 from render.model.shutter import Shutter, at_once, moments, shares
 from render.pictures.picture import make_picture
 from render.shot import Shot
-from usd_schemas import FilmData, LensCamera
+from tests.render.kits.moving_shots import STILL, coverage, write_moving
 from usd_schemas import Shutter as ShutterData
 
 WIDTH, HEIGHT = 240, 120
-STILL = FrameSettings(WIDTH, HEIGHT, engine="pinhole", shading="unlit", rays=1, supersample=1)
-
-
-def write_moving(path: Path, *, shutter: ShutterData | None = None, closes: float = 0.5) -> Path:
-    """A white card, 0.2 m wide and 1.2 m high, moves to the right by 1 m a frame, 2 m before a pinhole that sees 2.4 by 1.2 m
-    there: 100 pixels a frame. The shutter opens at each frame's time."""
-    stage = Usd.Stage.CreateNew(str(path))
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    UsdGeom.SetStageUpAxis(stage, "Y")
-    stage.SetStartTimeCode(1)
-    stage.SetEndTimeCode(3)
-    card = UsdGeom.Mesh.Define(stage, "/card")
-    corners = ((-0.1, -0.6), (0.1, -0.6), (0.1, 0.6), (-0.1, 0.6))
-    card.CreatePointsAttr([Gf.Vec3f(x, y, -2) for x, y in corners])
-    card.CreateFaceVertexCountsAttr([4])
-    card.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
-    card.CreateDisplayColorAttr([Gf.Vec3f(1, 1, 1)])
-    moves = card.AddTranslateOp()
-    for frame in (1, 3):
-        moves.Set(Gf.Vec3d(frame - 1.5, 0, 0), frame)
-    camera = UsdGeom.Camera.Define(stage, "/cam")
-    camera.CreateFocalLengthAttr(0.2)
-    camera.CreateHorizontalApertureAttr(0.24)
-    camera.CreateVerticalApertureAttr(0.12)
-    camera.CreateShutterOpenAttr(0.0)
-    camera.CreateShutterCloseAttr(closes)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, 10))
-    if shutter is not None:
-        LensCamera(camera.GetPrim()).film.author(FilmData(shutter=shutter))
-    stage.Save()
-    return path
-
-
-def coverage(renderer: FrameRenderer, shot: Shot, motion: int) -> np.ndarray:
-    """``(HEIGHT, WIDTH)`` at frame 1."""
-    return make_picture(renderer, shot, "/cam", 1.0, replace(STILL, motion=motion), Grade()).frame.color[..., 3]
 
 
 def test_a_trail_is_as_long_as_the_way_and_as_bright_as_the_time(renderer: FrameRenderer, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, UsdGeom
 
 from render.demo.shot import write_demo
 from render.errors import SettingsError
@@ -21,48 +21,11 @@ from render.optics.view import PinholeView
 from render.pictures.picture import expose_frame, make_picture
 from render.shot import Shot
 from render.trace.glimpse import Glimpse
-from tests.render.pictures.test_motion import STILL, coverage, write_moving
+from tests.render.kits.moving_shots import STILL, add_card, coverage, key_move, write_moving, write_posts_shot
 from usd_schemas import Shutter as ShutterData
 
 WIDTH, HEIGHT = 160, 90
 LENS = FrameSettings(WIDTH, HEIGHT, shading="unlit", rays=64, motion=16, supersample=2)
-
-
-def add_card(
-    stage: Usd.Stage, path: str, *, size: tuple[float, float], depth: float, colour: tuple[float, float, float]
-) -> UsdGeom.Mesh:
-    card = UsdGeom.Mesh.Define(stage, path)
-    x, y = size[0] / 2, size[1] / 2
-    card.CreatePointsAttr([Gf.Vec3f(*at, -depth) for at in ((-x, -y), (x, -y), (x, y), (-x, y))])
-    card.CreateFaceVertexCountsAttr([4])
-    card.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
-    card.CreateDisplayColorAttr([Gf.Vec3f(*colour)])
-    card.CreateDoubleSidedAttr(True)
-    return card
-
-
-def write_scene(path: Path, *, f_stop: float = 2.0) -> Usd.Stage:
-    """A room: a striped wall 8 m away, three posts in front of it, a camera that focuses 3 m away."""
-    stage = Usd.Stage.CreateNew(str(path))
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    UsdGeom.SetStageUpAxis(stage, "Y")
-    for i in range(24):
-        shade = 0.2 + 0.6 * (i % 2)
-        stripe = add_card(stage, f"/wall/s{i}", size=(0.5, 6), depth=8, colour=(shade, 0.5, 1 - shade))
-        stripe.AddTranslateOp().Set(Gf.Vec3d(0.5 * (i - 11.5), 0, 0))
-    for i, depth in enumerate((2.5, 4.0, 6.0)):
-        post = add_card(stage, f"/posts/p{i}", size=(0.15, 5), depth=depth, colour=(0.9, 0.3 * i, 0.1))
-        post.AddTranslateOp().Set(Gf.Vec3d(0.8 * (i - 1), 0, 0))
-    camera = UsdGeom.Camera.Define(stage, "/cam")
-    camera.CreateFocalLengthAttr(0.3)
-    camera.CreateHorizontalApertureAttr(0.36)
-    camera.CreateVerticalApertureAttr(0.2025)
-    camera.CreateFStopAttr(f_stop / 10)
-    camera.CreateFocusDistanceAttr(3.0)
-    camera.CreateShutterOpenAttr(0.0)
-    camera.CreateShutterCloseAttr(0.5)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, 100))
-    return stage
 
 
 def both(
@@ -77,11 +40,6 @@ def both(
 
 def psnr(one: FloatArray, other: FloatArray) -> float:
     return float(-10 * np.log10(max(float(np.mean((one - other) ** 2)), 1e-12)))
-
-
-def keyed(op: UsdGeom.XformOp, first: Gf.Vec3d, last: Gf.Vec3d) -> None:
-    op.Set(first, 1.0)
-    op.Set(last, 1.5)
 
 
 @pytest.mark.parametrize("direction", ["down", "up"])
@@ -114,12 +72,12 @@ def test_a_trail_is_as_long_and_as_bright_by_velocities(renderer: FrameRenderer,
 def test_what_the_camera_does_needs_no_velocities(
     renderer: FrameRenderer, tmp_path: Path, way: str, engine: str
 ) -> None:
-    stage = write_scene(tmp_path / "camera.usda")
+    stage = write_posts_shot(tmp_path / "camera.usda")
     camera = UsdGeom.Camera.Get(stage, "/cam")
     if way == "truck":
-        keyed(camera.AddTranslateOp(), Gf.Vec3d(-0.1, 0, 0), Gf.Vec3d(0.1, 0, 0))
+        key_move(camera.AddTranslateOp(), Gf.Vec3d(-0.1, 0, 0), Gf.Vec3d(0.1, 0, 0))
     elif way == "dolly":
-        keyed(camera.AddTranslateOp(), Gf.Vec3d(0, 0, 0.2), Gf.Vec3d(0, 0, -0.2))
+        key_move(camera.AddTranslateOp(), Gf.Vec3d(0, 0, 0.2), Gf.Vec3d(0, 0, -0.2))
     elif way == "pan":
         turn = camera.AddRotateYOp()
         turn.Set(-3.0, 1.0)
@@ -147,10 +105,10 @@ MOVES = {
 @pytest.mark.parametrize("way", MOVES)
 def test_what_moves_uncovers_what_is_behind_it(renderer: FrameRenderer, tmp_path: Path, way: str, engine: str) -> None:
     """In front of a post and behind another one, while the camera trucks the other way."""
-    stage = write_scene(tmp_path / "object.usda")
+    stage = write_posts_shot(tmp_path / "object.usda")
     mover = add_card(stage, "/mover", size=(0.7, 0.8), depth=3.2, colour=(1, 1, 0.2))
-    keyed(mover.AddTranslateOp(), *MOVES[way])
-    keyed(UsdGeom.Camera.Get(stage, "/cam").AddTranslateOp(), Gf.Vec3d(0.05, 0, 0), Gf.Vec3d(-0.05, 0, 0))
+    key_move(mover.AddTranslateOp(), *MOVES[way])
+    key_move(UsdGeom.Camera.Get(stage, "/cam").AddTranslateOp(), Gf.Vec3d(0.05, 0, 0), Gf.Vec3d(-0.05, 0, 0))
     stage.Save()
     exact, fast, still = both(renderer, tmp_path / "object.usda", replace(LENS, engine=engine))
     assert psnr(exact, fast) > 35
@@ -158,7 +116,7 @@ def test_what_moves_uncovers_what_is_behind_it(renderer: FrameRenderer, tmp_path
 
 
 def test_what_bends_and_what_turns_is_carried_by_each_of_its_points(renderer: FrameRenderer, tmp_path: Path) -> None:
-    stage = write_scene(tmp_path / "bending.usda")
+    stage = write_posts_shot(tmp_path / "bending.usda")
     sheet = add_card(stage, "/sheet", size=(1.2, 1.0), depth=3.0, colour=(0.1, 1, 0.4))
     points = np.array(sheet.GetPointsAttr().Get())
     for time, lean in ((1.0, -0.15), (1.5, 0.15)):
@@ -179,7 +137,7 @@ def test_an_instancer_moves_instance_by_instance(
     renderer: FrameRenderer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also where each is drawn by itself."""
-    stage = write_scene(tmp_path / "instances.usda")
+    stage = write_posts_shot(tmp_path / "instances.usda")
     instancer = UsdGeom.PointInstancer.Define(stage, "/many")
     card = add_card(stage, "/many/card", size=(0.3, 0.3), depth=0.0, colour=(1, 0.2, 0.8))
     instancer.CreatePrototypesRel().SetTargets([card.GetPath()])
@@ -203,7 +161,7 @@ def test_an_instancer_moves_instance_by_instance(
 
 def write_particles(path: Path, ids: dict[float, list[int]], *, told: bool) -> Shot:
     """Cards in a row, one for each id and where that says; their ids are told, or are not."""
-    stage = write_scene(path)
+    stage = write_posts_shot(path)
     instancer = UsdGeom.PointInstancer.Define(stage, "/many")
     card = add_card(stage, "/many/card", size=(0.3, 0.3), depth=0.0, colour=(1, 1, 1))
     instancer.CreatePrototypesRel().SetTargets([card.GetPath()])
@@ -238,12 +196,12 @@ def test_instances_without_ids_stand_still_where_some_come_or_go(tmp_path: Path)
 
 def test_what_is_passed_through_is_counted_once(renderer: FrameRenderer, tmp_path: Path) -> None:
     """A half clear pane that turns and comes nearer covers half of what is behind it, wherever it goes."""
-    stage = write_scene(tmp_path / "pane.usda")
+    stage = write_posts_shot(tmp_path / "pane.usda")
     stage.RemovePrim("/wall")
     stage.RemovePrim("/posts")
     pane = add_card(stage, "/pane", size=(1.0, 1.0), depth=0.0, colour=(1, 1, 1))
     pane.CreateDisplayOpacityAttr([0.5])
-    keyed(pane.AddTranslateOp(), Gf.Vec3d(-0.1, 0, -4), Gf.Vec3d(0.1, 0, -2.6))
+    key_move(pane.AddTranslateOp(), Gf.Vec3d(-0.1, 0, -4), Gf.Vec3d(0.1, 0, -2.6))
     turn = pane.AddRotateYOp()
     turn.Set(-30.0, 1.0)
     turn.Set(30.0, 1.5)
@@ -268,10 +226,10 @@ CROSSING = {
 @pytest.mark.parametrize("engine", ["lens", "pinhole"])
 @pytest.mark.parametrize("way", CROSSING)
 def test_things_that_cross_are_told_apart(renderer: FrameRenderer, tmp_path: Path, way: str, engine: str) -> None:
-    stage = write_scene(tmp_path / "crossing.usda")
+    stage = write_posts_shot(tmp_path / "crossing.usda")
     for name, colour, (depth, begins, ends) in zip("ab", ((1, 1, 0.2), (1, 0.1, 0.8)), CROSSING[way], strict=True):
         card = add_card(stage, f"/{name}", size=(0.6, 0.8), depth=depth, colour=colour)
-        keyed(card.AddTranslateOp(), Gf.Vec3d(begins, 0, 0), Gf.Vec3d(ends, 0.1, 0))
+        key_move(card.AddTranslateOp(), Gf.Vec3d(begins, 0, 0), Gf.Vec3d(ends, 0.1, 0))
     stage.Save()
     exact, fast, _ = both(renderer, tmp_path / "crossing.usda", replace(LENS, engine=engine))
     assert psnr(exact, fast) > 35
@@ -287,9 +245,9 @@ HARD = {
 @pytest.mark.parametrize("engine", ["lens", "pinhole"])
 @pytest.mark.parametrize("way", HARD)
 def test_what_moves_is_seen_wherever_it_goes(renderer: FrameRenderer, tmp_path: Path, way: str, engine: str) -> None:
-    stage = write_scene(tmp_path / "hard.usda")
+    stage = write_posts_shot(tmp_path / "hard.usda")
     size, begins, ends = HARD[way]
-    keyed(add_card(stage, "/card", size=size, depth=0.0, colour=(1, 1, 0.2)).AddTranslateOp(), begins, ends)
+    key_move(add_card(stage, "/card", size=size, depth=0.0, colour=(1, 1, 0.2)).AddTranslateOp(), begins, ends)
     stage.Save()
     exact, fast, still = both(renderer, tmp_path / "hard.usda", replace(LENS, engine=engine))
     assert psnr(exact, fast) > 34
@@ -297,7 +255,7 @@ def test_what_moves_is_seen_wherever_it_goes(renderer: FrameRenderer, tmp_path: 
 
 
 def test_what_stops_half_way_stops(renderer: FrameRenderer, tmp_path: Path) -> None:
-    stage = write_scene(tmp_path / "stops.usda")
+    stage = write_posts_shot(tmp_path / "stops.usda")
     slide = add_card(stage, "/card", size=(0.6, 0.8), depth=3.2, colour=(1, 1, 0.2)).AddTranslateOp()
     for time, x in ((1.0, -0.8), (1.25, 0.3), (1.5, 0.3)):
         slide.Set(Gf.Vec3d(x, 0, 0), time)
@@ -308,7 +266,7 @@ def test_what_stops_half_way_stops(renderer: FrameRenderer, tmp_path: Path) -> N
 
 
 def test_the_layers_of_a_still_shot_keep_no_motion(renderer: FrameRenderer, tmp_path: Path) -> None:
-    stage = write_scene(tmp_path / "still.usda")
+    stage = write_posts_shot(tmp_path / "still.usda")
     stage.Save()
     shot = Shot.open(tmp_path / "still.usda")
     assert movements(*(shot.scene_at(time) for time in (1.25, 1.0, 1.5))) == {}

@@ -27,7 +27,7 @@ from render.pictures.progressive.pace import ENOUGH_RAYS, GOOD_RAYS, Pace, Plan
 from render.shot import Shot
 from render.shot.film import finish as finishing
 from render.trace.tracer import Tracer
-from tests.render.pictures.test_motion_velocities import add_card, keyed, write_scene
+from tests.render.kits.moving_shots import add_card, key_move, write_posts_shot
 
 SETTINGS = FrameSettings(160, 90, rays=40, layers=3, supersample=1.5)
 
@@ -41,9 +41,9 @@ def renderer() -> Iterator[FrameRenderer]:
 @pytest.fixture
 def shot(tmp_path: Path) -> Shot:
     """A camera that looks at posts before a wall, and a card that moves."""
-    stage = write_scene(tmp_path / "room.usda")
+    stage = write_posts_shot(tmp_path / "room.usda")
     card = add_card(stage, "/card", size=(0.7, 0.8), depth=3.0, colour=(1, 1, 0.2))
-    keyed(card.AddTranslateOp(), Gf.Vec3d(-0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
+    key_move(card.AddTranslateOp(), Gf.Vec3d(-0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
     stage.Save()
     return Shot.open(tmp_path / "room.usda")
 

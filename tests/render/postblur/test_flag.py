@@ -21,18 +21,12 @@ from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.scene import Batch, Dome, Material, Scene
 from render.pictures.picture import make_picture
-from render.postblur.blur_shape import AREA_STEPS, BlurShape, blur_shape
+from render.postblur.blur_shape import BlurShape, blur_shape
 from render.postblur.flag import BAND_BYTES, PILE_BYTES, Flag, Ring
 from render.postblur.shed import EVERYTHING, Field, Window
 from render.shot import Shot
-from tests.render.pictures.test_motion_velocities import add_card, keyed, write_scene
-
-IRISES = {
-    "round": IrisShape(),
-    "six blades": IrisShape(blades=6),
-    "three blades": IrisShape(blades=3),
-    "five, turned": IrisShape(blades=5, rotation_rad=0.4),
-}
+from tests.render.kits.blur_fields import IRISES, blur_by_point
+from tests.render.kits.moving_shots import add_card, key_move, write_posts_shot
 
 
 @pytest.fixture
@@ -66,27 +60,6 @@ def blurred(
     return total
 
 
-def shed(light: FloatArray, radii: FloatArray, shape: BlurShape, areas: FloatArray) -> FloatArray:
-    """The same, point by point and column by column."""
-    height, width, _ = light.shape
-    total = np.zeros(light.shape)
-    for y, x in np.argwhere(radii > 0):
-        radius = max(float(radii[y, x]), 0.25)
-        area = np.interp(radius * AREA_STEPS, np.arange(len(areas)), areas)
-        reach = int(np.ceil(radius)) + 1
-        for column in range(max(x - reach, 0), min(x + reach + 1, width)):
-            if column != x and abs(column - x) >= radius:
-                continue
-            up, down = radius * shape.reach(np.array((column - x) / radius))
-            for row in range(max(y - reach, 0), min(y + reach + 1, height)):
-                side = up if row < y else down
-                share = np.clip(side + 0.5 - abs(row - y), 0, 1) if side >= 0.5 else 0.0
-                if row == y:
-                    share = (min(2 * up, 1) + min(2 * down, 1)) / 2
-                total[row, column] += share * light[y, x] / area
-    return total
-
-
 @pytest.mark.parametrize("behind", [True, False])
 @pytest.mark.parametrize("iris", IRISES)
 def test_rows_and_columns_shed_what_points_do(ctx: moderngl.Context, iris: str, behind: bool) -> None:
@@ -97,7 +70,7 @@ def test_rows_and_columns_shed_what_points_do(ctx: moderngl.Context, iris: str, 
     shape = blur_shape(IRISES[iris], behind=behind)
     assert shape.is_symmetric == (iris != "five, turned")
     seen = blurred(ctx, light, radii, shape, 7.3)
-    np.testing.assert_allclose(seen, shed(light, radii, shape, shape.areas(9)), atol=2e-5)
+    np.testing.assert_allclose(seen, blur_by_point(light, radii, shape, shape.areas(9)), atol=2e-5)
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.6, 1.0, 1.3, 2.7, 5.0, 11.4, 20.0])
@@ -150,9 +123,9 @@ def test_rows_that_are_held_in_turn_are_told_apart(ctx: moderngl.Context, monkey
 def test_what_is_in_focus_is_sharp_and_what_is_not_is_as_blurred_as_by_the_lens(
     renderer: FrameRenderer, tmp_path: Path
 ) -> None:
-    stage = write_scene(tmp_path / "room.usda")
+    stage = write_posts_shot(tmp_path / "room.usda")
     card = add_card(stage, "/card", size=(0.7, 0.8), depth=3.0, colour=(1, 1, 0.2))
-    keyed(card.AddTranslateOp(), Gf.Vec3d(0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
+    key_move(card.AddTranslateOp(), Gf.Vec3d(0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
     stage.Save()
     shot = Shot.open(tmp_path / "room.usda")
     settings = FrameSettings(240, 135, shading="unlit", rays=128, supersample=2)
@@ -179,7 +152,7 @@ def test_generated_scenes_look_alike(renderer: FrameRenderer, made: Callable[[],
 @pytest.mark.parametrize("depth", [1.5, 30.0])
 def test_an_odd_iris_stands_as_the_lens_has_it(renderer: FrameRenderer, tmp_path: Path, depth: float) -> None:
     """Three blades before the focus stand upside down to those behind it: a small light draws the iris either way."""
-    stage = write_scene(tmp_path / "iris.usda")
+    stage = write_posts_shot(tmp_path / "iris.usda")
     stage.RemovePrim("/wall")
     stage.RemovePrim("/posts")
     add_card(stage, "/light", size=(0.02 * depth, 0.02 * depth), depth=depth, colour=(1, 1, 1))

@@ -17,7 +17,7 @@ from render.postblur.blur_shape import blur_shape
 from render.postblur.flag import Flag
 from render.postblur.gather import Gather
 from render.postblur.shed import EVERYTHING, Field, Window
-from tests.render.postblur.test_flag import IRISES, shed
+from tests.render.kits.blur_fields import IRISES, blur_by_point
 
 
 @pytest.fixture
@@ -58,7 +58,7 @@ def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: st
     shape = blur_shape(IRISES[iris], behind=True)
     with Resources() as held:
         seen = Stand(ctx, held, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
-    np.testing.assert_allclose(seen, shed(light, radii, shape, shape.areas(8)), atol=2e-5)
+    np.testing.assert_allclose(seen, blur_by_point(light, radii, shape, shape.areas(8)), atol=2e-5)
 
 
 @pytest.mark.parametrize("window", [EVERYTHING, Window(rise=(2.0, 3.5)), Window(fall=(1.0, 4.0))])

@@ -18,7 +18,7 @@ from render.postblur.importance_field import ALL, NEVER_CANCELLED, Extent, Impor
 from render.postblur.importance_order import Importance
 from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.spread_tables import Gaussian
-from tests.render.postblur.test_linear import as_array, as_field
+from tests.render.kits.blur_fields import as_array, as_field
 
 HEIGHT, WIDTH = 51, 45
 

@@ -20,7 +20,6 @@ from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.scene import Scene
 from render.postblur.linear import CUTOFF_PX, CUTOFF_SHARE, NO_CUTOFF, FieldSpreader, LinearField
-from render.postblur.shed import Field
 from render.postblur.spread_tables import (
     MAX_RADIUS_PX,
     WEIGHT_BITS,
@@ -31,6 +30,7 @@ from render.postblur.spread_tables import (
     steps_to,
     table_of,
 )
+from tests.render.kits.blur_fields import as_array, as_field
 
 SPREADS: dict[str, Spread] = {
     "gaussian": Gaussian(),
@@ -43,18 +43,6 @@ SPREADS: dict[str, Spread] = {
 @pytest.fixture
 def ctx(renderer: FrameRenderer) -> moderngl.Context:
     return renderer.graphics.ctx
-
-
-def as_field(ctx: moderngl.Context, light: FloatArray, radii: FloatArray) -> Field:
-    """Light ``(h, w, 4)`` with signed radii ``(h, w)``."""
-    size = light.shape[1], light.shape[0]
-    both = np.stack([radii, radii], axis=-1).astype(np.float32)
-    light_made = ctx.texture(size, 4, np.ascontiguousarray(light, np.float32).tobytes(), dtype="f4")
-    return Field(light_made, ctx.texture(size, 2, both.tobytes(), dtype="f4"), 0)
-
-
-def as_array(texture: moderngl.Texture) -> FloatArray:
-    return np.frombuffer(texture.read(), np.float32).reshape(texture.height, texture.width, 4).copy()
 
 
 def spread_by(

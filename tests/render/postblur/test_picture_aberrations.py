@@ -19,8 +19,7 @@ from render.pictures.image_space import ImageSpace, renders_in_image_space
 from render.postblur.aberrate import aberrated
 from render.postblur.passes import aberrated_on
 from render.postblur.picture_errors import PictureErrors, picture_errors
-from tests.render.trace.test_data_sheet_pictures import SETTINGS, SOFT, camera_of
-from tests.render.trace.test_lens_pictures import glowing_point, spread
+from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, glowing_point, sheet_camera, spot_size
 
 PX_MM = 0.1
 
@@ -28,7 +27,7 @@ PX_MM = 0.1
 def view_of(width: int, height: int) -> PinholeView:
     """0.1 mm a pixel, behind 50 mm."""
     gate = {"horizontal_aperture_mm": width * PX_MM, "vertical_aperture_mm": height * PX_MM}
-    return PinholeView.from_camera(camera_of(DataSheet((0.0,)), **gate), width, height)
+    return PinholeView.from_camera(sheet_camera(DataSheet((0.0,)), **gate), width, height)
 
 
 def errors_of(sheet: DataSheet, view: PinholeView, **kinds: object) -> PictureErrors:
@@ -49,7 +48,7 @@ def test_a_point_is_blurred_as_wide_as_the_sheet_says(along_px: float, across_px
         (0.0, 20.0), sagittal_blur_mm=(across_px * PX_MM,) * 2, tangential_blur_mm=(along_px * PX_MM,) * 2, f_stop=2.8
     )
     blurred = aberrated(point_at(view, 570, 20), view, errors_of(sheet, view))
-    x, y, along, across = spread(blurred)
+    x, y, along, across = spot_size(blurred)
     np.testing.assert_allclose([along, across], [along_px, across_px], rtol=0.025)
     np.testing.assert_allclose([x, y], [570.5, 20.5], atol=0.15)
     assert blurred[..., 1].sum() == pytest.approx(100, rel=0.01)
@@ -84,10 +83,10 @@ def test_distortion_lateral_colour_and_light_are_the_sheets() -> None:
 def test_comas_flare_points_outward() -> None:
     view = view_of(561, 41)
     sheet = DataSheet((0.0, 6.0, 20.0), coma_mm=(0.0, 1.2, 1.2), f_stop=2.8)
-    x, y, along, across = spread(aberrated(point_at(view, 545, 20), view, errors_of(sheet, view)))
+    x, y, along, across = spot_size(aberrated(point_at(view, 545, 20), view, errors_of(sheet, view)))
     assert (x - 545.5, y - 20.5) == (pytest.approx(4, abs=0.15), pytest.approx(0, abs=0.05))
     assert (along, across) == (pytest.approx(4 * np.sqrt(1 / 2), rel=0.05), pytest.approx(4 * np.sqrt(1 / 6), rel=0.08))
-    left = spread(aberrated(point_at(view, 15, 20), view, errors_of(sheet, view)))
+    left = spot_size(aberrated(point_at(view, 15, 20), view, errors_of(sheet, view)))
     assert left[0] == pytest.approx(561 - x, abs=0.01)
 
 
@@ -95,7 +94,7 @@ def test_comas_flare_points_outward() -> None:
 def test_the_shaders_do_what_numpy_does(renderer: FrameRenderer, squeeze: float) -> None:
     view = view_of(90, 70)
     picture = np.random.default_rng(4).uniform(0, 4, (70, 90, 4)).astype(np.float32)
-    errors = errors_of(replace(SOFT, heights_mm=(0.0, 2.0, 4.0, 6.0)), view, squeeze=squeeze)
+    errors = errors_of(replace(SOFT_SHEET, heights_mm=(0.0, 2.0, 4.0, 6.0)), view, squeeze=squeeze)
     ours = aberrated_on(renderer.graphics.ctx, picture, view, errors)
     np.testing.assert_allclose(ours, aberrated(picture, view, errors), atol=2e-4)
     sharp = errors_of(DataSheet((0.0,)), view)
@@ -104,24 +103,26 @@ def test_the_shaders_do_what_numpy_does(renderer: FrameRenderer, squeeze: float)
 
 def test_a_flat_chart_looks_as_through_the_rays(renderer: FrameRenderer) -> None:
     """In the plane of focus both forms of a data sheet say the same: where light is, how wide, and how much of it."""
-    camera = camera_of(SOFT)
+    camera = sheet_camera(SOFT_SHEET)
     for slope in (0.0, 0.27):
         scene = glowing_point(slope, 0.3 * slope, 4, 0.016)
-        rays = renderer.render(scene, camera, replace(SETTINGS, rays=128)).color
-        space = ImageSpace.of(camera, replace(SETTINGS, engine="pinhole", rays=16))
+        rays = renderer.render(scene, camera, replace(SHEET_SETTINGS, rays=128)).color
+        space = ImageSpace.of(camera, replace(SHEET_SETTINGS, engine="pinhole", rays=16))
         wide = renderer.render(scene, space.camera(camera), space.settings)
         picture = space.finished(renderer, wide).color
         assert picture.shape == rays.shape
         for channel in range(3):
-            np.testing.assert_allclose(spread(picture, channel)[:2], spread(rays, channel)[:2], atol=0.25)
-            np.testing.assert_allclose(spread(picture, channel)[2:], spread(rays, channel)[2:], rtol=0.08)
+            np.testing.assert_allclose(spot_size(picture, channel)[:2], spot_size(rays, channel)[:2], atol=0.25)
+            np.testing.assert_allclose(spot_size(picture, channel)[2:], spot_size(rays, channel)[2:], rtol=0.08)
             assert picture[..., channel].sum() == pytest.approx(rays[..., channel].sum(), rel=0.08)
 
 
 def test_nothing_is_missing_at_the_edge_of_a_bent_picture(renderer: FrameRenderer) -> None:
     """What barrel distortion draws into the frame is drawn, and the size of all that is measured stays."""
-    camera, scene = camera_of(SOFT), glowing_point(0.0, 0.0, 4, 3.0)  # a chart that fills more than the frame
-    settings = replace(SETTINGS, engine="pinhole", rays=4, width=96, height=72, aovs=("color", "depth", "prim_id"))
+    camera, scene = sheet_camera(SOFT_SHEET), glowing_point(0.0, 0.0, 4, 3.0)  # a chart that fills more than the frame
+    settings = replace(
+        SHEET_SETTINGS, engine="pinhole", rays=4, width=96, height=72, aovs=("color", "depth", "prim_id")
+    )
     space = ImageSpace.of(camera, settings)
     frame = space.finished(renderer, renderer.render(scene, space.camera(camera), space.settings))
     assert frame.color.shape == (72, 96, 4)
@@ -134,7 +135,7 @@ def test_nothing_is_missing_at_the_edge_of_a_bent_picture(renderer: FrameRendere
 
 
 def test_other_lenses_and_engines_are_left_as_they_are(renderer: FrameRenderer) -> None:
-    camera, settings = camera_of(SOFT), replace(SETTINGS, width=64, height=48, rays=4)
+    camera, settings = sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, width=64, height=48, rays=4)
     assert not renders_in_image_space(camera, settings)
     assert renders_in_image_space(camera, replace(settings, engine="pinhole"))
     assert not renders_in_image_space(replace(camera, f_stop=0.0), replace(settings, engine="pinhole"))
@@ -147,8 +148,8 @@ def test_other_lenses_and_engines_are_left_as_they_are(renderer: FrameRenderer) 
 def test_both_forms_of_a_shot_look_alike(renderer: FrameRenderer) -> None:
     """Not alike out of focus, where the picture has no depth to blur by: so all of it is in focus."""
     checks = glowing_point(0, 0, 4, 0.3)
-    camera = camera_of(replace(SOFT, tangential_blur_mm=(0.15, 0.15, 0.15, 0.15), coma_mm=()))
-    settings = replace(SETTINGS, width=160, height=120, rays=128)
+    camera = sheet_camera(replace(SOFT_SHEET, tangential_blur_mm=(0.15, 0.15, 0.15, 0.15), coma_mm=()))
+    settings = replace(SHEET_SETTINGS, width=160, height=120, rays=128)
     rays = renderer.render(checks, camera, settings).color / 3000
     space = ImageSpace.of(camera, replace(settings, engine="pinhole", rays=16))
     picture = space.finished(renderer, renderer.render(checks, space.camera(camera), space.settings)).color / 3000
@@ -157,7 +158,7 @@ def test_both_forms_of_a_shot_look_alike(renderer: FrameRenderer) -> None:
 
 @pytest.mark.parametrize("shape", [(1, 1, 1), (48, 1, 1), (1, 64, 1)])
 def test_a_travelling_shutter_is_open_around_the_frame_as_at_its_edge(shape: tuple[int, int, int]) -> None:
-    camera, settings = camera_of(SOFT), replace(SETTINGS, width=64, height=48, engine="pinhole")
+    camera, settings = sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, width=64, height=48, engine="pinhole")
     share = np.linspace(0, 1, shape[0] * shape[1], dtype=np.float32).reshape(shape)
     space = ImageSpace.of(camera, settings)
     nothing = Scene((), (), Dome((0, 0, 0), np.eye(4)), ())
@@ -169,7 +170,7 @@ def test_a_travelling_shutter_is_open_around_the_frame_as_at_its_edge(shape: tup
 
 
 def test_light_that_the_tables_take_is_not_taken_again() -> None:
-    camera = camera_of(SOFT)
+    camera = sheet_camera(SOFT_SHEET)
     camera = replace(camera, lens=replace(camera.lens, natural_vignetting=True))
     assert light_over_picture(camera, 64, 48, is_pinhole=True) is None
     bare = replace(camera, lens=replace(camera.lens, data_sheet=DataSheet((0.0,))))

@@ -24,10 +24,16 @@ from render.postblur.scatter_axis import ROUNDED_PUPIL, ROUNDED_PX, ExactSpot, S
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
 from render.trace.rays import ray_pattern
+from tests.render.kits.lens_pictures import (
+    SHEET_SETTINGS,
+    SOFT_SHEET,
+    WHITE,
+    camera_of,
+    glowing_point,
+    sheet_camera,
+    spot_size,
+)
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR, TELEPHOTO
-from tests.render.trace.test_data_sheet_pictures import SETTINGS, SOFT
-from tests.render.trace.test_data_sheet_pictures import camera_of as sheet_camera
-from tests.render.trace.test_lens_pictures import WHITE, camera_of, glowing_point, spread
 
 SMALL = FrameSettings(160, 120, rays=512, supersample=2, tiled=False)
 
@@ -43,7 +49,7 @@ def both(renderer: FrameRenderer, camera: Camera, depth_m: float) -> tuple[Float
 
 def assert_alike(rays: FloatArray, scattered: FloatArray, correlation: float = 0.995) -> None:
     assert np.corrcoef(rays.ravel(), scattered.ravel())[0, 1] > correlation
-    np.testing.assert_allclose(spread(scattered, 0), spread(rays, 0), rtol=0.03)
+    np.testing.assert_allclose(spot_size(scattered, 0), spot_size(rays, 0), rtol=0.03)
     assert scattered.sum() == pytest.approx(rays.sum(), rel=0.04)
 
 
@@ -80,7 +86,7 @@ def through_the_sheet(
     renderer: FrameRenderer, scene: Scene, sheet: DataSheet, **changes: int
 ) -> tuple[FloatArray, FloatArray]:
     """A scene through a lens by its data sheet: by rays, and scattered and then bent, blurred and darkened."""
-    camera, settings = sheet_camera(sheet), replace(SETTINGS, **({"rays": 64} | changes))
+    camera, settings = sheet_camera(sheet), replace(SHEET_SETTINGS, **({"rays": 64} | changes))
     space = ImageSpace.of(camera, replace(settings, engine="scatter"))
     assert space.errors is not None
     wide = renderer.render(scene, space.camera(camera), space.settings)
@@ -88,13 +94,16 @@ def through_the_sheet(
 
 
 ONE_BY_ONE = {
-    "distortion": DataSheet(SOFT.heights_mm, distortion=SOFT.distortion),
-    "vignetting": DataSheet(SOFT.heights_mm, light=SOFT.light),
+    "distortion": DataSheet(SOFT_SHEET.heights_mm, distortion=SOFT_SHEET.distortion),
+    "vignetting": DataSheet(SOFT_SHEET.heights_mm, light=SOFT_SHEET.light),
     "astigmatism": DataSheet(
-        SOFT.heights_mm, sagittal_blur_mm=(0.02, 0.1, 0.15, 0.2), tangential_blur_mm=(0.02, 0.2, 0.3, 0.4), f_stop=2.8
+        SOFT_SHEET.heights_mm,
+        sagittal_blur_mm=(0.02, 0.1, 0.15, 0.2),
+        tangential_blur_mm=(0.02, 0.2, 0.3, 0.4),
+        f_stop=2.8,
     ),
     "spherical": DataSheet((0.0, 20.0), (), (), (0.2, 0.2), (0.2, 0.2), (0.8, 0.8), f_stop=2.8),
-    "all": SOFT,
+    "all": SOFT_SHEET,
 }
 
 
@@ -104,8 +113,8 @@ def test_each_error_of_a_data_sheet_is_drawn(renderer: FrameRenderer, kind: str)
     for slope in (0.0, 0.27) if kind == "all" else (0.27,):
         rays, scattered = through_the_sheet(renderer, glowing_point(slope, 0.3 * slope, 4, 0.016), ONE_BY_ONE[kind])
         for channel in range(3):
-            np.testing.assert_allclose(spread(scattered, channel)[:2], spread(rays, channel)[:2], atol=0.25)
-            np.testing.assert_allclose(spread(scattered, channel)[2:], spread(rays, channel)[2:], rtol=0.08)
+            np.testing.assert_allclose(spot_size(scattered, channel)[:2], spot_size(rays, channel)[:2], atol=0.25)
+            np.testing.assert_allclose(spot_size(scattered, channel)[2:], spot_size(rays, channel)[2:], rtol=0.08)
             assert scattered[..., channel].sum() == pytest.approx(rays[..., channel].sum(), rel=0.08)
 
 

@@ -13,6 +13,7 @@ from render.frame import FrameRenderer
 from render.model.camera import Camera
 from render.model.scene import Batch, Scene
 from render.stage import AnchorReader, StageReader, anchor_position, default_camera, open_stage
+from tests.render.kits.skinned import bent_strip
 from tests.render.kits.stages import (
     ASSETS,
     QUAD_POINTS,
@@ -25,7 +26,6 @@ from tests.render.kits.stages import (
     two_instances,
     world_points,
 )
-from tests.render.stage.test_skinning import bent_strip
 from usd_schemas import FocusPoint
 
 

@@ -10,57 +10,38 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
 from render.lab.reference.scenes import spheres_over_checkerboard
-from render.model.camera import Camera
 from render.model.lens import DataSheet, IrisShape, Lens
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.view import PinholeView
 from render.trace.rays import ray_pattern
-from tests.render.trace.test_lens_pictures import WHITE, glowing_point, spread
+from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, WHITE, glowing_point, sheet_camera, spot_size
 
-SOFT = DataSheet(
-    heights_mm=(0.0, 8.0, 16.0, 20.0),
-    distortion=(0.0, -0.01, -0.04, -0.06),
-    light=(1.0, 0.9, 0.55, 0.4),
-    sagittal_blur_mm=(0.15, 0.15, 0.17, 0.18),
-    tangential_blur_mm=(0.15, 0.18, 0.24, 0.27),
-    spherical=(0.5, 0.3, 0.0, 0.0),
-    coma_mm=(0.0, 0.1, 0.2, 0.25),
-    lateral_color_mm=(0.0, 0.1, 0.3, 0.4),
-    f_stop=2.8,
-)
-SETTINGS = FrameSettings(320, 240, rays=256)
 PX_MM = 0.1
-
-
-def camera_of(sheet: DataSheet, **changes: object) -> Camera:
-    lens = Lens("dataSheet", data_sheet=sheet)
-    camera = Camera(np.eye(4), 50.0, 32.0, 24.0, f_stop=2.8, focus_distance_m=4.0, near_m=0.1, lens=lens)
-    return replace(camera, **changes)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("height_mm", [0.0, 8.0, 13.0])
 def test_a_point_lands_where_and_as_wide_as_the_sheet_says(renderer: FrameRenderer, height_mm: float) -> None:
     heights, half_m = np.array([height_mm]), 0.016
-    errors = sheet_errors(SOFT, heights, focal_length_mm=50, f_stop=2.8)
+    errors = sheet_errors(SOFT_SHEET, heights, focal_length_mm=50, f_stop=2.8)
     scene = glowing_point(float(errors.seen[0]), 0, 4, half_m)
-    picture = renderer.render(scene, camera_of(SOFT), SETTINGS).color
-    found = [spread(picture, channel) for channel in range(3)]
+    picture = renderer.render(scene, sheet_camera(SOFT_SHEET), SHEET_SETTINGS).color
+    found = [spot_size(picture, channel) for channel in range(3)]
     square = half_m / 4 * 50 / np.sqrt(3)
     wanted = np.hypot(errors.spread_mm(510.0)[0], square)
     got = np.array(found[1][2:]) * PX_MM
     np.testing.assert_allclose(got, wanted, rtol=0.04)  # tables change over the width of a spot
     red, blue = ((found[channel][0] - found[1][0]) * PX_MM for channel in (0, 2))
-    lateral = at_heights(SOFT, "lateral_color_mm", heights)[0]
+    lateral = at_heights(SOFT_SHEET, "lateral_color_mm", heights)[0]
     assert red - blue == pytest.approx(lateral, rel=0.06, abs=0.002)
-    flare = at_heights(SOFT, "coma_mm", heights)[0] / 3  # its centre of light, where the iris is not clipped much
+    flare = at_heights(SOFT_SHEET, "coma_mm", heights)[0] / 3  # its centre of light, where the iris is not clipped much
     middle = (found[1][0] - 160) * PX_MM - (510 - 562.5) / 175 * lateral
     assert middle == pytest.approx(height_mm + flare, abs=0.02 if height_mm < 10 else 0.05)
 
 
 def test_a_white_field_has_the_sheets_light(renderer: FrameRenderer) -> None:
-    picture = renderer.render(WHITE, camera_of(SOFT), replace(SETTINGS, rays=64)).color
+    picture = renderer.render(WHITE, sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, rays=64)).color
     y, x = np.mgrid[:240, :320] + 0.5
-    wanted = at_heights(SOFT, "light", np.hypot(x - 160, y - 120).ravel() * PX_MM).reshape(240, 320)
+    wanted = at_heights(SOFT_SHEET, "light", np.hypot(x - 160, y - 120).ravel() * PX_MM).reshape(240, 320)
     np.testing.assert_allclose(picture[..., 1], wanted, atol=0.006)
     assert np.ptp(picture[..., :3], axis=-1).max() < 0.002
 
@@ -70,8 +51,8 @@ def test_cats_eyes_stand_in_the_corner_and_open_with_the_iris_closed(renderer: F
     sheet = DataSheet((0.0, 8.0, 20.0), light=(1.0, 0.9, 0.3), f_stop=2.8)
     scene, shapes = glowing_point(0.26, 0, 20, 0.03), []
     for f_stop in (2.8, 8.0):
-        camera = camera_of(sheet, f_stop=f_stop, focus_distance_m=0.5)
-        _, _, along, across = spread(renderer.render(scene, camera, replace(SETTINGS, rays=512)).color)
+        camera = sheet_camera(sheet, f_stop=f_stop, focus_distance_m=0.5)
+        _, _, along, across = spot_size(renderer.render(scene, camera, replace(SHEET_SETTINGS, rays=512)).color)
         shapes.append(along / across)
     rim = sheet_errors(sheet, np.array([13.0]), focal_length_mm=50, f_stop=2.8).rim_offset
     points, weights = open_pupil(1.0, rim, 1.0)
@@ -84,7 +65,7 @@ def test_cats_eyes_stand_in_the_corner_and_open_with_the_iris_closed(renderer: F
 @pytest.mark.parametrize("iris", [IrisShape(), IrisShape(blades=6)])
 def test_both_ways_to_bound_a_footprint_give_the_same_picture(renderer: FrameRenderer, iris: IrisShape) -> None:
     scene, camera = spheres_over_checkerboard()
-    camera = replace(camera_of(SOFT), world_from_camera=camera.world_from_camera, near_m=camera.near_m)
+    camera = replace(sheet_camera(SOFT_SHEET), world_from_camera=camera.world_from_camera, near_m=camera.near_m)
     camera = replace(camera, focus_distance_m=3.0)
     view = PinholeView.from_camera(camera, 160, 120)
     renderer.render(scene, camera, FrameSettings(160, 120, rays=1))  # loads the scene

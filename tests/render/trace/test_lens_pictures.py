@@ -10,17 +10,15 @@ import pytest
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
-from render.lab.reference.scenes import rectangle, spheres_over_checkerboard
-from render.model.arrays import FloatArray
+from render.lab.reference.scenes import spheres_over_checkerboard
 from render.model.camera import Camera
 from render.model.lens import AberrationScales, Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
-from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView
 from render.trace.rays import ray_pattern
+from tests.render.kits.lens_pictures import WHITE, camera_of, glowing_point, spot_size
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR, SIX_LENSES, KnownLens
 
 SMALL = FrameSettings(160, 120, rays=64)
-WHITE = Scene((), (), Dome((1.0, 1.0, 1.0), np.eye(4)), ())
 BK7 = Glass(
     1.5168,
     64.17,
@@ -33,33 +31,6 @@ SINGLET = Prescription(
     f_stop=2.8,
     name="singlet",
 )
-
-
-def camera_of(known: KnownLens, **changes: object) -> Camera:
-    lens = Lens("prescription", known.prescription.name, known.prescription)
-    camera = Camera(np.eye(4), known.focal_length_mm, 32.0, 24.0, f_stop=known.f_stop, focus_distance_m=4.0, near_m=0.1)
-    return replace(camera, lens=lens, **changes)  # type: ignore[arg-type]
-
-
-def glowing_point(x: float, y: float, depth_m: float, half_m: float = 0.004) -> Scene:
-    """A bright square at the slopes (x, y) from the axis, y up."""
-    glow = Material(name="glow", base_color=(0, 0, 0), emissive=(3000.0, 3000.0, 3000.0))
-    place = (x * depth_m, y * depth_m, -depth_m)
-    square = rectangle(place, (half_m, 0, 0), (0, half_m, 0))
-    return Scene((Batch(square, glow, np.eye(4)[None], double_sided=True),), (), Dome((0, 0, 0), np.eye(4)), ("/p",))
-
-
-def spread(picture: FloatArray, channel: int = 1) -> tuple[float, float, float, float]:
-    """Centre of the light in a channel, and its standard deviation, along x and y, in pixels."""
-    light = picture[..., channel].astype(np.float64)
-    y, x = np.mgrid[: light.shape[0], : light.shape[1]] + 0.5
-    cx, cy = (x * light).sum() / light.sum(), (y * light).sum() / light.sum()
-    return (
-        float(cx),
-        float(cy),
-        float(np.sqrt(((x - cx) ** 2 * light).sum() / light.sum())),
-        float(np.sqrt(((y - cy) ** 2 * light).sum() / light.sum())),
-    )
 
 
 @pytest.mark.parametrize("known", SIX_LENSES, ids=lambda known: known.prescription.name)
@@ -128,10 +99,10 @@ def test_flat_height_fields_change_nothing_and_bumps_do(renderer: FrameRenderer)
     ]
     assert psnr_db(pictures[0], sphere) > 37
     turned_px = 0.5168 * 0.3 / 14 * 50 / 24 * 160
-    shifted = spread(
+    shifted = spot_size(
         renderer.render(glowing_point(0, 0, 4.0), replace(camera, lens=pictures_lens(wedge)), settings).color
     )
-    straight = spread(
+    straight = spot_size(
         renderer.render(glowing_point(0, 0, 4.0), replace(camera, lens=pictures_lens(0 * x)), settings).color
     )
     assert abs(shifted[0] - straight[0]) == pytest.approx(turned_px, rel=0.06)
@@ -156,7 +127,7 @@ def test_coma_flares_away_from_the_axis_or_toward_it_by_its_sign(renderer: Frame
     centres = []
     for coma in (0.0, 60.0, -60.0):
         lens = Lens("seidel", seidel=SeidelErrors(w131=coma, reference_f_stop=2.8, reference_height_mm=15.0))
-        centres.append(spread(renderer.render(scene, replace(camera, lens=lens), settings).color)[0])
+        centres.append(spot_size(renderer.render(scene, replace(camera, lens=lens), settings).color)[0])
     error = 587.5618e-9 * 60 / (50 / 5600) * 50 / 36 * 400  # px: W131·λ/E times f in pixels
     # the mean of (3x² + y²) over the disc is 1; what a pixel sees further out is shown further in
     assert centres[1] < centres[0] - 0.8 * error
@@ -169,28 +140,28 @@ def test_lateral_colour_puts_blue_outside_red(renderer: FrameRenderer) -> None:
     picture = renderer.render(
         glowing_point(0.3, 0, 5.0), replace(camera, lens=lens), FrameSettings(400, 300, rays=64)
     ).color
-    red, green, blue = (spread(picture, channel)[0] for channel in range(3))
+    red, green, blue = (spot_size(picture, channel)[0] for channel in range(3))
     assert red < green < blue
     assert blue - red == pytest.approx(0.5 / 36 * 400, rel=0.1)
     neutral = replace(lens, scales=AberrationScales(chromatic=0.0))
     picture = renderer.render(
         glowing_point(0.3, 0, 5.0), replace(camera, lens=neutral), FrameSettings(400, 300, rays=64)
     ).color
-    assert spread(picture, 0)[0] == pytest.approx(spread(picture, 2)[0], abs=0.01)
+    assert spot_size(picture, 0)[0] == pytest.approx(spot_size(picture, 2)[0], abs=0.01)
 
 
 def test_bokeh_is_round_in_the_middle_and_a_cats_eye_in_the_corner(renderer: FrameRenderer) -> None:
     camera = camera_of(DOUBLE_GAUSS, focus_distance_m=1.5)
     settings = FrameSettings(480, 360, rays=64)
-    middle = spread(renderer.render(glowing_point(0.0, 0.0, 40.0, 0.08), camera, settings).color)
-    edge = spread(renderer.render(glowing_point(0.28, 0.0, 40.0, 0.08), camera, settings).color)
+    middle = spot_size(renderer.render(glowing_point(0.0, 0.0, 40.0, 0.08), camera, settings).color)
+    edge = spot_size(renderer.render(glowing_point(0.28, 0.0, 40.0, 0.08), camera, settings).color)
     assert middle[2] == pytest.approx(middle[3], rel=0.02)
     assert edge[2] < 0.8 * edge[3]  # tangentially narrower: rims cut it from both sides
 
 
 def test_anamorphic_bokeh_is_high_and_narrow(renderer: FrameRenderer) -> None:
     camera = Camera(np.eye(4), 50.0, 36.0, 27.0, f_stop=1.4, focus_distance_m=1.5, near_m=0.1, lens=Lens(squeeze=2.0))
-    light = spread(renderer.render(glowing_point(0, 0, 40.0, 0.05), camera, FrameSettings(640, 480, rays=256)).color)
+    light = spot_size(renderer.render(glowing_point(0, 0, 40.0, 0.05), camera, FrameSettings(640, 480, rays=256)).color)
     assert light[3] / light[2] == pytest.approx(2.0, rel=0.03)
 
 
@@ -200,12 +171,12 @@ def test_an_iris_shapes_the_bokeh_through_glass_too(renderer: FrameRenderer) -> 
     half[:, 16:] = 1.0
     settings = FrameSettings(640, 480, rays=256)
     scene = glowing_point(0, 0, 40.0, 0.05)
-    whole = spread(renderer.render(scene, camera, settings).color)
+    whole = spot_size(renderer.render(scene, camera, settings).color)
     cut = renderer.render(scene, replace(camera, iris=IrisShape(mask=half)), settings).color
     assert (
-        spread(cut)[0] - whole[0] > 0.7 * whole[2]
+        spot_size(cut)[0] - whole[0] > 0.7 * whole[2]
     )  # behind the focus the bokeh stands as the iris does: its right half
-    assert spread(cut)[3] == pytest.approx(whole[3], rel=0.05)
+    assert spot_size(cut)[3] == pytest.approx(whole[3], rel=0.05)
     assert cut[..., 1].sum() == pytest.approx(renderer.render(scene, camera, settings).color[..., 1].sum(), rel=0.03)
 
 

@@ -70,7 +70,7 @@ def test_curves_and_places_of_a_sheet_are_its_tables() -> None:
 def test_the_three_lenses_of_the_paper_are_there_and_say_where_their_numbers_are_from() -> None:
     names = [entry.name for entry in library_lenses() if entry.lens.model == "dataSheet"]
     assert names == ["zeiss_distagon_15", "zeiss_planar_50", "zeiss_planar_85"]
-    text = Path(__file__).parents[3].joinpath("usd_schemas/libraries/lenses.usda").read_text()
+    text = Path(__file__).parents[4].joinpath("usd_schemas/libraries/lenses.usda").read_text()
     for part in text.split("def Camera")[1:]:
         tables = [line for line in part.splitlines() if "double[] lens:table:" in line and "height" not in line]
         assert part.count('doc = "Derived: ') + part.count('doc = "Estimated: ') == len(tables)

@@ -1,8 +1,9 @@
 """The camera schemas of Pullfocus: lens, aperture, tilt-shift, film and focus, as a USD plugin and as typed Python.
 
-Importing the package registers the plugin with USD, and raises `SchemaError` if that cannot be. USD reads its schema
-definitions once, so import it before the first stage is opened. A tool without this Python finds the same plugin with
-``PXR_PLUGINPATH_NAME`` set to this folder.
+Importing the package makes the plugin known to USD. USD reads its schema definitions once, so import it before the first stage
+is opened. The first use of a camera or a library through the package checks that USD knows the schemas, and raises
+`SchemaError` if not. A tool without this Python finds the same plugin with ``PXR_PLUGINPATH_NAME`` set to this folder.
+`usd_schemas.settings` does not load USD.
 
     import usd_schemas
     camera = usd_schemas.LensCamera(stage.GetPrimAtPath("/shot/main_cam"))
@@ -12,45 +13,84 @@ definitions once, so import it before the first stage is opened. A tool without 
 
 from __future__ import annotations
 
-from usd_schemas.body_library import LibraryBody, body_names, library_bodies, library_body, mount_body
-from usd_schemas.data import (
+import os
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from usd_schemas.errors import SchemaError
+from usd_schemas.settings import (
     AberrationScales,
     ApertureData,
     Asset,
-    DataSheet,
-    FocusData,
-    FocusPoint,
-    HeightField,
-    HydraDistortion,
-    LensData,
-    Prescription,
-    Seidel,
-    SplitDiopter,
-    TiltShiftData,
-)
-from usd_schemas.errors import SchemaError
-from usd_schemas.film_data import (
     CharacteristicCurve,
+    DataSheet,
     Exposing,
     FilmData,
+    FocusData,
+    FocusPoint,
     GradeData,
     Grain,
     Halation,
+    HeightField,
+    HydraDistortion,
+    LensData,
     Metering,
+    Prescription,
     PrintCurve,
+    Seidel,
     Sensor,
     Shutter,
+    SplitDiopter,
+    TiltShiftData,
 )
-from usd_schemas.film_library import LibraryFilm, film_names, library_film, library_films
-from usd_schemas.focus_point import FocusPointView
-from usd_schemas.keys import Interpolation, Key, Tangents
-from usd_schemas.lens_library import LibraryLens, lens_names, library_lens, library_lenses
-from usd_schemas.mounting import Mounted, mount_lens
-from usd_schemas.registration import FOLDER as PLUGIN_FOLDER
-from usd_schemas.registration import register
-from usd_schemas.view import LensCamera, SchemaView, define_camera, define_lens_camera
 
-register()
+if TYPE_CHECKING:
+    from usd_schemas.body_library import LibraryBody, body_names, library_bodies, library_body, mount_body
+    from usd_schemas.film_library import LibraryFilm, film_names, library_film, library_films
+    from usd_schemas.focus_point import FocusPointView
+    from usd_schemas.keys import Interpolation, Key, Tangents
+    from usd_schemas.lens_library import LibraryLens, lens_names, library_lens, library_lenses
+    from usd_schemas.mounting import Mounted, mount_lens
+    from usd_schemas.view import LensCamera, SchemaView, define_camera, define_lens_camera
+
+PLUGIN_FOLDER = Path(__file__).resolve().parent
+
+_WITH_USD = {
+    "body_library": ("LibraryBody", "body_names", "library_bodies", "library_body", "mount_body"),
+    "film_library": ("LibraryFilm", "film_names", "library_film", "library_films"),
+    "focus_point": ("FocusPointView",),
+    "keys": ("Interpolation", "Key", "Tangents"),
+    "lens_library": ("LibraryLens", "lens_names", "library_lens", "library_lenses"),
+    "mounting": ("Mounted", "mount_lens"),
+    "view": ("LensCamera", "SchemaView", "define_camera", "define_lens_camera"),
+}
+"""Names of the package that need USD, by their module: imported when they are first used."""
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _WITH_USD.items():
+        if name in names:
+            return getattr(import_module(f"usd_schemas.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _make_plugin_known() -> None:
+    """Let USD find the plugin: by its search path where USD is not loaded yet, else by registering it now.
+
+    Raises:
+        SchemaError: USD is loaded, and the plugin cannot be registered.
+    """
+    if "pxr" in sys.modules:
+        import_module("usd_schemas.registration")
+        return
+    paths = [path for path in os.environ.get("PXR_PLUGINPATH_NAME", "").split(os.pathsep) if path]
+    if str(PLUGIN_FOLDER) not in paths:
+        os.environ["PXR_PLUGINPATH_NAME"] = os.pathsep.join([*paths, str(PLUGIN_FOLDER)])
+
+
+_make_plugin_known()
 
 __all__ = [
     "PLUGIN_FOLDER",

@@ -9,11 +9,10 @@ from typing import Any, Literal
 
 from pxr import Usd
 
-from usd_schemas.data import Pairs
 from usd_schemas.errors import SchemaError
-from usd_schemas.film_data import FilmData
 from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
+from usd_schemas.settings import FilmData, Pairs
 from usd_schemas.view import LensCamera
 
 FILM_LIBRARY_FILE = FOLDER / "libraries" / "films.usda"

@@ -9,9 +9,9 @@ from typing import Any
 from pxr import Sdf, Tf, Usd
 
 from usd_schemas import binding
-from usd_schemas.data import FocusPoint
 from usd_schemas.errors import SchemaError
 from usd_schemas.keys import Interpolation, Key, Tangents, keys, remove_key, set_key
+from usd_schemas.settings import FocusPoint
 from usd_schemas.values import Time
 
 NAMESPACE = "focusPoint"

@@ -1,11 +1,12 @@
-"""Makes generatedSchema.usda and plugInfo.json from schema.usda: ``python -m usd_schemas.generate [--check]``.
+"""Writes the files that derive from the declarations in `usd_schemas.settings`: ``python -m usd_schemas.generate [--check]``.
 
-usdGenSchema, which is in the usd-core wheel, does the work. Two things are put right after it: its placeholders in
-plugInfo.json become the places of a plugin that is one folder, and the full documentation of every property goes back
-into generatedSchema.usda (usdGenSchema keeps the first sentence alone), so that tools can show it.
+schema.usda is written from the declarations; usdGenSchema, which is in the usd-core wheel, makes generatedSchema.usda and
+plugInfo.json of it. Two things are put right after it: its placeholders in plugInfo.json become the places of a plugin that is
+one folder, and the full documentation of every property goes back into generatedSchema.usda (usdGenSchema keeps the first
+sentence alone), so that tools can show it.
 
-This file imports nothing of the package, so that ``python usd_schemas/generate.py`` also runs where the generated files
-are missing or broken and the package refuses to be imported.
+The declarations are imported before USD, so ``python usd_schemas/generate.py`` also runs where the generated files are missing or
+broken and the plugin cannot be registered.
 """
 
 from __future__ import annotations
@@ -13,15 +14,19 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from pxr import Sdf
+if TYPE_CHECKING:
+    from pxr import Sdf
 
 FOLDER = Path(__file__).resolve().parent
+if not __package__:  # run as a script: the folder itself is on the path in place of its parent
+    sys.path[0] = str(FOLDER.parent)
+SOURCE = "schema.usda"
 GENERATED = ("generatedSchema.usda", "plugInfo.json")
 
 
@@ -50,6 +55,8 @@ def _plug_info(text: str) -> str:
 
 def _documented(source: Path, generated: Path) -> str:
     """Return the text of generatedSchema.usda with the full documentation of schema.usda put back."""
+    from pxr import Sdf
+
     origin = Sdf.Layer.OpenAsAnonymous(str(source))
     result = Sdf.Layer.OpenAsAnonymous(str(generated))
     result.comment = "Generated from schema.usda by `python -m usd_schemas.generate`: do not edit."
@@ -71,30 +78,34 @@ def _document(spec: Sdf.Spec, original: Sdf.Spec) -> None:
     spec.customData["userDocBrief"] = " ".join(spec.customData["userDocBrief"].split())
 
 
-def generate(source: Path = FOLDER / "schema.usda") -> dict[str, str]:
+def generate(source: str | None = None) -> dict[str, str]:
     """Return the text of each generated file by name.
 
     Args:
-        source: the schema's source.
+        source: the text of schema.usda; None for what the declarations give.
 
     Raises:
         RuntimeError: usdGenSchema refused the source.
     """
+    from usd_schemas.schema_source import schema_source
+
+    source = schema_source() if source is None else source
     with tempfile.TemporaryDirectory() as folder_name:
         folder = Path(folder_name)
-        shutil.copy(source, folder / "schema.usda")
+        (folder / SOURCE).write_text(source, encoding="utf-8")
         _run_usdgenschema(folder)
         return {
-            "generatedSchema.usda": _documented(folder / "schema.usda", folder / "generatedSchema.usda"),
+            SOURCE: source,
+            "generatedSchema.usda": _documented(folder / SOURCE, folder / "generatedSchema.usda"),
             "plugInfo.json": _plug_info((folder / "plugInfo.json").read_text(encoding="utf-8")),
         }
 
 
-def stale_files(folder: Path = FOLDER) -> list[str]:
-    """Names of the generated files in ``folder`` that are missing or not what its schema.usda gives."""
+def stale_files(folder: Path = FOLDER, source: str | None = None) -> list[str]:
+    """Names of the generated files in ``folder`` that are missing or not what the declarations, or ``source``, give."""
     return [
         name
-        for name, text in generate(folder / "schema.usda").items()
+        for name, text in generate(source).items()
         if not (folder / name).is_file() or (folder / name).read_text(encoding="utf-8") != text
     ]
 

@@ -7,10 +7,10 @@ from functools import cache
 
 from pxr import Usd, UsdGeom
 
-from usd_schemas.data import ApertureData, LensData
 from usd_schemas.errors import SchemaError
 from usd_schemas.lookup import hint
 from usd_schemas.registration import FOLDER
+from usd_schemas.settings import ApertureData, LensData
 from usd_schemas.units import mm_from_tenths
 from usd_schemas.view import LensCamera
 

@@ -8,9 +8,9 @@ from pxr import Usd
 
 from usd_schemas import binding
 from usd_schemas.applying import applied
-from usd_schemas.data import ApertureData, DataSheet, HeightField, LensData, Prescription, Seidel
 from usd_schemas.keys import following_interpolation, set_key
 from usd_schemas.lens_library import library_lenses
+from usd_schemas.settings import ApertureData, DataSheet, HeightField, LensData, Prescription, Seidel
 from usd_schemas.units import tenths_from_mm
 from usd_schemas.values import is_animated, read_value, stored_value, usd_value
 from usd_schemas.view import LensCamera

@@ -1,4 +1,4 @@
-"""Registers the schema plugin with USD and proves that it took.
+"""Registers the schema plugin with USD and proves that it took, when this module is imported.
 
 USD reads schema definitions once, at the first query, and ignores plugins that come later without a word; a plugin with
 a wrong ``schemaKind`` or no ``bases`` it ignores as well. So registering is followed by asking for every schema.
@@ -63,3 +63,6 @@ def _absent_schemas() -> list[str]:
     registry = Usd.SchemaRegistry()
     applied = [name for name in (*SINGLE_APPLY, FOCUS_POINT) if registry.FindAppliedAPIPrimDefinition(name) is None]
     return applied + ([] if registry.FindConcretePrimDefinition(LENS_CAMERA) else [LENS_CAMERA])
+
+
+register()

@@ -7,7 +7,7 @@ import hashlib
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, Vt
 
-from usd_schemas.data import FocusPoint
+from usd_schemas.settings import FocusPoint
 
 
 def topology_fingerprint(mesh: UsdGeom.Mesh, time: float | None = None) -> str:

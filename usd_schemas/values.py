@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Usd
 
-from usd_schemas.data import Asset
 from usd_schemas.errors import SchemaError
+from usd_schemas.settings import Asset
 
 Time = float | None
 

@@ -14,12 +14,11 @@ from pxr import Sdf, Usd, UsdGeom
 
 from usd_schemas import binding
 from usd_schemas.applying import applied, apply
-from usd_schemas.data import ApertureData, FocusData, FocusPoint, LensData, TiltShiftData
 from usd_schemas.errors import SchemaError
-from usd_schemas.film_data import FilmData
 from usd_schemas.focus_point import FocusPointView
 from usd_schemas.keys import Interpolation, Key, Tangents, keys, remove_key, set_key
 from usd_schemas.registration import FOCUS_POINT, LENS_CAMERA, SINGLE_APPLY
+from usd_schemas.settings import ApertureData, FilmData, FocusData, FocusPoint, LensData, TiltShiftData
 from usd_schemas.values import Time, misfit, read_value
 
 Data = TypeVar("Data", LensData, ApertureData, TiltShiftData, FilmData, FocusData)

@@ -9,8 +9,8 @@ from pxr import Usd, UsdGeom
 from render.demo.author import FIRST_FRAME, LAST_FRAME, units
 from render.demo.camera import CAMERA
 from render.demo.performance import MARA, PIP
-from usd_schemas.data import FocusData, FocusPoint
 from usd_schemas.keys import Tangents
+from usd_schemas.settings import FocusData, FocusPoint
 from usd_schemas.view import LensCamera
 
 RACK_START, RACK_END = 44, 66

@@ -18,7 +18,7 @@ from render.film.grade_choice import GradeChoice
 from render.near_names import hint
 
 if TYPE_CHECKING:  # a grade by names and numbers needs no USD
-    from usd_schemas.film_data import GradeData
+    from usd_schemas.settings import GradeData
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from render.colour import working_config
 from render.film.cdl import Cdl
 
 if TYPE_CHECKING:  # a choice by names and numbers needs no USD
-    from usd_schemas.film_data import GradeData
+    from usd_schemas.settings import GradeData
 
 
 @dataclass(frozen=True)

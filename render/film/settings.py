@@ -13,7 +13,7 @@ from render.film.sensor import SensorSettings
 from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
 from render.near_names import hint
 from usd_schemas import FilmData
-from usd_schemas.data import FilmProcess
+from usd_schemas.settings import FilmProcess
 
 DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
 PROCESSES: tuple[str, ...] = get_args(FilmProcess)

@@ -10,7 +10,7 @@ import PyOpenColorIO as ocio
 from render.colour import BUILTIN_PREFIX, working_config
 from render.errors import InputError
 from render.stage.confinement import is_inside
-from usd_schemas.data import Asset
+from usd_schemas.settings import Asset
 
 
 def config_file(asset: Asset, confined_to: Path | None) -> str | None:

@@ -17,7 +17,7 @@ from service.models.film_settings import DisplayChoice, FilmKeyed, FilmSettings,
 from service.stage.applying import PHOTOGRAPHY_OF_FIELD
 from service.stage.photography import setting_of
 from service.stage.read_shot import Told, as_key, camera_tag, told_of_camera
-from usd_schemas.data import Asset
+from usd_schemas.settings import Asset
 from usd_schemas.units import mm_from_tenths
 
 

@@ -22,6 +22,7 @@ from usd_schemas import (
     generate,
 )
 from usd_schemas.binding import property_names, read
+from usd_schemas.schema_source import schema_source
 
 SCHEMAS = {
     "LensAPI": LensData,
@@ -46,18 +47,16 @@ def test_generated_files_are_what_the_source_gives() -> None:
     assert generate.stale_files() == []
 
 
-def test_a_changed_source_makes_the_generated_files_stale(tmp_path: Path) -> None:
+def test_a_changed_declaration_makes_the_generated_files_stale(tmp_path: Path) -> None:
     for name in ("schema.usda", *generate.GENERATED):
         shutil.copy(PLUGIN_FOLDER / name, tmp_path)
-    source = (tmp_path / "schema.usda").read_text()
-    (tmp_path / "schema.usda").write_text(source.replace("int aperture:blades = 0", "int aperture:blades = 7"))
-    assert generate.stale_files(tmp_path) == ["generatedSchema.usda"]
+    changed = schema_source().replace("int aperture:blades = 0", "int aperture:blades = 7")
+    assert generate.stale_files(tmp_path, changed) == ["schema.usda", "generatedSchema.usda"]
 
 
-def test_a_broken_source_is_refused_with_its_place(tmp_path: Path) -> None:
-    (tmp_path / "schema.usda").write_text('#usda 1.0\nclass "Broken" (\n')
+def test_a_broken_source_is_refused_with_its_place() -> None:
     with pytest.raises(RuntimeError, match="usdGenSchema could not read"):
-        generate.generate(tmp_path / "schema.usda")
+        generate.generate('#usda 1.0\nclass "Broken" (\n')
 
 
 @pytest.mark.parametrize(("schema", "name"), EVERY_PROPERTY)

@@ -73,6 +73,18 @@ def test_import_works_where_the_environment_names_the_same_plugin() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_declarations_are_read_without_loading_usd_which_then_finds_the_plugin() -> None:
+    done = run_python(
+        "import sys, usd_schemas.settings.schemas\n"
+        "print(any(name in sys.modules for name in ('pxr', 'numpy')))\n"
+        "from pxr import Usd\n"
+        "stage = Usd.Stage.CreateInMemory()\n"
+        "print(stage.DefinePrim('/a', 'LensCamera').HasAPI('FilmAPI'))\n",
+        path=PLUGIN_FOLDER.parent,
+    )
+    assert done.stdout.split() == ["False", "True"], done.stderr
+
+
 def test_another_version_that_usd_took_first_is_an_error(tmp_path: Path) -> None:
     other = copy_package(tmp_path)
     generated = other / "generatedSchema.usda"
@@ -90,7 +102,7 @@ def test_another_version_that_usd_took_first_is_an_error(tmp_path: Path) -> None
 def test_a_missing_generated_file_is_an_error_that_names_it_and_its_maker_still_runs(tmp_path: Path) -> None:
     package = copy_package(tmp_path)
     (package / "generatedSchema.usda").unlink()
-    done = run_python("import usd_schemas", path=tmp_path)
+    done = run_python("import usd_schemas\nusd_schemas.LensCamera", path=tmp_path)
     assert done.returncode == 1
     assert "lacks generatedSchema.usda" in done.stderr
     made = subprocess.run([sys.executable, package / "generate.py"], capture_output=True, text=True, check=False)
@@ -103,7 +115,7 @@ def test_plugin_info_that_usd_drops_in_silence_is_an_error(tmp_path: Path, field
     package = copy_package(tmp_path)
     info = package / "plugInfo.json"
     info.write_text(info.read_text().replace(f'"{field}"', '"forgotten"'))
-    done = run_python("import usd_schemas", path=tmp_path)
+    done = run_python("import usd_schemas\nusd_schemas.LensCamera", path=tmp_path)
     assert done.returncode == 1
     assert "SchemaError" in done.stderr
     assert "LensAPI" in done.stderr

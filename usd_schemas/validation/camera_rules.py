@@ -10,7 +10,7 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom
 
-from usd_schemas.data import DataSheet, Prescription
+from usd_schemas.settings import DataSheet, Prescription
 from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
 from usd_schemas.values import is_animated, limit_problem, misfit, read_value
 from usd_schemas.view import LensCamera

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 from pxr import Sdf, Usd, UsdGeom, Vt
 
-from usd_schemas.data import FocusPoint
 from usd_schemas.errors import SchemaError
 from usd_schemas.focus_point import FocusPointView
+from usd_schemas.settings import FocusPoint
 from usd_schemas.topology import topology_change
 from usd_schemas.validation.rule import Fault, Fix, Rule, authored_values
 from usd_schemas.values import is_animated, read_value

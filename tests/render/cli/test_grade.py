@@ -12,8 +12,7 @@ from render.film import Cdl, Grade, GradeChoice, list_displays
 from render.model.arrays import FloatArray
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot
 from tests.render.kits.colours import OWN_CONFIG
-from usd_schemas.data import Asset
-from usd_schemas.film_data import GradeData
+from usd_schemas.settings import Asset, GradeData
 
 GAMUT = "ACES 1.3 Reference Gamut Compression"
 CDL_FILE = """<ColorCorrectionCollection xmlns="urn:ASC:CDL:v1.01">

@@ -13,8 +13,7 @@ from render.colour import to_working
 from render.errors import InputError, SettingsError
 from render.film import Cdl, Grade, develop, list_looks, project
 from tests.render.kits.colours import OWN_CONFIG, chart
-from usd_schemas.data import Asset
-from usd_schemas.film_data import GradeData
+from usd_schemas.settings import Asset, GradeData
 
 ACES_2 = "ocio://cg-config-v4.0.0_aces-v2.0_ocio-v2.5"  # built into OpenImageIO's own OpenColorIO, too
 ACES_1 = "ocio://studio-config-v2.1.0_aces-v1.3_ocio-v2.3"

@@ -1,0 +1,143 @@
+"""FocusPointAPI: a thing that must be sharp, or soft."""
+
+# ruff: noqa: RUF009  (setting() and group() are dataclasses.field with a declaration)
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from usd_schemas.settings.setting import Triple, relationship, schema_group, setting
+
+FocusPointKind = Literal["sharp", "soft"]
+
+
+@schema_group("Focus Point")
+@dataclass(frozen=True)
+class FocusPoint:
+    """One instance of FocusPointAPI: a thing that must be sharp, or soft; ``name`` is the instance's name, an identifier."""
+
+    name: str
+    target: tuple[str, ...] = relationship(
+        "target",
+        "Target",
+        "What the point is anchored to: one path of a mesh, an implicit prim, an instance proxy or any Xformable; "
+        "or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.",
+        unit="none, prim paths",
+    )
+    face: int = setting(
+        "face",
+        -1,
+        "Face",
+        "Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space.",
+        "Of an implicit prim, the face of the mesh that stands for it.",
+        unit="none, an index from 0",
+        hard=(-1, None),
+    )
+    fan_triangle: int = setting(
+        "fanTriangle",
+        0,
+        "Triangle of the Face",
+        "Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.",
+        unit="none, an index from 0",
+        hard=(0, None),
+    )
+    barycentric: Triple = setting(
+        "barycentric",
+        (1.0, 0.0, 0.0),
+        "Barycentric Coordinates",
+        "Weights of the triangle's three corners, in that order; they sum to 1.",
+        unit="none, ratios",
+    )
+    instance: int = setting(
+        "instance",
+        -1,
+        "Instance",
+        "Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for "
+        "invisibleIds); -1 where the target is none.",
+        "Instancers in instancers are numbered by index, each as the digits of one number: outer index times the "
+        "count of inner instances, plus the inner index.",
+        unit="none, a number from 0",
+        hard=(-1, None),
+    )
+    offset: Triple = setting(
+        "offset",
+        (0.0, 0.0, 0.0),
+        "Offset",
+        "Moves the point off the surface, in the target's own space.",
+        unit="scene units",
+    )
+    kind: FocusPointKind = setting(
+        "kind",
+        "sharp",
+        "Kind",
+        "Whether the target shall be sharp, or soft by `blur` or `surfaceOffset`.",
+        unit="none, a token",
+        keyable=False,
+    )
+    blur: float = setting(
+        "blur",
+        0.0,
+        "Blur",
+        "Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp "
+        "point what it may have at most where the points also set the stop.",
+        unit="millimetres on the film",
+        hard=(0, None),
+        soft=(None, 2),
+    )
+    weight: float = setting(
+        "weight",
+        1.0,
+        "Weight",
+        "How much the point counts among the others; 0 equals absence.",
+        "Racks are weights that cross over time.",
+        unit="none, a ratio",
+        hard=(0, None),
+        soft=(None, 1),
+    )
+    falloff: float = setting(
+        "falloff",
+        0.0,
+        "Falloff",
+        "Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches "
+        "everywhere.",
+        unit="none, frame widths",
+        hard=(0, None),
+        soft=(None, 1),
+    )
+    enabled: bool = setting(
+        "enabled",
+        True,
+        "Enabled",
+        "Whether the point counts at all.",
+        "Keys hold their value until the next.",
+        unit="none, a switch",
+    )
+    surface_offset: float = setting(
+        "surfaceOffset",
+        0.0,
+        "Offset of the Focal Surface",
+        "For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies "
+        "there; negative lies before it.",
+        unit="scene units",
+        soft=(-100, 100),
+    )
+    extent: float = setting(
+        "extent",
+        1.0,
+        "Extent",
+        "Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.",
+        unit="none, a ratio above 0",
+        hard=(0.001, None),
+        soft=(0.1, 10),
+    )
+    topology: str = setting(
+        "topology",
+        "",
+        "Topology",
+        "Fingerprint of the target mesh's topology when the point was placed: a tool that finds another one there "
+        "should say that face and triangle may mean something else now.",
+        "Empty where it was not taken.",
+        unit="none, text (hexadecimal)",
+        keyable=False,
+    )

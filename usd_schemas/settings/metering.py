@@ -1,0 +1,128 @@
+"""How the exposure runs over the picture, and which meter decides it."""
+
+# ruff: noqa: RUF009  (setting() and group() are dataclasses.field with a declaration)
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from usd_schemas.settings.setting import Floats, Pair, schema_group, setting
+
+
+@schema_group("Film:Shutter", rest="exposure")
+@dataclass(frozen=True)
+class Shutter:
+    """How the exposure runs over the picture; the travel time is in seconds."""
+
+    type: Literal["global", "rolling", "focalPlane", "leaf"] = setting(
+        "film:shutter:type",
+        "global",
+        "Type",
+        "How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a "
+        "travelling slit, or by blades at the iris.",
+        "When it opens and closes is UsdGeomCamera's shutter:*.",
+        unit="none, a token",
+        keyable=False,
+    )
+    direction: Literal["down", "up", "left", "right"] = setting(
+        "film:shutter:direction",
+        "down",
+        "Direction",
+        "Which way rolling and focal-plane shutters run over the picture as it is seen.",
+        unit="none, a token",
+        keyable=False,
+    )
+    travel_time: float = setting(
+        "film:shutter:travelTime",
+        0.0,
+        "Travel Time",
+        "How long a rolling or focal-plane shutter takes from one edge of the picture to the other.",
+        unit="seconds",
+        hard=(0, None),
+        soft=(None, 0.05),
+    )
+    efficiency: Floats = setting(
+        "film:shutter:efficiency",
+        (),
+        "Efficiency",
+        "How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one "
+        "that opens and closes at once.",
+        unit="none, ratios from 0 to 1",
+    )
+
+
+@schema_group("Film:Exposure", rest="exposure")
+@dataclass(frozen=True)
+class Exposing:
+    """Which stop the exposure is by."""
+
+    stop: Literal["exposure", "iris"] = setting(
+        "film:exposure:stop",
+        "exposure",
+        "Stop",
+        "Which stop the exposure is by.",
+        "- exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.\n"
+        "- iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps "
+        "exposure:fStop.",
+        unit="none, a token",
+        keyable=False,
+    )
+
+
+@schema_group("Film:Metering", rest="exposure")
+@dataclass(frozen=True)
+class Metering:
+    """What a meter looks at, by how many stops more than it says to expose, and over how many seconds it is smoothed."""
+
+    mode: Literal["manual", "spot", "center", "average"] = setting(
+        "film:metering:mode",
+        "manual",
+        "Mode",
+        "What decides the compensation of the exposure.",
+        "- manual: the attribute exposure, as it is authored.\n"
+        "- spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.\n"
+        "- center: a meter on the whole picture, its middle most.\n"
+        "- average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. "
+        "Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter "
+        "--key` writes such a layer.",
+        unit="none, a token",
+        keyable=False,
+    )
+    focus_point: str = setting(
+        "film:metering:focusPoint",
+        "",
+        "Focus Point",
+        "Name of the focus point that spot metering looks at; empty takes the place film:metering:spot.",
+        unit="none, text",
+        keyable=False,
+    )
+    spot: Pair = setting(
+        "film:metering:spot",
+        (0.5, 0.5),
+        "Spot",
+        "Place in the picture that spot metering looks at where no focus point is named: (0, 0) is its top left "
+        "corner and (1, 1) the bottom right one.",
+        unit="none, shares of the picture's width and height",
+    )
+    compensation: float = setting(
+        "film:metering:compensation",
+        0.0,
+        "Compensation",
+        "How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by "
+        "itself sets.",
+        unit="stops",
+        hard=(-20, 20),
+        soft=(-3, 3),
+    )
+    smoothing: float = setting(
+        "film:metering:smoothing",
+        1.0,
+        "Smoothing",
+        "How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes "
+        "faster does not flicker in the picture.",
+        unit="seconds",
+        keyable=False,
+        hard=(0.04, 60),
+        soft=(0.25, 4),
+    )

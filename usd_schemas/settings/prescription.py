@@ -1,0 +1,204 @@
+"""The surfaces of a lens, and what is added to them."""
+
+# ruff: noqa: RUF009  (setting() and group() are dataclasses.field with a declaration)
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from usd_schemas.settings.setting import Asset, Floats, Pair, Triples, schema_group, setting
+
+
+@schema_group("Lens:Prescription")
+@dataclass(frozen=True)
+class Prescription:
+    """The surfaces of a lens, front to rear: each array has one entry for each surface, or none."""
+
+    radius: Floats = setting(
+        "lens:prescription:radius",
+        (),
+        "Radii",
+        "Radius of curvature of each surface, front to rear; positive where the centre of curvature lies toward the "
+        "film, 0 for a plane (and for the stop).",
+        "All lens:prescription arrays have one entry for each surface, or none.",
+        unit="millimetres",
+    )
+    thickness: Floats = setting(
+        "lens:prescription:thickness",
+        (),
+        "Thicknesses",
+        "Distance along the axis from each surface to the next; the last is the back focal distance with the lens "
+        "focused at infinity, 0 to have it solved for.",
+        unit="millimetres",
+    )
+    index: Floats = setting(
+        "lens:prescription:index",
+        (),
+        "Refractive Indices",
+        "Refractive index at the d line (587.56 nm) of the medium behind each surface; 1 is air.",
+        unit="none, a ratio of 1 or more",
+    )
+    abbe: Floats = setting(
+        "lens:prescription:abbe",
+        (),
+        "Abbe Numbers",
+        "Abbe number V_d of the medium behind each surface; 0 for no dispersion.",
+        "Sellmeier coefficients, where given, win.",
+        unit="none, a ratio",
+    )
+    sellmeier_b: Triples = setting(
+        "lens:prescription:sellmeierB",
+        (),
+        "Sellmeier B",
+        "B1, B2, B3 of the medium behind each surface, n^2 = 1 + sum B_i L^2 / (L^2 - C_i) with the wavelength L in "
+        "micrometres; (0, 0, 0) where index and Abbe number say it.",
+        unit="none",
+    )
+    sellmeier_c: Triples = setting(
+        "lens:prescription:sellmeierC",
+        (),
+        "Sellmeier C",
+        "C1, C2, C3 that belong to lens:prescription:sellmeierB.",
+        unit="square micrometres",
+    )
+    glass: tuple[str, ...] = setting(
+        "lens:prescription:glass",
+        (),
+        "Glass Names",
+        'Catalogue name of the medium behind each surface, such as "BK7", for people and for lens files; it changes '
+        "nothing in the picture.",
+        unit="none, text",
+        keyable=False,
+    )
+    clear_diameter: Floats = setting(
+        "lens:prescription:clearDiameter",
+        (),
+        "Clear Diameters",
+        "Clear aperture (full diameter) of each surface; 0 where unknown, to be solved for.",
+        "At the stop it is the diameter wide open.",
+        unit="millimetres",
+    )
+    conic: Floats = setting(
+        "lens:prescription:conic",
+        (),
+        "Conic Constants",
+        "Conic constant K of each surface: 0 sphere, -1 paraboloid.",
+        unit="none",
+    )
+    aspheric4: Floats = setting(
+        "lens:prescription:aspheric4",
+        (),
+        "Aspheric A4",
+        "Coefficient of r^4 in the sag of each surface, r the distance from the axis in millimetres.",
+        unit="mm^-3",
+    )
+    aspheric6: Floats = setting(
+        "lens:prescription:aspheric6",
+        (),
+        "Aspheric A6",
+        "Coefficient of r^6 in the sag of each surface.",
+        unit="mm^-5",
+    )
+    aspheric8: Floats = setting(
+        "lens:prescription:aspheric8",
+        (),
+        "Aspheric A8",
+        "Coefficient of r^8 in the sag of each surface.",
+        unit="mm^-7",
+    )
+    aspheric10: Floats = setting(
+        "lens:prescription:aspheric10",
+        (),
+        "Aspheric A10",
+        "Coefficient of r^10 in the sag of each surface.",
+        unit="mm^-9",
+    )
+    aspheric12: Floats = setting(
+        "lens:prescription:aspheric12",
+        (),
+        "Aspheric A12",
+        "Coefficient of r^12 in the sag of each surface.",
+        unit="mm^-11",
+    )
+    aspheric14: Floats = setting(
+        "lens:prescription:aspheric14",
+        (),
+        "Aspheric A14",
+        "Coefficient of r^14 in the sag of each surface.",
+        unit="mm^-13",
+    )
+    aspheric16: Floats = setting(
+        "lens:prescription:aspheric16",
+        (),
+        "Aspheric A16",
+        "Coefficient of r^16 in the sag of each surface.",
+        unit="mm^-15",
+    )
+    aspheric18: Floats = setting(
+        "lens:prescription:aspheric18",
+        (),
+        "Aspheric A18",
+        "Coefficient of r^18 in the sag of each surface.",
+        unit="mm^-17",
+    )
+    aspheric20: Floats = setting(
+        "lens:prescription:aspheric20",
+        (),
+        "Aspheric A20",
+        "Coefficient of r^20 in the sag of each surface.",
+        unit="mm^-19",
+    )
+    coating_wavelength: Floats = setting(
+        "lens:prescription:coatingWavelength",
+        (),
+        "Coating Wavelengths",
+        "Wavelength for which each surface's quarter-wave coating is made; 0 for bare glass.",
+        "It colours ghosts.",
+        unit="nanometres",
+    )
+    stop_surface: int = setting(
+        "lens:prescription:stopSurface",
+        -1,
+        "Stop Surface",
+        "Index of the surface that is the aperture stop; -1 to have it solved for.",
+        unit="none, an index from 0",
+        keyable=False,
+        hard=(-1, None),
+    )
+    focus_group: tuple[int, int] = setting(
+        "lens:prescription:focusGroup",
+        (-1, -1),
+        "Focus Group",
+        "First and last index of the surfaces that move to focus; (-1, -1) moves the whole lens.",
+        unit="none, indices from 0",
+        keyable=False,
+    )
+
+
+@schema_group("Lens:Height Field")
+@dataclass(frozen=True)
+class HeightField:
+    """Heights that are added to the two surfaces of a thick lens."""
+
+    front: Asset = setting(
+        "lens:heightField:front",
+        Asset(),
+        "Front Heights",
+        "Image of the heights that are added to the first surface, over the square around its clear diameter, as "
+        "seen from the film through the lens; its first channel is read as raw numbers.",
+        unit="none, a file",
+    )
+    back: Asset = setting(
+        "lens:heightField:back",
+        Asset(),
+        "Back Heights",
+        "Image of the heights that are added to the second surface, as seen from the film like the first.",
+        unit="none, a file",
+    )
+    scale: Pair = setting(
+        "lens:heightField:scale",
+        (0.0, 0.0),
+        "Height Scales",
+        "Height of an image value of 1, on the front and on the back surface; positive toward the film.",
+        unit="millimetres",
+    )

@@ -1,0 +1,315 @@
+"""How a setting of a camera is declared: once, as a dataclass field, from which every other place derives.
+
+A declaration holds the name in USD, the default, the limits, the unit, whether it takes keys, the documentation and the display
+group; the field's name is the name in Python, with its unit, and in camelCase it is the name in REST and in the page. A field
+of this module's `setting` in a class with `schema_group` declares one USD property:
+
+    @schema_group("Film", rest="film")
+    @dataclass(frozen=True)
+    class FilmData:
+        push: float = setting(
+            "film:push",
+            0.0,
+            "Push",
+            "Longer (push, positive) or shorter (pull, negative) development.",
+            unit="stops",
+            hard=(-5, 5),
+            soft=(-2, 2),
+            slider=Slider(-2, 3, 0.5),
+        )
+
+`usd_schemas.generate` writes the schema, its plugin files and the page's table from the declarations. The REST models and the
+command line derive from them when they are imported. Nothing here imports pxr, so a process without USD can use it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+Floats = tuple[float, ...]
+Pair = tuple[float, float]
+Triple = tuple[float, float, float]
+Pairs = tuple[Pair, ...]
+Triples = tuple[Triple, ...]
+Limits = tuple[float | None, float | None]
+Resource = Literal["", "film", "exposure", "focus", "camera"]
+
+MAX_NUMBER = 1e9
+"""The largest number that REST takes where a declaration has a least value alone."""
+MAX_UNLIMITED = 1e6
+"""The largest size of a number that REST takes where a declaration has no limits."""
+
+Kind = TypeVar("Kind", bound=type)
+
+
+@dataclass(frozen=True)
+class Asset:
+    """A file that a property names.
+
+    Attributes:
+        path: as it is authored.
+        resolved: where the asset resolver finds it; empty where it does not. Not compared, never authored.
+    """
+
+    path: str = ""
+    resolved: str = field(default="", compare=False)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Numbers that a picture can be made with.
+
+    Attributes:
+        least: of each of them.
+        most: likewise.
+        unit: behind the numbers in messages.
+        zero: meaning of 0 where it lies outside the range and is allowed nevertheless; empty where it is not.
+    """
+
+    least: float
+    most: float
+    unit: str = ""
+    zero: str = ""
+
+    def holds(self, number: float) -> bool:
+        """Whether a number is allowed; NaN never is."""
+        return self.least <= number <= self.most or (number == 0 and self.zero != "")
+
+    def __str__(self) -> str:
+        span = f"from {self.least:g} to {self.most:g}{self.unit}"
+        return f"{span}, or 0 for {self.zero}" if self.zero else span
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Values that REST takes.
+
+    Attributes:
+        least: of a number, and of each number of a list.
+        most: likewise.
+        above: whether numbers must be above ``least``, which is itself refused then.
+        length: most characters of a word, most entries of a list.
+    """
+
+    least: float = -MAX_UNLIMITED
+    most: float = MAX_UNLIMITED
+    above: bool = False
+    length: int | None = None
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A slider of the page.
+
+    Attributes:
+        least: at its left end.
+        most: at its right end.
+        step: of an arrow key; a ratio where the scale is logarithmic.
+        scale: equal travel for equal differences or for equal ratios; ``iso`` is logarithmic with the values of the ISO dial.
+        zero: word that stands for 0; empty for the number.
+        unit: behind the number.
+        label: beside the slider, where the property's display name is too long.
+    """
+
+    least: float
+    most: float
+    step: float
+    scale: Literal["linear", "log", "iso"] = "linear"
+    zero: str = ""
+    unit: str = ""
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of the command line that sets a camera for one run.
+
+    Attributes:
+        flag: such as ``--iso``.
+        metavar: of its value; empty for an option of choices or a switch.
+        range: numbers that it takes, where they are fewer than the setting's.
+    """
+
+    flag: str
+    metavar: str = "N"
+    range: Range | None = None
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One setting: what a property of a camera is called, may be and means.
+
+    Attributes:
+        usd: name of the USD property, without an instance's prefix.
+        default: the value where nothing is authored.
+        label: display name.
+        help: first sentence of the documentation.
+        more: rest of the documentation; a line that begins with ``- `` is an entry of a list.
+        unit: in words.
+        usd_type: USD's name of the type.
+        keyable: whether it may change over time.
+        hard: limits that USD tools enforce; None where there is none.
+        soft: limits that a slider of a USD tool spans.
+        accepts: numbers that a picture can be made with, where `hard` does not say it.
+        bounds: values that REST takes, where they do not follow from `hard`.
+        rest: resource of REST that has it; empty for none.
+        rest_keyable: whether REST sets keys of it; None for numbers that are keyable.
+        read_only: whether REST cannot set it.
+        slider: of the page; None for none of its own.
+        option: of the command line; None for none of its own.
+        example: value in REST's example; None for the default.
+        name: in Python, with the names of the groups that it is in.
+        type: of its value in Python.
+        group: display group.
+        schema: the API schema that brings it; empty for what every USD camera has.
+        relationship: whether the property is a relationship, and not an attribute.
+    """
+
+    usd: str
+    default: Any
+    label: str
+    help: str
+    more: str = ""
+    unit: str = ""
+    usd_type: str = ""
+    keyable: bool = True
+    hard: Limits = (None, None)
+    soft: Limits = (None, None)
+    accepts: Range | None = None
+    bounds: Bounds | None = None
+    rest: Resource | None = None
+    rest_keyable: bool | None = None
+    read_only: bool = False
+    slider: Slider | None = None
+    option: Option | None = None
+    example: Any = None
+    name: str = ""
+    type: Any = None
+    group: str = ""
+    schema: str = ""
+    relationship: bool = False
+
+    @property
+    def doc(self) -> str:
+        """The documentation without the unit."""
+        joint = "\n" if self.more.startswith("- ") else " "
+        return f"{self.help}{joint}{self.more}".rstrip()
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words that it may be; none where it is no choice."""
+        return get_args(self.type) if get_origin(self.type) is Literal else ()
+
+    @property
+    def camel_name(self) -> str:
+        """Its name in REST and in the page."""
+        first, *others = self.name.split("_")
+        return first + "".join(word.capitalize() for word in others)
+
+    @property
+    def sent(self) -> Bounds:
+        """The values that REST takes."""
+        if self.bounds is not None:
+            return self.bounds
+        least, most = self.hard
+        if least is None and most is None:
+            return Bounds()
+        return Bounds(-MAX_NUMBER if least is None else least, MAX_NUMBER if most is None else most)
+
+
+@dataclass(frozen=True)
+class _Class:
+    group: str
+    rest: Resource
+
+
+_CLASSES: dict[type, _Class] = {}
+
+
+def schema_group(group: str, rest: Resource = "") -> Callable[[Kind], Kind]:
+    """Give a dataclass of settings its display group, and the resource of REST that has them unless they say otherwise."""
+
+    def decorate(kind: Kind) -> Kind:
+        _CLASSES[kind] = _Class(group, rest)
+        return kind
+
+    return decorate
+
+
+def setting(usd: str, default: Any, label: str, help: str, more: str = "", **declared: Any) -> Any:
+    """Declare a setting as a dataclass field; the arguments are the attributes of `Setting`."""
+    return field(
+        default=default, metadata={"usd": usd, "setting": Setting(usd, default, label, help, more, **declared)}
+    )
+
+
+def relationship(usd: str, label: str, help: str, more: str = "", **declared: Any) -> Any:
+    """Declare a relationship to other prims as a dataclass field."""
+    declaration = Setting(usd, (), label, help, more, relationship=True, **declared)
+    return field(default=(), metadata={"setting": declaration})
+
+
+def group(kind: type, prefix: str | None = None) -> Any:
+    """Declare a dataclass field that holds further settings in a dataclass of its own.
+
+    Args:
+        kind: the dataclass.
+        prefix: put before the names of its settings; None for the field's name.
+    """
+    return field(default_factory=kind, metadata={"group": kind, "prefix": prefix})
+
+
+@cache
+def settings_of(kind: type, schema: str = "") -> tuple[Setting, ...]:
+    """The settings that a dataclass declares, those of its groups too, in order.
+
+    Args:
+        kind: the dataclass.
+        schema: the API schema that brings them; empty for what every USD camera has.
+    """
+    return tuple(_settings(kind, schema, ""))
+
+
+def _settings(kind: Any, schema: str, prefix: str) -> list[Setting]:
+    shared, hints, found = _CLASSES[kind], get_type_hints(kind), []
+    for item in fields(kind):
+        if "group" in item.metadata:
+            own = item.metadata["prefix"]
+            found += _settings(item.metadata["group"], schema, prefix + (f"{item.name}_" if own is None else own))
+        elif "setting" in item.metadata:
+            declared: Setting = item.metadata["setting"]
+            found.append(
+                replace(
+                    declared,
+                    name=prefix + item.name,
+                    type=hints[item.name],
+                    usd_type=declared.usd_type or _usd_type(hints[item.name]),
+                    group=declared.group or shared.group,
+                    rest=shared.rest if declared.rest is None else declared.rest,
+                    schema=schema,
+                )
+            )
+    return found
+
+
+_USD_TYPES: dict[Any, str] = {
+    bool: "bool",
+    int: "int",
+    float: "double",
+    str: "string",
+    Asset: "asset",
+    tuple[float, ...]: "double[]",
+    tuple[str, ...]: "string[]",
+    tuple[int, int]: "int2",
+    tuple[float, float]: "double2",
+    tuple[float, float, float]: "double3",
+    tuple[tuple[float, float], ...]: "double2[]",
+    tuple[tuple[float, float, float], ...]: "double3[]",
+}
+
+
+def _usd_type(hint: Any) -> str:
+    return "token" if get_origin(hint) is Literal else _USD_TYPES[hint]

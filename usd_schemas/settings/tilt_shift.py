@@ -1,0 +1,68 @@
+"""TiltShiftAPI: the lens's movements against the film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from usd_schemas.settings.setting import schema_group, setting
+
+
+@schema_group("Tilt and Shift", rest="focus")
+@dataclass(frozen=True)
+class TiltShiftData:
+    """TiltShiftAPI: the lens's movements against the film."""
+
+    tilt: float = setting(
+        "tiltShift:tilt",
+        0.0,
+        "Tilt",
+        "Turn of the lens about the camera's +X axis: positive looks up, negative lays the plane of focus down over "
+        "the ground.",
+        unit="degrees",
+        hard=(-89, 89),
+        soft=(-12, 12),
+    )
+    swing: float = setting(
+        "tiltShift:swing",
+        0.0,
+        "Swing",
+        "Turn of the lens about the camera's +Y axis, before the tilt: positive looks to the left.",
+        unit="degrees",
+        hard=(-89, 89),
+        soft=(-12, 12),
+    )
+    rise: float = setting(
+        "tiltShift:rise",
+        0.0,
+        "Rise",
+        "How far the lens is moved up against the film; it shows more of what is above, and adds to "
+        "verticalApertureOffset.",
+        unit="millimetres",
+        soft=(-15, 15),
+    )
+    shift: float = setting(
+        "tiltShift:shift",
+        0.0,
+        "Shift",
+        "How far the lens is moved to the right against the film; it shows more of what is on the right, and adds "
+        "to horizontalApertureOffset.",
+        unit="millimetres",
+        soft=(-15, 15),
+    )
+    from_focus_points: bool = setting(
+        "tiltShift:fromFocusPoints",
+        True,
+        "Driven by Focus Points",
+        "Where focus:mode is tiltPlane: true lets the plane through the focus points set tilt and swing; false "
+        "keeps the authored angles, and the points set the focus distance alone.",
+        unit="none, a switch",
+    )
+    max_angle: float = setting(
+        "tiltShift:maxAngle",
+        15.0,
+        "Largest Angle",
+        "How far focus points may tilt and swing the lens together.",
+        unit="degrees",
+        hard=(0, 89),
+        soft=(None, 45),
+    )

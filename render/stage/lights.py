@@ -16,8 +16,8 @@ from render import colour
 from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.model.scene import Dome, Image, Light
+from render.stage.assembly.poses import is_hidden, world_pose
 from render.stage.findings import FindingLog
-from render.stage.geometry.poses import is_hidden, world_pose
 from render.stage.materials.textures import TextureCache, TextureError
 from render.stage.values import UNREADABLE, why_unreadable
 from render.stage.world import rigid_frame, world_from_stage

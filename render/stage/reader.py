@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from pxr import Sdf, Tf, Usd, UsdGeom
 
 from render.model.scene import Scene
+from render.stage.assembly.groups import Group, Moment
+from render.stage.assembly.inventory import Inventory, take_inventory
+from render.stage.assembly.pieces import ShapeReader
+from render.stage.assembly.plan import plan_groups
+from render.stage.assembly.poses import InstanceReader
 from render.stage.findings import Finding, FindingLog
-from render.stage.geometry.groups import Group, Moment
-from render.stage.geometry.pieces import ShapeReader
-from render.stage.geometry.poses import InstanceReader
 from render.stage.geometry.skinning import Skeletons
-from render.stage.inventory import Inventory, take_inventory
 from render.stage.lights import LightReader
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
 from render.stage.opening import composition_findings, confinement, reading
-from render.stage.plan import plan_groups
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
 

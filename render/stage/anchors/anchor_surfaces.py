@@ -10,7 +10,7 @@ from render.model.arrays import DoubleArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.implicit import is_implicit, shape_varies
 from render.stage.geometry.skinning import Skeletons
-from render.stage.materials.surface import faces_vary, is_drawable, mesh_faces, mesh_points, resting_points, surface_of
+from render.stage.geometry.surface import faces_vary, is_drawable, mesh_faces, mesh_points, resting_points, surface_of
 from usd_schemas import FocusPoint
 
 

@@ -11,11 +11,11 @@ from pxr import Sdf, Usd, UsdGeom
 from render.errors import InputError, NotFoundError, StageError
 from render.model.arrays import DoubleArray
 from render.stage.anchors.anchor_surfaces import AnchorSurface
+from render.stage.assembly.inventory import InstancerLink
+from render.stage.assembly.poses import InstanceReader, pose_of_instance, world_pose
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
-from render.stage.geometry.poses import InstanceReader, pose_of_instance, world_pose
 from render.stage.geometry.skinning import Skeletons
-from render.stage.inventory import InstancerLink
 from render.stage.opening import reading
 from render.stage.world import world_from_stage
 from usd_schemas import FocusPoint

@@ -12,10 +12,10 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdUtils
 from render.errors import CameraError, SettingsError, StageError
 from render.model.camera import Camera
 from render.model.shutter import Shutter
+from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras
 from render.stage.camera.lenses import iris_of, lens_of
-from render.stage.geometry.poses import world_pose
 from render.stage.opening import confinement, reading
 from render.stage.values import shown
 from render.stage.world import rigid_frame, world_from_stage

@@ -28,8 +28,8 @@ from render.model.lens import (
 )
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.stage.camera.lens_data import ASPHERIC
+from render.stage.camera.planes import read_plane, turned
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
-from render.stage.geometry.planes import read_plane, turned
 from render.stage.materials.textures import TextureError
 from usd_schemas import ApertureData, Asset, LensData
 from usd_schemas import Prescription as PrescriptionData

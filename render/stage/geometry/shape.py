@@ -27,7 +27,7 @@ from render.stage.geometry.polygons import (
 )
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.skinning import Skeletons
-from render.stage.materials.surface import surface_of
+from render.stage.geometry.surface import surface_of
 
 # What Hydra draws where no displayColor is authored.
 FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)

@@ -6,8 +6,6 @@ import argparse
 import errno
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -265,9 +263,3 @@ def test_json_takes_the_place_of_the_tables(
     table = json.loads(ended.out)
     assert [scene["name"] for scene in table["scenes"]] == ["posts"]
     assert (table["rays"], table["width"]) == (4, quick_plan().picture.width)
-
-
-def test_bench_needs_numpy_pyrender_and_moderngl_alone() -> None:
-    heavy = ("pxr", "OpenImageIO", "PyOpenColorIO", "rich", "matplotlib")
-    code = f"import sys, render.lab.bench.lens; print([name for name in {heavy} if name in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

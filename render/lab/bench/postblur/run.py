@@ -155,7 +155,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def drawn(found: PostBlurBench, suffix: str) -> bytes:
     """Time and memory against the radius, as a file."""
-    from render.drawing.blur_growth import draw_blur_growth  # matplotlib is slow to import
+    from render.lab.bench.postblur.plot import draw_blur_growth  # matplotlib is slow to import
 
     times = {
         f"{name}, {radii} radii": getattr(side, f"{key}_{'cpu_' if found.clock == 'processor' else ''}ms")

@@ -23,7 +23,7 @@ from render.shot.lens.lens_choice import measured_choice
 from render.stage import read_camera
 from render.stage.camera.lens_data import lens_data
 from render.stage.camera.lenses import iris_of, lens_of
-from render.stage.geometry.planes import turned
+from render.stage.camera.planes import turned
 from tests.render.kits.lenses import SIX_LENSES, KnownLens
 from tests.render.kits.stages import new_stage, write_picture
 from usd_schemas import (

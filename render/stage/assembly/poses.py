@@ -11,8 +11,8 @@ from pxr import Usd, UsdGeom, Vt
 
 from render.errors import StageError
 from render.model.arrays import DoubleArray, IntArray
+from render.stage.assembly.inventory import InstancerLink
 from render.stage.findings import FindingLog
-from render.stage.inventory import InstancerLink
 from render.stage.limits import check_places
 from render.stage.values import UNREADABLE, shown, why_unreadable
 from render.stage.world import column_matrix

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from render.drawing.page import BEAMS, DPI, FAINT, HAIRLINE, TINY, file_of, style
-
-if TYPE_CHECKING:
-    from render.lab.bench.importance.run import ImportanceBench
+from render.lab.bench.importance.results import ImportanceBench
 
 _ROOM_DB = 4.0
 

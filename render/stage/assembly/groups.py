@@ -15,11 +15,11 @@ from pxr import Usd, UsdGeom
 
 from render.model.arrays import DoubleArray, IntArray
 from render.model.scene import Batch, Geometry, Material
-from render.stage.camera.distances import is_placeable
-from render.stage.drawing import joined, placed
+from render.stage.assembly.joining import joined, placed
+from render.stage.assembly.pieces import Piece, ShapeReader
+from render.stage.assembly.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
 from render.stage.findings import FindingLog
-from render.stage.geometry.pieces import Piece, ShapeReader
-from render.stage.geometry.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
+from render.stage.geometry.distances import is_placeable
 from render.stage.geometry.shape import Shape
 from render.stage.materials.material import BoundMaterial
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from render.stage.findings import FindingLog
+from render.stage.geometry.surface import is_drawable
 from render.stage.limits import PrimCount
-from render.stage.materials.surface import is_drawable
 
 _DRAWN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of point instancers are often `over`s, to keep them from being drawn in their own place.

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from pxr import Usd
 
+from render.stage.assembly.inventory import Occurrence
 from render.stage.findings import FindingLog
 from render.stage.geometry.shape import Shape, Wanted, pick_faces, read_shape
 from render.stage.geometry.skinning import Skeletons
-from render.stage.inventory import Occurrence
 from render.stage.materials.bindings import bound_parts, face_owner
 
 

@@ -7,16 +7,16 @@ from collections.abc import Hashable, Iterable
 
 from pxr import Usd, UsdGeom
 
+from render.stage.assembly.groups import Group, InstancedGroup, RigidGroup
+from render.stage.assembly.inventory import Occurrence
+from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.findings import FindingLog
-from render.stage.geometry.groups import Group, InstancedGroup, RigidGroup
-from render.stage.geometry.pieces import Piece, ShapeReader
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.shape import Wanted
 from render.stage.geometry.skinning import Skeletons
-from render.stage.inventory import Occurrence
+from render.stage.geometry.surface import surface_varies
 from render.stage.materials.bindings import bound_parts, subsets_vary
 from render.stage.materials.looks import LookReader
-from render.stage.materials.surface import surface_varies
 from render.stage.values import UNREADABLE, why_unreadable
 
 # A surface that occurs several times is drawn by instancing only if that spares more than this many triangles; below it, another

@@ -62,6 +62,15 @@ def tag_of(*words: str) -> str:
     return f'"{hashlib.sha256(text.encode()).hexdigest()[:16]}"'
 
 
+def edits_tag(revision: str) -> str:
+    """Entity tag of all edits of a shot: its revision in quotes.
+
+    Args:
+        revision: of the edits.
+    """
+    return f'"{revision}"'
+
+
 def allows(if_match: str, tag: str) -> bool:
     """Whether an ``If-Match`` header lets an edit of a thing go on (RFC 9110, section 13.1.1: by strong comparison).
 

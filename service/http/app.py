@@ -32,8 +32,9 @@ from service.http.routes import (
     system,
 )
 from service.http.settings import Settings
-from service.picture.frames import Warm
-from service.stage.shots import WriteDemo
+from service.picture.calls import frames as picture_frames
+from service.stage.calls import shots as stage_shots
+from service.workers.calls import call
 
 log = logging.getLogger("pullfocus.service")
 
@@ -57,7 +58,7 @@ def create_app(settings: Settings) -> FastAPI:
         hub = Hub.start(settings)
         app.state.hub = hub
         try:
-            hub.pictures.submit(Warm())  # nobody waits for it, but the first picture comes sooner
+            hub.pictures.submit(call(picture_frames.warm_up))  # not awaited: makes the first picture quicker
             if settings.demo:
                 await _ensure_demo(hub)
             yield
@@ -90,7 +91,7 @@ async def _ensure_demo(hub: Hub) -> None:
         return
     begun = hub.store.begin("Demo shot", DEMO_ID)
     try:
-        root = await hub.ask_stage(WriteDemo(begun.files))
+        root = await hub.ask_stage(stage_shots.write_demo, begun.files)
         await run_in_threadpool(hub.store.accept, begun, root)
     except (PullfocusError, ServiceError) as error:
         log.error("the demo shot could not be written: %s", error)

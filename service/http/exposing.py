@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 from render.errors import PullfocusError
 from render.model.shutter_intervals import ShutterInterval
 from service.http.errors import ServiceError
 from service.models.long_exposure import LongExposureBegin, LongExposureState
-from service.picture.long_exposure import BeginExposure, DevelopExposure, DropExposure, Exposed, ExposeInterval
+from service.picture.calls import long_exposure
+from service.picture.requests import ExposureProgress, FrameRequest
 from service.storage.store import ShotRecord
+from service.workers.calls import call
+from service.workers.lane import Lane
 
-Ask = Callable[[Any], Awaitable[Any]]
-"""Has the picture process do something."""
+if TYPE_CHECKING:
+    from service.picture.state import PictureWorkerState
 
 BUSY_PAUSE_S = 0.5
 
@@ -43,7 +45,7 @@ class _Exposure:
     edits: str
     wish: LongExposureBegin
     intervals: list[tuple[float, float]]
-    exposed: Exposed = field(default_factory=Exposed)
+    exposed: ExposureProgress = field(default_factory=ExposureProgress)
     is_open: bool = False
     problem: str | None = None
     task: asyncio.Task[None] | None = None
@@ -77,12 +79,12 @@ class Exposures:
     """All long exposures of a service. Lives in its event loop; the light itself is in the picture process.
 
     Args:
-        ask: has the picture process do something.
+        pictures: queue of the picture process.
         max_px: pixels of one picture; more are not rendered.
     """
 
-    def __init__(self, ask: Ask, max_px: int) -> None:
-        self._ask = ask
+    def __init__(self, pictures: Lane[PictureWorkerState], max_px: int) -> None:
+        self._pictures = pictures
         self._max_px = max_px
         self._of_shot: dict[str, _Exposure] = {}
         self._dropping: set[asyncio.Task[None]] = set()
@@ -95,21 +97,17 @@ class Exposures:
         """
         intervals = ShutterInterval(wish.first, wish.last, wish.step).intervals()
         exposure = _Exposure(secrets.token_hex(8), record, record.edit_text(), wish, intervals)
-        settings = wish.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"})
-        await self._ask(
-            BeginExposure(
-                exposure.key,
-                record,
-                exposure.edits,
-                wish.camera,
-                wish.first,
-                wish.height,
-                self._max_px,
-                settings,
-                wish.nd_stops,
-                wish.film,
-            )
+        request = FrameRequest(
+            record=record,
+            edits=exposure.edits,
+            camera=wish.camera,
+            time=wish.first,
+            height=wish.height,
+            max_px=self._max_px,
+            settings=wish.model_dump(exclude={"camera", "first", "last", "step", "nd_stops", "height", "film"}),
+            finish={"film": wish.film, "display": None, "view": None, "look": None},
         )
+        await self._pictures.result(call(long_exposure.begin_exposure, exposure.key, request, wish.nd_stops))
         self.drop(record.id)
         self._of_shot[record.id] = exposure
         self._open(exposure)
@@ -137,9 +135,9 @@ class Exposures:
             PullfocusError: nothing is exposed yet, or it is lost.
         """
         exposure = self._get(shot_id)
-        develop = DevelopExposure(exposure.key, exposure.record, exposure.edits, file_format)
-        picture: bytes = await self._ask(develop)
-        return picture
+        return await self._pictures.result(
+            call(long_exposure.develop_exposure, exposure.key, exposure.record, exposure.edits, file_format)
+        )
 
     def drop(self, shot_id: str) -> None:
         """Close the shutter of a shot's, if it has one, and throw the film away, as soon as the picture process gets to it."""
@@ -155,7 +153,7 @@ class Exposures:
 
     async def _drop(self, key: str) -> None:
         with suppress(ServiceError, PullfocusError):
-            await self._ask(DropExposure(key))
+            await self._pictures.result(call(long_exposure.discard_exposure, key))
 
     def close(self) -> None:
         """End all of them: the service stops."""
@@ -180,9 +178,9 @@ class Exposures:
         """Expose until it is done, closed or fails."""
         while exposure.is_open and not exposure.done:
             begin, end = exposure.intervals[exposure.exposed.intervals]
-            work = ExposeInterval(exposure.key, exposure.record, exposure.edits, begin, end)
+            interval = call(long_exposure.expose_interval, exposure.key, exposure.record, exposure.edits, begin, end)
             try:
-                exposure.exposed = await self._ask(work)
+                exposure.exposed = await self._pictures.result(interval)
             except ServiceError as error:
                 if error.code == "busy":  # others come first
                     await asyncio.sleep(BUSY_PAUSE_S)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import secrets
-from collections.abc import Hashable
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, Concatenate, ParamSpec, TypeVar
 
 from fastapi import Depends, WebSocket
 from starlette.requests import HTTPConnection
@@ -18,14 +17,20 @@ from service.http.exposing import Exposures
 from service.http.frame_cache import FrameCache
 from service.http.metrics import Metrics
 from service.http.settings import MEBIBYTE, Settings
-from service.picture.frames import Darkroom, ForgetPictures
-from service.stage.opened import OpenedShots
-from service.stage.shots import ForgetShot
+from service.picture.calls import frames as picture_frames
+from service.picture.calls import state as picture_state
+from service.stage.calls import opened as stage_state
+from service.stage.calls import shots as stage_shots
 from service.storage.store import ShotStore
+from service.workers.calls import call
 from service.workers.lane import Lane
-from service.workers.process import Request as Work
 from service.workers.process import WorkerProcess
 
+if TYPE_CHECKING:
+    from service.picture.state import PictureWorkerState
+    from service.stage.opened import OpenedShots
+
+Arguments = ParamSpec("Arguments")
 Reply = TypeVar("Reply")
 
 
@@ -47,7 +52,7 @@ class Hub:
     settings: Settings
     store: ShotStore
     stages: Lane[OpenedShots]
-    pictures: Lane[Darkroom]
+    pictures: Lane[PictureWorkerState]
     frames: FrameCache
     metrics: Metrics
     watching: set[WebSocket] = field(default_factory=set)
@@ -62,12 +67,12 @@ class Hub:
         """
         store = ShotStore(settings.data)
         stages = Lane(
-            WorkerProcess("stage", OpenedShots),
+            WorkerProcess("stage", stage_state.OpenedShots),
             max_waiting=settings.max_waiting,
             timeout_s=settings.stage_timeout_s,
         )
         pictures = Lane(
-            WorkerProcess("picture", Darkroom),
+            WorkerProcess("picture", picture_state.PictureWorkerState),
             max_waiting=settings.max_waiting,
             timeout_s=settings.frame_timeout_s,
         )
@@ -77,7 +82,7 @@ class Hub:
     @cached_property
     def exposures(self) -> Exposures:
         """The long exposures that go on."""
-        return Exposures(self.ask_picture, self.settings.max_picture_px)
+        return Exposures(self.pictures, self.settings.max_picture_px)
 
     def close(self) -> None:
         """End the workers and let go of the data folder."""
@@ -85,19 +90,41 @@ class Hub:
         self.pictures.close()
         self.store.close()
 
-    async def ask_stage(self, work: Work[OpenedShots, Reply]) -> Reply:
-        """Have the stage process do something."""
-        return await asyncio.wrap_future(self.stages.submit(work))
+    async def ask_stage(
+        self,
+        function: Callable[Concatenate[OpenedShots, Arguments], Reply],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Reply:
+        """Call a function in the stage process.
 
-    async def ask_picture(self, work: Work[Darkroom, Reply], group: Hashable | None = None) -> Reply:
-        """Have the picture process do something; newer work of the same group takes the place of older."""
-        return await asyncio.wrap_future(self.pictures.submit(work, group=group))
+        Args:
+            function: one of a module of `service.stage.calls`.
+            *args: its arguments after the worker's state.
+            **kwargs: its keyword arguments.
+        """
+        return await self.stages.result(call(function, *args, **kwargs))
+
+    async def ask_picture(
+        self,
+        function: Callable[Concatenate[PictureWorkerState, Arguments], Reply],
+        *args: Arguments.args,
+        **kwargs: Arguments.kwargs,
+    ) -> Reply:
+        """Call a function in the picture process.
+
+        Args:
+            function: one of a module of `service.picture.calls`.
+            *args: its arguments after the worker's state.
+            **kwargs: its keyword arguments.
+        """
+        return await self.pictures.result(call(function, *args, **kwargs))
 
     def forget(self, shot_id: str) -> None:
         """Have the workers close a shot that is gone; nobody waits for that, and a busy worker may leave it open."""
         with suppress(ServiceError):
-            self.stages.submit(ForgetShot(shot_id))
-            self.pictures.submit(ForgetPictures(shot_id))
+            self.stages.submit(call(stage_shots.close_shot, shot_id))
+            self.pictures.submit(call(picture_frames.close_shot, shot_id))
 
 
 def _hub(connection: HTTPConnection) -> Hub:

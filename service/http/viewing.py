@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import Field
@@ -17,15 +17,19 @@ from starlette.concurrency import run_in_threadpool
 
 from service.http.errors import ServiceError, answer_to
 from service.http.hub import Hub
-from service.http.routes.frames import FINISH, FrameQuery, PictureQuery, settings_of, tag_of_frame
+from service.http.routes.frames import FrameQuery, PictureQuery, frame_request, tag_of_frame
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming, UnsavedEdit
-from service.picture.frames import Darkroom
-from service.picture.live import ShowLive, ShownPicture
-from service.picture.picture_size import check_pixels
+from service.models.picture_size import check_pixels
+from service.picture.calls import live
+from service.picture.requests import LivePicture
 from service.storage.store import ShotRecord
+from service.workers.calls import stream_call
 from service.workers.lane import Stream
+
+if TYPE_CHECKING:
+    from service.picture.state import PictureWorkerState
 
 MOST_IN_FLIGHT = 2
 """Pictures that were sent and not acknowledged."""
@@ -64,10 +68,10 @@ class Viewer:
         self._socket = socket
         self._shot = shot
         self._loop = asyncio.get_running_loop()
-        self._stream: Stream[Darkroom] | None = None
+        self._stream: Stream[PictureWorkerState] | None = None
         self._problems: deque[str] = deque()
         self._readout: str | None = None  # the newest that was not sent
-        self._picture: tuple[_Asked, ShownPicture] | None = None  # likewise
+        self._picture: tuple[_Asked, LivePicture] | None = None  # likewise
         self._sent = self._arrived = 0
         self._asked = 0  # requests so far
         self._since = (
@@ -114,8 +118,7 @@ class Viewer:
     async def _begin(self, asked: _Asked) -> None:
         """Have pictures made, in place of those that were asked for before."""
         request = asked.request
-        max_px = self._hub.settings.max_picture_px
-        check_pixels(request.width, request.height, max_px)
+        check_pixels(request.width, request.height, self._hub.settings.max_picture_px)
         record = self._hub.store.get(self._shot)
         edits = await run_in_threadpool(record.edit_text)
         if not request.moving and request.edit is None:
@@ -126,21 +129,9 @@ class Viewer:
                 self._hub.metrics.frames.labels("cache").inc()
                 self._take(asked, _as_kept(kept, request.rays))
                 return
-        work = ShowLive(
-            record,
-            edits,
-            request.edit,
-            request.camera,
-            request.time,
-            request.height,
-            max_px,
-            settings_of(request),
-            request.model_dump(include=FINISH),
-            request.budget_ms,
-            request.moving,
-        )
+        frame = frame_request(self._hub, record, edits, request)
         self._stream = self._hub.pictures.stream(
-            work,
+            stream_call(live.stream_pictures, frame, request.edit, request.budget_ms, request.moving),
             on_item=self._from_thread(lambda item: self._take(asked, item)),
             on_end=self._from_thread(lambda error: self._end(asked, error)),
             group=self,
@@ -164,7 +155,7 @@ class Viewer:
 
         return call
 
-    def _take(self, asked: _Asked, item: ShownPicture | Readout) -> None:
+    def _take(self, asked: _Asked, item: LivePicture | Readout) -> None:
         """Have something sent, as soon as there is room. What was not sent is not worth sending when there is a newer one.
 
         What was superseded shows one picture nevertheless (else a hand that moves would never see anything), and may do so
@@ -233,7 +224,7 @@ class _Asked:
         self.request = request
         self.number = number
         self.tag: str | None = None
-        self.best: ShownPicture | None = None
+        self.best: LivePicture | None = None
         self.answered_ms = 0.0
         self._began_s = time.perf_counter()
 
@@ -241,12 +232,12 @@ class _Asked:
         """Since it was heard."""
         return 1e3 * (time.perf_counter() - self._began_s)
 
-    def is_better(self, shown: ShownPicture) -> bool:
+    def is_better(self, shown: LivePicture) -> bool:
         """Whether a picture is better than those before."""
         return self.best is None or _rank(shown) > _rank(self.best)
 
 
-def _rank(shown: ShownPicture) -> tuple[bool, bool, float]:
+def _rank(shown: LivePicture) -> tuple[bool, bool, float]:
     return shown.is_final, shown.stage != "preview", shown.share
 
 
@@ -263,7 +254,7 @@ def _json_of(text: object) -> dict[str, Any]:
     raise ServiceError(422, "invalid_request", "A message to the service is a JSON object, sent as text.")
 
 
-def _framed(asked: _Asked, shown: ShownPicture, number: int) -> bytes:
+def _framed(asked: _Asked, shown: LivePicture, number: int) -> bytes:
     """A picture as it travels: the length of its head as 4 bytes, big end first; the head, as JSON; the picture."""
     head = LivePictureHead(
         id=asked.request.id,
@@ -281,8 +272,8 @@ def _framed(asked: _Asked, shown: ShownPicture, number: int) -> bytes:
     return struct.pack(">I", len(said)) + said + shown.data
 
 
-def _as_kept(png: bytes, rays: int) -> ShownPicture:
+def _as_kept(png: bytes, rays: int) -> LivePicture:
     """A final picture that was made before."""
     width, height = struct.unpack_from(">II", png, 16)  # of the header chunk, which is the first (PNG, 11.2.1)
     spent = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 0.0)
-    return ShownPicture("final", "png", width, height, spent, rays, 1.0, 1.0, png)
+    return LivePicture("final", "png", width, height, spent, rays, 1.0, 1.0, png)

@@ -10,6 +10,8 @@ from pydantic.config import JsonDict
 from service.models.base import Distance, Model, shown_as
 from service.models.cameras import CAMERA_EXAMPLE, CameraState
 
+CurveFileFormat = Literal["json", "csv", "usda", "otio", "opentrackio"]
+
 CURVE_EXAMPLE: JsonDict = {
     "format": "pullfocus.focusCurve",
     "version": 2,

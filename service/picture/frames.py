@@ -1,222 +1,175 @@
-"""What the picture process is asked for: frames and picks. It alone owns GL, in its one thread."""
+"""Functions of the picture process that render frames and pick surfaces. It alone owns GL, in its one thread."""
 
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
+from render.film import GradeChoice
+from render.frame import FrameSettings
+from render.frame import Pick as SurfacePick
+from render.output import encode
+from render.pictures.picture import make_picture
+from render.pictures.picture_height import picture_height
+from render.shot import Shot
 from service.models.focus import Anchor, Pick
+from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
-from service.picture.picture_size import height_at
-from service.stage.opened import OpenedShots
+from service.picture.requests import FrameRequest
+from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
-if TYPE_CHECKING:
-    from render.frame import FrameRenderer
-    from render.frame import Pick as SurfacePick
-    from render.pictures.live_finisher import LiveFinisher
-    from render.pictures.long_exposure import LongExposure
-    from render.pictures.progressive.driver import Progressive
-    from render.shot import Shot
-
-MAX_WATCHED = 2
-"""Shots of which the process keeps what was made for live pictures."""
-
-PICK_WIDTH = 2048
-"""Pixels of the picture in which a place is looked up: finer than what anybody points at."""
+PICK_WIDTH_PX = 2048
+"""Width of the picture in which a position is looked up: finer than a pointer."""
 
 
-class Darkroom:
-    """The picture process's state: the GL context and the opened shots.
-
-    Both are made by the first request that needs them, so that a machine without GL gets an error that says so, and
-    the process that speaks HTTP imports neither GL nor USD.
-    """
-
-    def __init__(self) -> None:
-        self.opened = OpenedShots()
-        self._progressives: OrderedDict[str, tuple[Shot, Progressive]] = OrderedDict()
-        self.exposures: dict[str, LongExposure] = {}  # the oldest first
-
-    @cached_property
-    def renderer(self) -> FrameRenderer:
-        """Raises `GraphicsError` where no context can be made."""
-        from render.frame import FrameRenderer
-
-        return FrameRenderer()
-
-    @cached_property
-    def live(self) -> LiveFinisher:
-        """Finishes pictures on the renderer's device. Raises `GraphicsError` where no context can be made."""
-        from render.pictures.live_finisher import LiveFinisher
-
-        return LiveFinisher(self.renderer)
-
-    def progressive(self, shot_id: str, shot: Shot) -> Progressive:
-        """What makes live pictures of an opened shot, and holds what it needs for the next one.
-
-        Args:
-            shot_id: of the shot.
-            shot: as it is open now: what was made for it when it was open before is let go of.
-
-        Raises:
-            GraphicsError: no context can be made.
-        """
-        from render.pictures.progressive.driver import Progressive
-
-        kept = self._progressives.pop(shot_id, None)
-        if kept is None or kept[0] is not shot:
-            kept = shot, Progressive(self.renderer, shot, self.live)
-        self._progressives[shot_id] = kept
-        if len(self._progressives) > MAX_WATCHED:
-            self._progressives.popitem(last=False)
-        return kept[1]
-
-    def forget(self, shot_id: str) -> None:
-        """Close a shot, if it is open, and let go of what was made of it."""
-        self.opened.forget(shot_id)
-        self._progressives.pop(shot_id, None)
+@picture_function
+def warm_up(state: PictureWorkerState) -> None:
+    """Create the GL context. Raises `GraphicsError`."""
+    _ = state.renderer
 
 
-@dataclass(frozen=True)
-class Warm:
-    """Be ready: have a context."""
-
-    def run(self, room: Darkroom) -> None:
-        """Raises `GraphicsError`."""
-        _ = room.renderer
-
-
-@dataclass(frozen=True)
-class ForgetPictures:
+@picture_function
+def close_shot(state: PictureWorkerState, shot_id: str) -> None:
     """Close a shot that was removed."""
-
-    shot_id: str
-
-    def run(self, room: Darkroom) -> None:
-        """Close it."""
-        room.forget(self.shot_id)
+    state.close(shot_id)
 
 
-@dataclass(frozen=True)
-class RenderPicture:
-    """Render one frame.
+@picture_function
+def render_frame(state: PictureWorkerState, request: FrameRequest, file_format: str, live: bool = False) -> bytes:
+    """Render and encode one frame. Unless it is live, the picture is the one that `pullfocus record` writes.
 
-    Attributes:
-        record: of which shot.
-        edits: its edit layer at the moment of asking.
-        camera: prim path, or None for the default camera.
-        time: USD time code.
-        height: pixels, or None for the film gate's shape.
-        max_px: pixels of it all; more are not rendered.
-        settings: the other fields of `render.frame.FrameSettings`.
-        format: png, jpeg or exr.
-        finish: film, display, view and look in place of the shot's; None for those that are the shot's.
-        live: whether it is finished on the device, as quick as can be.
+    Args:
+        state: the worker's state.
+        request: the frame.
+        file_format: png, jpeg or exr.
+        live: whether film and grade run on the graphics device, which is quicker and slightly less exact.
+
+    Raises:
+        PullfocusError: as `render.pictures.picture.make_picture`.
     """
-
-    record: ShotRecord
-    edits: str
-    camera: str | None
-    time: float
-    height: int | None
-    max_px: int
-    settings: dict[str, Any]
-    format: str
-    finish: dict[str, str | None]
-    live: bool = False
-
-    def run(self, room: Darkroom) -> bytes:
-        """The encoded picture: the same that `pullfocus record` writes, unless it is live. Raises what `make_picture` raises."""
-        from render.film import GradeChoice
-        from render.frame import FrameSettings
-        from render.output import encode
-        from render.pictures.picture import make_picture
-
-        with room.opened.use(self.record, self.edits) as shot:
-            height = self.height or height_at(shot, self.camera, self.time, self.settings["width"], self.max_px)
-            settings = FrameSettings(**self.settings, height=height)
-            said = self.finish
-            choice = GradeChoice(display=said["display"], view=said["view"], look=said["look"])
-            picture = make_picture(
-                room.renderer,
-                shot,
-                self.camera,
-                self.time,
-                settings,
-                stock=said["film"],
-                choice=None if choice == GradeChoice() else choice,
-                live=room.live if self.live else None,
-            )
-            return encode(self.format, picture.frame, picture.graded, picture.metadata)
+    with state.opened.use(request.record, request.edits) as shot:
+        picture = make_picture(
+            state.renderer,
+            shot,
+            request.camera,
+            request.time,
+            frame_settings(request, shot),
+            stock=request.finish["film"],
+            choice=grade_choice(request),
+            live=state.live_finisher if live else None,
+        )
+        return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 
-@dataclass(frozen=True)
-class PickSurface:
-    """Find what is under a pixel."""
-
-    record: ShotRecord
-    edits: str
-    asked: PickRequest
-
-    def run(self, room: Darkroom) -> Pick:
-        """What is there, if anything. Raises `CameraError` or `SettingsError`."""
-        asked = self.asked
-        with room.opened.use(self.record, self.edits) as shot:
-            scene = shot.scene_at(asked.time)
-            camera = shot.camera_at(asked.camera, asked.time, asked.width, asked.height)
-            found = room.renderer.pick(scene, camera, asked.width, asked.height, asked.x, asked.y)
-        if found is None:
-            return Pick(hit=False)
-        return Pick(hit=True, anchor=anchor_of(found), depth_m=found.depth_m, position_m=found.position_m)
-
-
-def anchor_of(found: SurfacePick) -> Anchor:
-    """What a focus point is made of that is to stick to a surface where it was picked."""
-    return Anchor(
-        target=(found.prim_path,) if found.prototype_path is None else (found.prim_path, found.prototype_path),
-        face=found.face,
-        fan_triangle=found.fan_triangle,
-        barycentric=found.barycentric,
-        instance=found.instance,
+def frame_settings(request: FrameRequest, shot: Shot) -> FrameSettings:
+    """Return the settings of a requested frame. Raises `SettingsError`: it has too many pixels; `CameraError`."""
+    height = request.height or gate_height(
+        shot, request.camera, request.time, request.settings["width"], request.max_px
     )
+    return FrameSettings(**request.settings, height=height)
 
 
-@dataclass(frozen=True)
-class FindDepth:
-    """Find how far away is what a place of the picture shows.
+def grade_choice(request: FrameRequest) -> GradeChoice | None:
+    """Return the grade that a request names in place of the shot's, or None."""
+    finish = request.finish
+    choice = GradeChoice(display=finish["display"], view=finish["view"], look=finish["look"])
+    return None if choice == GradeChoice() else choice
 
-    Attributes:
-        record: of which shot.
-        edits: its edit layer at the moment of asking.
+
+def gate_height(shot: Shot, camera: str | None, time: float, width: int, max_px: int, path: str = "query.width") -> int:
+    """Return the height in pixels at which a picture has the shape of the camera's film gate.
+
+    Args:
+        shot: the shot.
         camera: prim path, or None for the default camera.
         time: USD time code.
-        screen: the place, from (0, 0) top left to (1, 1) bottom right.
-        aspect: width over height of the picture; None takes the film gate's.
+        width: px.
+        max_px: limit of width times height.
+        path: the parameter that sets the width, for the message.
+
+    Raises:
+        SettingsError: the picture has more pixels than are rendered.
+        CameraError: it is no camera, or has impossible numbers.
     """
+    height = picture_height(shot, camera, time, width)
+    check_pixels(width, height, max_px, path)
+    return height
 
-    record: ShotRecord
-    edits: str
-    camera: str | None
-    time: float
-    screen: tuple[float, float]
-    aspect: float | None
 
-    def run(self, room: Darkroom) -> float:
-        """Metres along the view axis; infinite where there is nothing. Raises `CameraError` or `SettingsError`."""
-        from render.pictures.picture_height import picture_height
+@picture_function
+def pick_surface(state: PictureWorkerState, record: ShotRecord, edits: str, request: PickRequest) -> Pick:
+    """Find the surface under a pixel. Raises `CameraError` or `SettingsError`."""
+    with state.opened.use(record, edits) as shot:
+        size = request.width, request.height
+        pick = pick_at(state, shot, request.camera, request.time, size, (request.x, request.y))
+    if pick is None:
+        return Pick(hit=False)
+    return Pick(hit=True, anchor=anchor_of(pick), depth_m=pick.depth_m, position_m=pick.position_m)
 
-        with room.opened.use(self.record, self.edits) as shot:
-            height = (
-                max(1, round(PICK_WIDTH / self.aspect))
-                if self.aspect
-                else picture_height(shot, self.camera, self.time, PICK_WIDTH)
-            )
-            scene = shot.scene_at(self.time)
-            camera = shot.camera_at(self.camera, self.time, PICK_WIDTH, height)
-            x, y = self.screen[0] * PICK_WIDTH, self.screen[1] * height
-            found = room.renderer.pick(scene, camera, PICK_WIDTH, height, x, y)
-        return math.inf if found is None else found.depth_m
+
+@picture_function
+def measure_depth(
+    state: PictureWorkerState,
+    record: ShotRecord,
+    edits: str,
+    camera: str | None,
+    time: float,
+    screen: tuple[float, float],
+    aspect: float | None,
+) -> float:
+    """Measure the depth of the surface at a position of the picture.
+
+    Args:
+        state: the worker's state.
+        record: the shot.
+        edits: text of its edit layer at the time of the request.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        screen: the position, from (0, 0) top left to (1, 1) bottom right.
+        aspect: width over height of the picture; None takes the film gate's.
+
+    Returns:
+        Metres along the view axis; infinite where there is no surface.
+
+    Raises:
+        CameraError: it is no camera.
+        SettingsError: the camera makes no picture.
+    """
+    with state.opened.use(record, edits) as shot:
+        height = max(1, round(PICK_WIDTH_PX / aspect)) if aspect else picture_height(shot, camera, time, PICK_WIDTH_PX)
+        position = screen[0] * PICK_WIDTH_PX, screen[1] * height
+        pick = pick_at(state, shot, camera, time, (PICK_WIDTH_PX, height), position)
+    return math.inf if pick is None else pick.depth_m
+
+
+def pick_at(
+    state: PictureWorkerState,
+    shot: Shot,
+    camera: str | None,
+    time: float,
+    size: tuple[int, int],
+    position: tuple[float, float],
+) -> SurfacePick | None:
+    """Find the surface at a position of a picture.
+
+    Args:
+        state: the worker's state.
+        shot: the shot.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        size: width and height of the picture, px.
+        position: x and y from its top left corner, px.
+    """
+    prepared = shot.camera_at(camera, time, *size)
+    return state.renderer.pick(shot.scene_at(time), prepared, *size, *position)
+
+
+def anchor_of(pick: SurfacePick) -> Anchor:
+    """Return the anchor that keeps a focus point on a picked surface."""
+    return Anchor(
+        target=(pick.prim_path,) if pick.prototype_path is None else (pick.prim_path, pick.prototype_path),
+        face=pick.face,
+        fan_triangle=pick.fan_triangle,
+        barycentric=pick.barycentric,
+        instance=pick.instance,
+    )

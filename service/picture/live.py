@@ -1,17 +1,21 @@
-"""What the picture process is asked for while somebody watches: pictures that get better and better, until the exact one."""
+"""Function of the picture process that streams pictures of a live request, each better than the last, up to the exact one."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import asdict
 
+from render.frame import FrameSettings
+from render.output.encode import encode_jpeg, encode_png
+from render.pictures.progressive import PreviewRequest, Shown
+from render.shot import Shot
 from service.models.cameras import Readout
 from service.models.focus import FocusPointEdit
-from service.models.live import Stage, UnsavedEdit
-from service.picture.frames import Darkroom, anchor_of
-from service.picture.picture_size import height_at
+from service.models.live import UnsavedEdit
+from service.picture.frames import anchor_of, frame_settings, grade_choice, pick_at
+from service.picture.requests import FrameRequest, LivePicture
+from service.picture.state import PictureWorkerState, picture_function
 from service.stage.applying import (
     apply_key,
     apply_to_camera,
@@ -20,161 +24,105 @@ from service.stage.applying import (
     apply_to_focus,
     apply_to_point,
 )
-from service.storage.store import ShotRecord
+from service.stage.read_shot import as_readout
 from service.workers.streaming import IsStale
 
-if TYPE_CHECKING:
-    from render.frame import FrameSettings
-    from render.pictures.progressive import Shown
-    from render.shot import Shot
 
+@picture_function
+def stream_pictures(
+    state: PictureWorkerState,
+    is_stale: IsStale,
+    request: FrameRequest,
+    unsaved: UnsavedEdit | None,
+    budget_ms: float,
+    is_moving: bool,
+) -> Iterator[LivePicture | Readout]:
+    """Render one frame progressively. The last picture is the one that `service.picture.frames.render_frame` makes.
 
-@dataclass(frozen=True)
-class ShownPicture:
-    """A picture of a live request.
+    Args:
+        state: the worker's state.
+        is_stale: polled between pieces of work; the stream ends once it returns True.
+        request: the frame.
+        unsaved: edit that is applied for these pictures only. The lens readout follows the first picture then.
+        budget_ms: time for the first picture.
+        is_moving: whether the first picture is enough, because the next request follows soon.
 
-    Attributes:
-        stage: how good it is.
-        format: of ``data``.
-        width: px.
-        height: px.
-        took_ms: by what, as `service.models.live.LiveTiming` has it, but for when it was answered.
-        rays: for each pixel.
-        scale: pixels for each that was asked for, along a side.
-        share: of the final picture's work that is done.
-        data: the encoded picture.
+    Raises:
+        PullfocusError: as `service.picture.frames.render_frame`.
     """
-
-    stage: Stage
-    format: Literal["jpeg", "png"]
-    width: int
-    height: int
-    took_ms: dict[str, float]
-    rays: int
-    scale: float
-    share: float
-    data: bytes
-
-    @property
-    def is_final(self) -> bool:
-        """Whether no better one comes."""
-        return self.stage == "final"
-
-
-@dataclass(frozen=True)
-class ShowLive:
-    """Render one frame for somebody who watches.
-
-    Attributes:
-        record: of which shot.
-        edits: its edit layer at the moment of asking.
-        unsaved: what is tried on top of that, or None.
-        camera: prim path, or None for the default camera.
-        time: USD time code.
-        height: pixels, or None for the film gate's shape.
-        max_px: pixels of it all; more are not rendered.
-        settings: the other fields of `render.frame.FrameSettings`.
-        finish: film, display, view and look in place of the shot's; None for those that are the shot's.
-        budget_ms: what the first picture may take.
-        is_moving: whether the first picture is enough, since the next one is asked for soon.
-    """
-
-    record: ShotRecord
-    edits: str
-    unsaved: UnsavedEdit | None
-    camera: str | None
-    time: float
-    height: int | None
-    max_px: int
-    settings: dict[str, Any]
-    finish: dict[str, str | None]
-    budget_ms: float
-    is_moving: bool
-
-    def stream(self, room: Darkroom, is_stale: IsStale) -> Iterator[ShownPicture | Readout]:
-        """Better and better pictures, and the last is the one that `RenderPicture` makes.
-
-        With an unsaved edit, what the lens does comes after the first of them. Raises what `RenderPicture` raises.
-        """
-        from render.film import GradeChoice
-        from render.pictures.progressive import PreviewRequest
-        from service.stage.read_shot import as_readout
-
-        with room.opened.use(self.record, self.edits) as shot:
-            settings = self._settings(shot)
-            if self.unsaved is not None:
-                self._try(room, shot, self.unsaved, settings)
-            said = self.finish
-            choice = GradeChoice(display=said["display"], view=said["view"], look=said["look"])
-            asked = PreviewRequest(
-                self.camera,
-                self.time,
-                settings,
-                stock=said["film"],
-                choice=None if choice == GradeChoice() else choice,
-                budget_ms=self.budget_ms,
-                is_moving=self.is_moving,
-            )
-            is_first = True
-            for shown in room.progressive(self.record.id, shot).pictures(asked, is_stale=is_stale):
-                yield _encoded(shown, settings.width)
-                if is_first and self.unsaved is not None:
-                    yield as_readout(shot.readout(self.camera, self.time), self.time)
-                is_first = False
-
-    def _settings(self, shot: Shot) -> FrameSettings:
-        from render.frame import FrameSettings
-
-        height = self.height or height_at(shot, self.camera, self.time, self.settings["width"], self.max_px)
-        return FrameSettings(**self.settings, height=height)
-
-    def _try(self, room: Darkroom, shot: Shot, edit: UnsavedEdit, settings: FrameSettings) -> None:
-        """Make an edit on the shot as this process has it open; the next request puts back what is saved."""
-        # Picked before anything is edited: where a pointer is, is a place of the picture that is seen.
-        placed = {name: self._picked(room, shot, place, settings) for name, place in edit.places.items()}
-        with shot.one_edit("try"):
-            if edit.camera is not None:
-                apply_to_camera(shot, self.camera, edit.camera)
-            if edit.focus is not None:
-                apply_to_focus(shot, self.camera, edit.focus)
-            if edit.exposure is not None:
-                apply_to_exposure(shot, self.camera, edit.exposure)
-            if edit.film is not None:
-                apply_to_film(shot, self.camera, edit.film)
-            for name, point in (*edit.points.items(), *placed.items()):
-                if point is not None:
-                    apply_to_point(shot, self.camera, self.time, name, point)
-            for key in edit.keys:
-                apply_key(shot, self.camera, key.point, key.attribute, key.key)
-
-    def _picked(
-        self, room: Darkroom, shot: Shot, place: tuple[float, float], settings: FrameSettings
-    ) -> FocusPointEdit | None:
-        """What puts a focus point on what is seen at a place; None where nothing is."""
-        width, height = settings.width, settings.height
-        camera = shot.camera_at(self.camera, self.time, width, height)
-        x, y = place[0] * width, place[1] * height
-        found = room.renderer.pick(shot.scene_at(self.time), camera, width, height, x, y)
-        return None if found is None else FocusPointEdit(**anchor_of(found).model_dump())
+    with state.opened.use(request.record, request.edits) as shot:
+        settings = frame_settings(request, shot)
+        if unsaved is not None:
+            _apply_unsaved(state, shot, request, unsaved, settings)
+        preview = PreviewRequest(
+            request.camera,
+            request.time,
+            settings,
+            stock=request.finish["film"],
+            choice=grade_choice(request),
+            budget_ms=budget_ms,
+            is_moving=is_moving,
+        )
+        is_first = True
+        for shown in state.progressive(request.record.id, shot).pictures(preview, is_stale=is_stale):
+            yield _encode(shown, settings.width)
+            if is_first and unsaved is not None:
+                yield as_readout(shot.readout(request.camera, request.time), request.time)
+            is_first = False
 
 
-def _encoded(shown: Shown, asked_width: int) -> ShownPicture:
-    """A picture as a file: lossless where it is the exact one."""
-    from render.output.encode import encode_jpeg, encode_png
+def _apply_unsaved(
+    state: PictureWorkerState, shot: Shot, request: FrameRequest, edit: UnsavedEdit, settings: FrameSettings
+) -> None:
+    """Apply an edit to the shot as this process has it open; the next request restores the saved edits."""
+    camera, time_code = request.camera, request.time
+    # Picked before anything is edited: the position is one of the picture that the user sees.
+    placed = {name: _pick_anchor(state, shot, request, screen, settings) for name, screen in edit.places.items()}
+    with shot.one_edit("try"):
+        if edit.camera is not None:
+            apply_to_camera(shot, camera, edit.camera)
+        if edit.focus is not None:
+            apply_to_focus(shot, camera, edit.focus)
+        if edit.exposure is not None:
+            apply_to_exposure(shot, camera, edit.exposure)
+        if edit.film is not None:
+            apply_to_film(shot, camera, edit.film)
+        for name, point in (*edit.points.items(), *placed.items()):
+            if point is not None:
+                apply_to_point(shot, camera, time_code, name, point)
+        for key in edit.keys:
+            apply_key(shot, camera, key.point, key.attribute, key.key)
 
+
+def _pick_anchor(
+    state: PictureWorkerState,
+    shot: Shot,
+    request: FrameRequest,
+    screen: tuple[float, float],
+    settings: FrameSettings,
+) -> FocusPointEdit | None:
+    """Return the edit that anchors a focus point on the surface at a position of the picture; None without a surface."""
+    size = settings.width, settings.height
+    position = screen[0] * settings.width, screen[1] * settings.height
+    pick = pick_at(state, shot, request.camera, request.time, size, position)
+    return None if pick is None else FocusPointEdit(**anchor_of(pick).model_dump())
+
+
+def _encode(shown: Shown, requested_width: int) -> LivePicture:
+    """Encode a picture: lossless where it is the exact one."""
     began_s = time.perf_counter()
     final = shown.picture
     data = encode_jpeg(shown.graded) if final is None else encode_png(shown.graded, final.metadata)
     encode_ms = 1e3 * (time.perf_counter() - began_s)
     height, width = shown.graded.shape[:2]
-    return ShownPicture(
+    return LivePicture(
         shown.stage,
         "png" if shown.is_final else "jpeg",
         width,
         height,
         asdict(shown.timing) | {"encode_ms": encode_ms},
         shown.rays,
-        width / asked_width,
+        width / requested_width,
         shown.share,
         data,
     )

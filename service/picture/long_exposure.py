@@ -1,155 +1,103 @@
-"""What the picture process is asked for while a long exposure goes on: an interval at a time, so that others get between."""
+"""Functions of the picture process that make a long exposure, one interval a call so that other work can run in between."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
 from render.errors import NotFoundError
-from service.picture.frames import Darkroom
-from service.picture.picture_size import height_at
+from render.frame import FrameSettings
+from render.output import encode
+from render.pictures.long_exposure import LongExposure
+from service.picture.frames import gate_height
+from service.picture.requests import ExposureProgress, FrameRequest
+from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
-if TYPE_CHECKING:
-    from render.pictures.long_exposure import LongExposure, LongExposureState
-
-MAX_HELD = 4
-"""Exposed pictures that the process keeps; the one that was begun first is lost when there is one more."""
+MAX_EXPOSURES = 4
+"""Long exposures that the process keeps; beyond that the oldest is lost."""
 
 
-@dataclass(frozen=True)
-class Exposed:
-    """How much is on the film: as `render.pictures.long_exposure.LongExposureState`, which the process that speaks HTTP imports
-    without USD."""
+@picture_function
+def begin_exposure(state: PictureWorkerState, key: str, request: FrameRequest, nd_stops: float | None) -> None:
+    """Prepare a long exposure with the shutter closed.
 
-    open_frames: float = 0.0
-    open_seconds: float = 0.0
-    intervals: int = 0
-    nd_stops: float = 0.0
-
-
-@dataclass(frozen=True)
-class BeginExposure:
-    """Load the film; the shutter is closed.
-
-    Attributes:
+    Args:
+        state: the worker's state.
         key: names the exposure.
-        record: of which shot.
-        edits: its edit layer when it was begun; later edits are not seen.
-        camera: prim path, or None for the default camera.
+        request: the frame at which it begins; later edits have no effect.
+        nd_stops: density of a neutral density filter; None keeps the exposure of a single frame.
+
+    Raises:
+        PullfocusError: as `render.pictures.long_exposure.LongExposure`.
+    """
+    camera, width = request.camera, request.settings["width"]
+    with state.opened.use(request.record, request.edits) as shot:
+        height = request.height or gate_height(shot, camera, request.time, width, request.max_px, "body.width")
+        settings = FrameSettings(**request.settings, height=height)
+        exposure = LongExposure(
+            state.renderer, shot, camera, request.time, settings, nd_stops=nd_stops, stock=request.finish["film"]
+        )
+    state.exposures[key] = exposure
+    while len(state.exposures) > MAX_EXPOSURES:
+        state.exposures.pop(next(iter(state.exposures)))
+
+
+@picture_function
+def expose_interval(
+    state: PictureWorkerState, key: str, record: ShotRecord, edits: str, begin: float, end: float
+) -> ExposureProgress:
+    """Open the shutter for an interval.
+
+    Args:
+        state: the worker's state.
+        key: names the exposure.
+        record: its shot.
+        edits: text of the edit layer when the exposure began.
         begin: USD time code.
-        height: pixels, or None for the film gate's shape.
-        max_px: pixels of it all; more are not rendered.
-        settings: the other fields of `render.frame.FrameSettings`.
-        nd_stops: of a filter; None keeps the exposure.
-        film: a stock of the library, or None.
+        end: USD time code.
+
+    Raises:
+        NotFoundError: the process that held the exposure is gone.
+        PullfocusError: as `LongExposure.expose`.
     """
-
-    key: str
-    record: ShotRecord
-    edits: str
-    camera: str | None
-    begin: float
-    height: int | None
-    max_px: int
-    settings: dict[str, Any]
-    nd_stops: float | None
-    film: str | None
-
-    def run(self, room: Darkroom) -> None:
-        """Raises what `LongExposure` raises."""
-        from render.frame import FrameSettings
-        from render.pictures.long_exposure import LongExposure
-
-        with room.opened.use(self.record, self.edits) as shot:
-            width = self.settings["width"]
-            height = self.height or height_at(shot, self.camera, self.begin, width, self.max_px, "body.width")
-            settings = FrameSettings(**self.settings, height=height)
-            exposure = LongExposure(
-                room.renderer, shot, self.camera, self.begin, settings, nd_stops=self.nd_stops, stock=self.film
-            )
-        room.exposures[self.key] = exposure
-        while len(room.exposures) > MAX_HELD:
-            room.exposures.pop(next(iter(room.exposures)))
+    with state.opened.use(record, edits) as shot:
+        exposure = _exposure(state, key)
+        exposure.shot = shot  # which may have been reopened since
+        exposure.expose(begin, end)
+        progress = exposure.state
+    return ExposureProgress(progress.open_frames, progress.open_seconds, progress.intervals, progress.nd_stops)
 
 
-@dataclass(frozen=True)
-class ExposeInterval:
-    """Have the shutter open for an interval.
+@picture_function
+def develop_exposure(state: PictureWorkerState, key: str, record: ShotRecord, edits: str, file_format: str) -> bytes:
+    """Develop and encode the exposure so far: the picture that `pullfocus record --long-exposure` writes.
 
-    Attributes:
-        key: of the exposure.
-        record: of its shot.
-        edits: as when it was begun.
-        begin: USD time code.
-        end: likewise.
+    Args:
+        state: the worker's state.
+        key: names the exposure.
+        record: its shot.
+        edits: text of the edit layer when the exposure began.
+        file_format: png, jpeg or exr.
+
+    Raises:
+        NotFoundError: the process that held the exposure is gone.
+        PullfocusError: as `LongExposure.picture`.
     """
-
-    key: str
-    record: ShotRecord
-    edits: str
-    begin: float
-    end: float
-
-    def run(self, room: Darkroom) -> Exposed:
-        """Raises `NotFoundError` where the process that held it is gone, and what `LongExposure.expose` raises."""
-        with room.opened.use(self.record, self.edits) as shot:
-            exposure = _held(room, self.key)
-            exposure.shot = shot  # which may have been opened anew since
-            exposure.expose(self.begin, self.end)
-            return _exposed(exposure.state)
+    with state.opened.use(record, edits) as shot:
+        exposure = _exposure(state, key)
+        exposure.shot = shot
+        picture = exposure.picture()
+    return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 
-@dataclass(frozen=True)
-class DevelopExposure:
-    """Look at what is on the film so far.
-
-    Attributes:
-        key: of the exposure.
-        record: of its shot.
-        edits: as when it was begun.
-        format: png, jpeg or exr.
-    """
-
-    key: str
-    record: ShotRecord
-    edits: str
-    format: str
-
-    def run(self, room: Darkroom) -> bytes:
-        """The encoded picture: what `pullfocus record --long-exposure` writes. Raises what `LongExposure.picture` raises."""
-        from render.output import encode
-
-        with room.opened.use(self.record, self.edits) as shot:
-            exposure = _held(room, self.key)
-            exposure.shot = shot
-            picture = exposure.picture()
-        return encode(self.format, picture.frame, picture.graded, picture.metadata)
+@picture_function
+def discard_exposure(state: PictureWorkerState, key: str) -> None:
+    """Discard an exposure, if the process still holds it."""
+    state.exposures.pop(key, None)
 
 
-@dataclass(frozen=True)
-class DropExposure:
-    """Throw the film away.
-
-    Attributes:
-        key: of the exposure.
-    """
-
-    key: str
-
-    def run(self, room: Darkroom) -> None:
-        """Let go of it, where it is still there."""
-        room.exposures.pop(self.key, None)
-
-
-def _held(room: Darkroom, key: str) -> LongExposure:
-    if key not in room.exposures:
+def _exposure(state: PictureWorkerState, key: str) -> LongExposure:
+    if key not in state.exposures:
         raise NotFoundError(
             "The picture process that held the long exposure is gone, or holds newer ones: begin it anew.",
             code="exposure_lost",
         )
-    return room.exposures[key]
-
-
-def _exposed(state: LongExposureState) -> Exposed:
-    return Exposed(state.open_frames, state.open_seconds, state.intervals, state.nd_stops)
+    return state.exposures[key]

@@ -7,59 +7,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from render.errors import SettingsError
+from render.shot import Shot
 from service.models.cameras import CameraEdit
 from service.models.exposure import ExposureSettingsEdit
 from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyedAttribute, KeyEdit
 from service.models.solving import FocusSettingsEdit
+from service.stage.authoring import authored_key
+from service.stage.field_names import FOCUS_OF_FIELD, PHOTOGRAPHY_OF_FIELD
+from service.stage.lenses import lens_to_mount
 from service.stage.libraries import body_to_mount, film_to_mount
-
-if TYPE_CHECKING:
-    from render.shot import Shot
-
-# Names that differ between REST and the shot: where there is a unit they carry it.
-FOCUS_OF_FIELD = {
-    "circle_of_confusion_mm": "circle_of_confusion",
-    "smoothing_s": "smoothing",
-    "lag_s": "lag",
-    "dead_zone_mm": "dead_zone",
-    "max_speed_deg_s": "max_speed",
-    "tilt_deg": "tilt",
-    "swing_deg": "swing",
-    "rise_mm": "rise",
-    "shift_mm": "shift",
-    "driven_by_points": "from_focus_points",
-    "max_angle_deg": "max_angle",
-}
-PHOTOGRAPHY_OF_FIELD = {
-    "shutter_travel_s": "shutter_travel_time",
-    "metering_compensation_stops": "metering_compensation",
-    "metering_smoothing_s": "metering_smoothing",
-    "white_balance_k": "white_balance",
-    "grain_size_um": "grain_size",
-    "halation_radius_mm": "halation_radius",
-    "sensor_full_well_e": "sensor_full_well",
-    "sensor_read_noise_e": "sensor_read_noise",
-    "sensor_clip_stops": "sensor_clip",
-    "display": "grade_display",
-    "view": "grade_view",
-    "look": "grade_look",
-    "cdl_slope": "grade_cdl_slope",
-    "cdl_offset": "grade_cdl_offset",
-    "cdl_power": "grade_cdl_power",
-    "cdl_saturation": "grade_cdl_saturation",
-    "ocio_config": "grade_config",
-    "cdl_file": "grade_cdl_file",
-}
+from service.stage.read_photography import shutter_closes
+from service.stage.read_shot import point_fields
 
 
 def apply_to_camera(shot: Shot, camera: str | None, edit: CameraEdit) -> None:
     """Set the lens, or put another one or another body on."""
-    from service.stage.lenses import lens_to_mount
-
     if "lens" in edit.model_fields_set:
         shot.mount_lens(camera, lens_to_mount(edit.lens))
     if edit.body is not None:
@@ -81,8 +47,6 @@ def apply_to_focus(shot: Shot, camera: str | None, edit: FocusSettingsEdit) -> N
 
 def apply_to_exposure(shot: Shot, camera: str | None, edit: ExposureSettingsEdit) -> None:
     """Change how the camera exposes."""
-    from service.stage.read_photography import shutter_closes
-
     said = _said(edit, PHOTOGRAPHY_OF_FIELD)
     angle_deg = said.pop("shutter_angle_deg", None)
     if angle_deg is not None and "shutter_close" in said:
@@ -107,15 +71,11 @@ def apply_to_film(shot: Shot, camera: str | None, edit: FilmSettingsEdit) -> Non
 
 def apply_to_point(shot: Shot, camera: str | None, time: float, name: str, edit: FocusPointEdit) -> None:
     """Change a focus point: a value that has keys gets one at the time."""
-    from service.stage.read_shot import point_fields
-
     shot.update_focus_point(camera, name, time=time, **point_fields(edit))
 
 
 def apply_key(shot: Shot, camera: str | None, name: str, attribute: KeyedAttribute, key: KeyEdit) -> None:
     """Set a key of a focus point."""
-    from service.stage.authoring import authored_key
-
     made = authored_key(key, attribute, is_switch=attribute == "enabled")
     shot.set_key(camera, name, attribute, made.time, made.value, made.interpolation, made.tangents)
 

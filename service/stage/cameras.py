@@ -1,110 +1,76 @@
-"""What the stage process is asked about cameras; see `service.stage.shots`."""
+"""Functions of the stage process that read and edit cameras."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.stage.applying import apply_to_camera
-from service.stage.opened import OpenedShots
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import as_place_readout, as_readout, camera_tag, read_camera_state, read_cameras
 from service.storage.store import ShotRecord
 from service.terms import Terms
 
 
-@dataclass(frozen=True)
-class ListCameras:
-    """The cameras at one time."""
-
-    record: ShotRecord
-    time: float
-
-    def run(self, opened: OpenedShots) -> CameraList:
-        """Cameras that make no picture are listed as such."""
-        from service.stage.read_shot import list_cameras
-
-        with opened.use(self.record) as shot:
-            return list_cameras(shot, self.time)
+@stage_function
+def list_cameras(opened: OpenedShots, record: ShotRecord, time: float) -> CameraList:
+    """Read the cameras at one time. Those whose numbers make no picture are listed apart."""
+    with opened.use(record) as shot:
+        return read_cameras(shot, time)
 
 
-@dataclass(frozen=True)
-class ReadCamera:
-    """One camera at one time."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> CameraState:
-        """Raises `CameraError`."""
-        from service.stage.read_shot import read_camera_state
-
-        with opened.use(self.record) as shot:
-            return read_camera_state(shot, self.camera, self.time)
+@stage_function
+def read_camera(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> CameraState:
+    """Read one camera at one time. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return read_camera_state(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class EditCamera:
-    """Set the lens."""
-
-    record: ShotRecord
-    camera: str | None
-    edit: CameraEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> CameraState:
-        """The camera as it is then. Raises `CameraError` or `SettingsError`."""
-        from service.stage.read_shot import camera_tag, read_camera_state
-
-        edit = self.edit
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            apply_to_camera(shot, self.camera, edit)
-            return read_camera_state(shot, self.camera, shot.frame_range.start if edit.time is None else edit.time)
+@stage_function
+def edit_camera(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: CameraEdit, terms: Terms
+) -> CameraState:
+    """Set values of a camera and read it again. Raises `CameraError` or `SettingsError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        apply_to_camera(shot, camera, edit)
+        return read_camera_state(shot, camera, shot.frame_range.start if edit.time is None else edit.time)
 
 
-@dataclass(frozen=True)
-class ReadLens:
-    """Read the lens off at one time."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> Readout:
-        """Raises `CameraError`."""
-        from service.stage.read_shot import as_readout
-
-        with opened.use(self.record) as shot:
-            return as_readout(shot.readout(self.camera, self.time), self.time)
+@stage_function
+def read_lens(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> Readout:
+    """Compute the readout of the lens at one time. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return as_readout(shot.readout(camera, time), time)
 
 
-@dataclass(frozen=True)
-class ReadPlace:
-    """Read the lens off at a place of the picture, or at a focus point.
+@stage_function
+def read_place(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    time: float,
+    place: str | tuple[tuple[float, float], float],
+    aspect: float | None,
+) -> PlaceReadout:
+    """Compute the readout of the lens at a point of the picture, or at a focus point.
 
-    Attributes:
-        record: of which shot.
+    Args:
+        opened: the open shots.
+        record: the shot.
         camera: prim path, or None for the default camera.
         time: USD time code.
-        place: name of a focus point, or place in the picture and depth in metres of the thing there.
+        place: name of a focus point, or a position in the picture (0 to 1) and the depth there in metres.
         aspect: width over height of the picture; None takes the film gate's.
+
+    Raises:
+        CameraError: it is no camera.
+        NotFoundError: the camera has no such focus point.
+        InputError: the point cannot be read.
     """
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-    place: str | tuple[tuple[float, float], float]
-    aspect: float | None
-
-    def run(self, opened: OpenedShots) -> PlaceReadout:
-        """Raises `CameraError`, `NotFoundError` or `InputError`."""
-        from service.stage.read_shot import as_place_readout
-
-        with opened.use(self.record) as shot:
-            path = self.camera or shot.default_camera().path
-            if isinstance(self.place, str):
-                at = shot.readout_at_point(self.camera, self.time, self.place, aspect=self.aspect)
-                return as_place_readout(at, path, self.time, self.place)
-            screen, depth_m = self.place
-            at = shot.readout_at(self.camera, self.time, screen, depth_m, aspect=self.aspect)
-            return as_place_readout(at, path, self.time, None)
+    with opened.use(record) as shot:
+        path = camera or shot.default_camera().path
+        if isinstance(place, str):
+            at = shot.readout_at_point(camera, time, place, aspect=aspect)
+            return as_place_readout(at, path, time, place)
+        screen, depth_m = place
+        at = shot.readout_at(camera, time, screen, depth_m, aspect=aspect)
+        return as_place_readout(at, path, time, None)

@@ -1,8 +1,6 @@
-"""What the stage process is asked about focus points and their keys; see `service.stage.shots`."""
+"""Functions of the stage process that read and edit focus points and their keys."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from service.models.focus import (
     FocusPoint,
@@ -13,143 +11,89 @@ from service.models.focus import (
     KeyEdit,
 )
 from service.stage.applying import apply_key, apply_to_point
-from service.stage.opened import OpenedShots
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import free_name, new_point, point_tag, points_tag, read_point, read_points
 from service.storage.store import ShotRecord
 from service.terms import Terms
 
 
-@dataclass(frozen=True)
-class ListFocusPoints:
-    """The focus points of a camera in a picture."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-    aspect: float | None
-
-    def run(self, opened: OpenedShots) -> FocusPointList:
-        """Raises `CameraError`."""
-        from service.stage.read_shot import points_tag, read_points
-
-        with opened.use(self.record) as shot:
-            points = read_points(shot, self.camera, self.time, self.aspect)
-            return FocusPointList(etag=points_tag(shot, self.camera), focus_points=points)
+@stage_function
+def list_focus_points(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, time: float, aspect: float | None
+) -> FocusPointList:
+    """Read the focus points of a camera and their positions in the picture. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        points = read_points(shot, camera, time, aspect)
+        return FocusPointList(etag=points_tag(shot, camera), focus_points=points)
 
 
-@dataclass(frozen=True)
-class ReadFocusPoint:
-    """One focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-    name: str
-
-    def run(self, opened: OpenedShots) -> FocusPoint:
-        """Raises `NotFoundError`."""
-        from service.stage.read_shot import read_point
-
-        with opened.use(self.record) as shot:
-            return read_point(shot, self.camera, self.time, self.name)
+@stage_function
+def read_focus_point(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float, name: str) -> FocusPoint:
+    """Read one focus point. Raises `NotFoundError`."""
+    with opened.use(record) as shot:
+        return read_point(shot, camera, time, name)
 
 
-@dataclass(frozen=True)
-class AddFocusPoint:
-    """Place a focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-    point: FocusPointCreate
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusPoint:
-        """The point that was made. Raises `SettingsError`: its name is taken, or a value is not allowed."""
-        from service.stage.read_shot import free_name, new_point, points_tag, read_point
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(points_tag(shot, self.camera), "the list of focus points")
-            name = self.point.name or free_name(shot, self.camera, self.time)
-            shot.add_focus_point(self.camera, name, new_point(name, self.point))
-            return read_point(shot, self.camera, self.time, name)
+@stage_function
+def add_focus_point(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, time: float, point: FocusPointCreate, terms: Terms
+) -> FocusPoint:
+    """Add a focus point. Raises `SettingsError`: its name is taken, or a value is not allowed."""
+    with opened.edit(record, terms) as shot:
+        terms.check(points_tag(shot, camera), "the list of focus points")
+        name = point.name or free_name(shot, camera, time)
+        shot.add_focus_point(camera, name, new_point(name, point))
+        return read_point(shot, camera, time, name)
 
 
-@dataclass(frozen=True)
-class EditFocusPoint:
-    """Change some values of a focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-    name: str
-    edit: FocusPointEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusPoint:
-        """The point as it is then. Raises `NotFoundError` or `SettingsError`."""
-        from service.stage.read_shot import point_tag, read_point
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            apply_to_point(shot, self.camera, self.time, self.name, self.edit)
-            return read_point(shot, self.camera, self.time, self.name)
+@stage_function
+def edit_focus_point(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    time: float,
+    name: str,
+    edit: FocusPointEdit,
+    terms: Terms,
+) -> FocusPoint:
+    """Change some values of a focus point. Raises `NotFoundError` or `SettingsError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
+        apply_to_point(shot, camera, time, name, edit)
+        return read_point(shot, camera, time, name)
 
 
-@dataclass(frozen=True)
-class RemoveFocusPoint:
-    """Remove a focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    name: str
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> None:
-        """Raises `NotFoundError`."""
-        from service.stage.read_shot import point_tag
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            shot.remove_focus_point(self.camera, self.name)
+@stage_function
+def remove_focus_point(opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, terms: Terms) -> None:
+    """Remove a focus point. Raises `NotFoundError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
+        shot.remove_focus_point(camera, name)
 
 
-@dataclass(frozen=True)
-class SetKey:
-    """Set or replace a key of a focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    name: str
-    attribute: KeyedAttribute
-    key: KeyEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusPoint:
-        """The point at the key's time. Raises `NotFoundError` or `SettingsError`."""
-        from service.stage.read_shot import point_tag, read_point
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            apply_key(shot, self.camera, self.name, self.attribute, self.key)
-            return read_point(shot, self.camera, self.key.time, self.name)
+@stage_function
+def set_key(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    name: str,
+    attribute: KeyedAttribute,
+    key: KeyEdit,
+    terms: Terms,
+) -> FocusPoint:
+    """Set or replace a key of a focus point, and read the point at the key's time. Raises `NotFoundError` or `SettingsError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
+        apply_key(shot, camera, name, attribute, key)
+        return read_point(shot, camera, key.time, name)
 
 
-@dataclass(frozen=True)
-class RemoveKey:
-    """Remove a key of a focus point."""
-
-    record: ShotRecord
-    camera: str | None
-    name: str
-    attribute: str
-    time: float
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusPoint:
-        """The point at that time. Raises `NotFoundError`."""
-        from service.stage.read_shot import point_tag, read_point
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(point_tag(shot, self.camera, self.name), f"focus point {self.name!r}")
-            shot.remove_key(self.camera, self.name, self.attribute, self.time)
-            return read_point(shot, self.camera, self.time, self.name)
+@stage_function
+def remove_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, attribute: str, time: float, terms: Terms
+) -> FocusPoint:
+    """Remove a key of a focus point, and read the point at that time. Raises `NotFoundError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
+        shot.remove_key(camera, name, attribute, time)
+        return read_point(shot, camera, time, name)

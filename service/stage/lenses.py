@@ -1,102 +1,133 @@
-"""What the stage process is asked about lenses; see `service.stage.shots`."""
+"""Functions of the stage process that read the lens library, and mount a lens file on a camera."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import lru_cache
 
 from render.errors import NotFoundError, SettingsError
+from render.model.lens import Surface
+from render.optics.report import lens_report
+from render.shot.lens.lens_alone import library_lens_alone
+from render.shot.lens.lens_choice import THIN, LensChoice, file_choice, library_choice, library_entry
+from render.stage.camera.lenses import lens_of
 from service.models.cameras import CameraState
-from service.models.lenses import Lens, LensList
-from service.stage.opened import OpenedShots
+from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import camera_tag, read_camera_state
 from service.storage.store import ShotRecord
 from service.terms import Terms
+from usd_schemas import LibraryLens, library_lenses
 
-if TYPE_CHECKING:
-    from render.shot.lens.lens_choice import LensChoice
+
+@stage_function
+def list_lenses(opened: OpenedShots) -> LensList:
+    """List the lens library."""
+    return LensList(lenses=[_summary(entry) for entry in library_lenses()])
+
+
+@stage_function
+def read_library_lens(opened: OpenedShots, name: str) -> Lens:
+    """Read one lens of the library. Raises `NotFoundError`."""
+    entry = library_entry(name)
+    prescription = lens_of(entry.lens, entry.name).prescription
+    return Lens(
+        **_summary(entry).model_dump(),
+        squeeze=entry.lens.squeeze,
+        surfaces=[_surface(surface) for surface in prescription.surfaces] if prescription else [],
+        focus_group=prescription.focus_group if prescription else None,
+        errors=LensErrors.model_validate(entry.lens.seidel) if entry.lens.model == "seidel" else None,
+        tables=LensTables.model_validate(entry.lens.data_sheet) if entry.lens.model == "dataSheet" else None,
+        iris=_iris(entry),
+    )
+
+
+@stage_function
+def draw_lens_section(opened: OpenedShots, name: str) -> bytes:
+    """Draw the section of a lens of the library, wide open and focused at infinity, as SVG. Raises `NotFoundError`."""
+    return _section_svg(name)
+
+
+@lru_cache(maxsize=64)
+def _section_svg(name: str) -> bytes:
+    from render.drawing import section_svg  # matplotlib takes a second to import
+
+    return section_svg(library_lens_alone(name).camera)
+
+
+@stage_function
+def draw_lens_sheet(opened: OpenedShots, name: str) -> bytes:
+    """Draw the data sheet of a lens of the library, wide open and focused at infinity, as PNG. Raises `NotFoundError`."""
+    return _sheet_png(name)
+
+
+@lru_cache(maxsize=16)
+def _sheet_png(name: str) -> bytes:
+    from render.drawing import lens_sheet  # matplotlib takes a second to import
+
+    lens = library_lens_alone(name)
+    return lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png")
+
+
+@stage_function
+def mount_lens_file(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, data: bytes, terms: Terms
+) -> CameraState:
+    """Mount the lens of an uploaded file.
+
+    Raises:
+        CameraError: there is no such camera.
+        InputError: it is no lens file, or its numbers make no lens.
+    """
+    choice = file_choice(data, name)
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        shot.mount_lens(camera, choice)
+        return read_camera_state(shot, camera, shot.frame_range.start)
 
 
 def lens_to_mount(name: str | None) -> LensChoice:
-    """The lens that an edit of a camera names: of the library, or with None the thin lens.
+    """Return the library lens that an edit of a camera names; None is the thin lens.
 
     Raises:
-        SettingsError: the library has none of that name.
+        SettingsError: the library has no lens of that name.
     """
-    from render.shot.lens.lens_choice import THIN, library_choice
-
     try:
         return THIN if name is None else library_choice(name)
-    except NotFoundError as error:  # the address was right, what was sent to it is not
+    except NotFoundError as error:  # the resource exists; the value sent for it is wrong
         raise SettingsError(error.detail, code=error.code, path="lens") from error
 
 
-@dataclass(frozen=True)
-class MountLensFile:
-    """Mount the lens of a file that was sent."""
-
-    record: ShotRecord
-    camera: str | None
-    name: str
-    data: bytes
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> CameraState:
-        """The camera as it is then. Raises `InputError`: it is no lens file, or no lens."""
-        from render.shot.lens.lens_choice import file_choice
-        from service.stage.read_shot import camera_tag, read_camera_state
-
-        choice = file_choice(self.data, self.name)
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            shot.mount_lens(self.camera, choice)
-            return read_camera_state(shot, self.camera, shot.frame_range.start)
+def _summary(entry: LibraryLens) -> LensSummary:
+    return LensSummary(
+        name=entry.name,
+        title=entry.lens.name,
+        manufacturer=entry.lens.manufacturer,
+        model=entry.lens.model,
+        focal_length_mm=entry.focal_length_mm,
+        f_stop=entry.f_stop,
+        description=entry.description,
+    )
 
 
-@dataclass(frozen=True)
-class ListLenses:
-    """The lens library."""
-
-    def run(self, opened: OpenedShots) -> LensList:
-        """All of it."""
-        from service.stage.read_lenses import list_lenses
-
-        return list_lenses()
-
-
-@dataclass(frozen=True)
-class ReadLibraryLens:
-    """One lens of the library."""
-
-    name: str
-
-    def run(self, opened: OpenedShots) -> Lens:
-        """Raises `NotFoundError`."""
-        from service.stage.read_lenses import read_lens
-
-        return read_lens(self.name)
+def _surface(surface: Surface) -> LensSurface:
+    return LensSurface(
+        radius_mm=surface.radius_mm,
+        thickness_mm=surface.thickness_mm,
+        glass=None if surface.glass.index == 1 else LensGlass.model_validate(surface.glass),
+        clear_diameter_mm=2 * surface.semi_diameter_mm,
+        conic=surface.conic,
+        aspheric=list(surface.aspheric),
+        is_stop=surface.is_stop,
+    )
 
 
-@dataclass(frozen=True)
-class DrawLibraryLens:
-    """A small picture of one lens of the library: SVG."""
-
-    name: str
-
-    def run(self, opened: OpenedShots) -> bytes:
-        """Raises `NotFoundError`."""
-        from service.stage.read_lenses import draw_lens
-
-        return draw_lens(self.name)
-
-
-@dataclass(frozen=True)
-class DrawLensSheet:
-    """A sheet about one lens of the library: PNG."""
-
-    name: str
-
-    def run(self, opened: OpenedShots) -> bytes:
-        """Raises `NotFoundError`."""
-        from service.stage.read_lenses import draw_lens_sheet
-
-        return draw_lens_sheet(self.name)
+def _iris(entry: LibraryLens) -> LensIris | None:
+    iris = entry.aperture
+    if iris is None:
+        return None
+    return LensIris(
+        blades=iris.blades,
+        roundness=iris.roundness,
+        rotation=iris.rotation,
+        radial_weights=list(iris.radial_weights),
+    )

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import Concatenate, ParamSpec, TypeVar
 
 from render.errors import NotFoundError, PullfocusError
+from render.shot import Shot
 from service.storage.edit_files import load_history, save_history
 from service.storage.store import ShotRecord
 from service.terms import ANY_TERMS, Terms
-
-if TYPE_CHECKING:
-    from render.shot import Shot
+from service.workers.calls import register
 
 MAX_OPEN = 4
 
+Arguments = ParamSpec("Arguments")
+Reply = TypeVar("Reply")
 
+
+@register
 class OpenedShots:
-    """The shots that were used last, by id. Lives in a worker process.
-
-    USD is imported when the first shot is opened: the process that speaks HTTP imports this module, and no USD.
-    """
+    """Shots that a worker process holds open, by id; the least recently used is closed first."""
 
     def __init__(self) -> None:
         self._shots: OrderedDict[str, Shot] = OrderedDict()
@@ -78,13 +78,11 @@ class OpenedShots:
                     _save_history_again(record, shot)
                 raise
 
-    def forget(self, shot_id: str) -> None:
+    def close(self, shot_id: str) -> None:
         """Close a shot, if it is open."""
         self._shots.pop(shot_id, None)
 
     def _get(self, record: ShotRecord) -> Shot:
-        from render.shot import Shot
-
         if record.id not in self._shots:
             if not record.root_path.is_file():
                 raise NotFoundError(f"There is no shot {record.id!r} any more.", code="shot_not_found", path=record.id)
@@ -98,6 +96,13 @@ class OpenedShots:
                 self._shots.popitem(last=False)
         self._shots.move_to_end(record.id)
         return self._shots[record.id]
+
+
+def stage_function(
+    function: Callable[Concatenate[OpenedShots, Arguments], Reply],
+) -> Callable[Concatenate[OpenedShots, Arguments], Reply]:
+    """Register a function that the HTTP process may call in the stage process (see `service.workers.calls`)."""
+    return register(function)
 
 
 def _save(record: ShotRecord, shot: Shot) -> None:

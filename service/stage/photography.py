@@ -1,175 +1,133 @@
-"""What the stage process is asked about how a camera exposes, and on what; see `service.stage.shots`."""
+"""Functions of the stage process that read and edit how a camera exposes, and its film and grade."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
-from service.stage.applying import PHOTOGRAPHY_OF_FIELD, apply_to_exposure, apply_to_film
-from service.stage.opened import OpenedShots
+from service.stage import read_photography
+from service.stage.applying import apply_to_exposure, apply_to_film
+from service.stage.authoring import authored_key
+from service.stage.field_names import photography_setting
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import camera_tag
 from service.storage.store import ShotRecord
 from service.terms import Terms
 
 
-def setting_of(attribute: ExposureKeyed | FilmKeyed) -> str:
-    """The shot's name of what is keyed.
+@stage_function
+def read_exposure_settings(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, time: float
+) -> ExposureSettings:
+    """Read how a camera exposes at one time. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return read_photography.read_exposure_settings(shot, camera, time)
 
-    Args:
-        attribute: its name over REST.
+
+@stage_function
+def read_film_settings(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> FilmSettings:
+    """Read the film and grade of a camera at one time. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return read_photography.read_film_settings(shot, camera, time)
+
+
+@stage_function
+def read_grade_choices(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> GradeChoices:
+    """Read the displays, views and looks that a camera's picture can be graded by.
+
+    Raises:
+        CameraError: it is no camera.
+        SettingsError: the shot's own configuration cannot be read.
     """
-    fields = {
-        info.alias: field for model in (ExposureSettings, FilmSettings) for field, info in model.model_fields.items()
-    }
-    return PHOTOGRAPHY_OF_FIELD.get(fields[attribute], fields[attribute])
+    with opened.use(record) as shot:
+        return read_photography.read_grade_choices(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class ReadExposureSettings:
-    """How a camera exposes at one time."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> ExposureSettings:
-        """Raises `CameraError`."""
-        from service.stage.read_photography import read_exposure_settings
-
-        with opened.use(self.record) as shot:
-            return read_exposure_settings(shot, self.camera, self.time)
+@stage_function
+def edit_exposure_settings(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: ExposureSettingsEdit, terms: Terms
+) -> ExposureSettings:
+    """Change how a camera exposes. Raises `CameraError` or `SettingsError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        time = shot.frame_range.start if edit.time is None else edit.time
+        with shot.kept_usable(camera, time):
+            apply_to_exposure(shot, camera, edit)
+        return read_photography.read_exposure_settings(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class ReadFilmSettings:
-    """What a camera's light falls on at one time."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> FilmSettings:
-        """Raises `CameraError`."""
-        from service.stage.read_photography import read_film_settings
-
-        with opened.use(self.record) as shot:
-            return read_film_settings(shot, self.camera, self.time)
+@stage_function
+def edit_film_settings(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FilmSettingsEdit, terms: Terms
+) -> FilmSettings:
+    """Change film and grade. Raises `CameraError` or `SettingsError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        time = shot.frame_range.start if edit.time is None else edit.time
+        with shot.kept_usable(camera, time):
+            apply_to_film(shot, camera, edit)
+        return read_photography.read_film_settings(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class ReadGradeChoices:
-    """What a camera's picture can be graded by."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> GradeChoices:
-        """Raises `CameraError`, or `SettingsError`: the shot's own configuration cannot be read."""
-        from service.stage.read_photography import read_grade_choices
-
-        with opened.use(self.record) as shot:
-            return read_grade_choices(shot, self.camera, self.time)
+@stage_function
+def set_exposure_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: ExposureKeyed, key: KeyEdit, terms: Terms
+) -> ExposureSettings:
+    """Set or replace a key of how a camera exposes. Raises `CameraError` or `SettingsError`."""
+    _set_key(opened, record, camera, attribute, key, terms)
+    return read_exposure_settings(opened, record, camera, key.time)
 
 
-@dataclass(frozen=True)
-class EditExposureSettings:
-    """Change how a camera exposes."""
-
-    record: ShotRecord
-    camera: str | None
-    edit: ExposureSettingsEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> ExposureSettings:
-        """The settings as they are then. Raises `CameraError` or `SettingsError`."""
-        from service.stage.read_photography import read_exposure_settings
-        from service.stage.read_shot import camera_tag
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            time = shot.frame_range.start if self.edit.time is None else self.edit.time
-            with shot.kept_usable(self.camera, time):
-                apply_to_exposure(shot, self.camera, self.edit)
-            return read_exposure_settings(shot, self.camera, time)
+@stage_function
+def remove_exposure_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: ExposureKeyed, time: float, terms: Terms
+) -> ExposureSettings:
+    """Remove a key of how a camera exposes. Raises `CameraError` or `NotFoundError`."""
+    _remove_key(opened, record, camera, attribute, time, terms)
+    return read_exposure_settings(opened, record, camera, time)
 
 
-@dataclass(frozen=True)
-class EditFilmSettings:
-    """Change film and grade."""
-
-    record: ShotRecord
-    camera: str | None
-    edit: FilmSettingsEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FilmSettings:
-        """The settings as they are then. Raises `CameraError` or `SettingsError`."""
-        from service.stage.read_photography import read_film_settings
-        from service.stage.read_shot import camera_tag
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            time = shot.frame_range.start if self.edit.time is None else self.edit.time
-            with shot.kept_usable(self.camera, time):
-                apply_to_film(shot, self.camera, self.edit)
-            return read_film_settings(shot, self.camera, time)
+@stage_function
+def set_film_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, key: KeyEdit, terms: Terms
+) -> FilmSettings:
+    """Set or replace a key of film or grade. Raises `CameraError` or `SettingsError`."""
+    _set_key(opened, record, camera, attribute, key, terms)
+    return read_film_settings(opened, record, camera, key.time)
 
 
-@dataclass(frozen=True)
-class _KeyWork:
-    record: ShotRecord
-    camera: str | None
-    terms: Terms
-
-    def _set(self, opened: OpenedShots, attribute: ExposureKeyed | FilmKeyed, key: KeyEdit) -> None:
-        from service.stage.authoring import authored_key
-        from service.stage.read_shot import camera_tag
-
-        authored = authored_key(key, attribute, is_switch=False)
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            with shot.kept_usable(self.camera, key.time):
-                shot.set_camera_key(self.camera, setting_of(attribute), authored)
-
-    def _remove(self, opened: OpenedShots, attribute: ExposureKeyed | FilmKeyed, time: float) -> None:
-        from service.stage.read_shot import camera_tag
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            shot.remove_camera_key(self.camera, setting_of(attribute), time)
+@stage_function
+def remove_film_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, time: float, terms: Terms
+) -> FilmSettings:
+    """Remove a key of film or grade. Raises `CameraError` or `NotFoundError`."""
+    _remove_key(opened, record, camera, attribute, time, terms)
+    return read_film_settings(opened, record, camera, time)
 
 
-@dataclass(frozen=True)
-class KeyExposure(_KeyWork):
-    """Set or replace a key of how a camera exposes, or with no key remove the one at a time."""
-
-    attribute: ExposureKeyed
-    time: float
-    key: KeyEdit | None = None
-
-    def run(self, opened: OpenedShots) -> ExposureSettings:
-        """The settings at that time. Raises `CameraError`, `SettingsError` or `NotFoundError`."""
-        if self.key is None:
-            self._remove(opened, self.attribute, self.time)
-        else:
-            self._set(opened, self.attribute, self.key)
-        return ReadExposureSettings(self.record, self.camera, self.time).run(opened)
+def _set_key(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: ExposureKeyed | FilmKeyed,
+    key: KeyEdit,
+    terms: Terms,
+) -> None:
+    authored = authored_key(key, attribute, is_switch=False)
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        with shot.kept_usable(camera, key.time):
+            shot.set_camera_key(camera, photography_setting(attribute), authored)
 
 
-@dataclass(frozen=True)
-class KeyFilm(_KeyWork):
-    """Set or replace a key of film or grade, or with no key remove the one at a time."""
-
-    attribute: FilmKeyed
-    time: float
-    key: KeyEdit | None = None
-
-    def run(self, opened: OpenedShots) -> FilmSettings:
-        """The settings at that time. Raises `CameraError`, `SettingsError` or `NotFoundError`."""
-        if self.key is None:
-            self._remove(opened, self.attribute, self.time)
-        else:
-            self._set(opened, self.attribute, self.key)
-        return ReadFilmSettings(self.record, self.camera, self.time).run(opened)
+def _remove_key(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: ExposureKeyed | FilmKeyed,
+    time: float,
+    terms: Terms,
+) -> None:
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        shot.remove_camera_key(camera, photography_setting(attribute), time)

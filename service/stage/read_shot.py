@@ -119,7 +119,7 @@ def told_of_camera(model: type[Told], values: Mapping[str, Any]) -> Told:
         ) from error
 
 
-def list_cameras(shot: OpenShot, time: float) -> CameraList:
+def read_cameras(shot: OpenShot, time: float) -> CameraList:
     """The cameras of a shot at one time; those whose numbers make no picture are told apart."""
     usable, unusable = [], []
     for path in shot.cameras():

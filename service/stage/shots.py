@@ -1,68 +1,43 @@
-"""What the stage process is asked for: everything about a shot that needs USD and no GL. This file has what is of a whole shot.
+"""Functions of the stage process that concern a shot as a whole.
 
-It is the one place where shots are edited: requests run one after the other, and each edit is on disk before it is
-answered. Each request is a small value that is sent there, and its ``run`` answers with a model. The process that speaks
-HTTP imports these modules (``service.*_work``) to make them, so what needs USD is imported where it runs.
+The stage process is the only one that edits shots: calls run one after the other, and each edit is on disk before its reply is
+sent. Every function takes the worker's `OpenedShots` first and replies with a model; `service.stage.calls` names these modules
+for the HTTP process.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
+from render.demo.shot import write_demo as write_demo_files
 from service.models.inspection import Inspection
 from service.models.shots import Shot
-from service.stage.opened import OpenedShots
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import describe, inspect
 from service.storage.store import ShotRecord
 
 
-@dataclass(frozen=True)
-class DescribeShot:
-    """Open a shot and say what does not change while it is looked at."""
-
-    record: ShotRecord
-
-    def run(self, opened: OpenedShots) -> Shot:
-        """Raises what `render.shot.Shot.open` raises."""
-        from service.stage.read_shot import describe
-
-        with opened.use(self.record) as shot:
-            return describe(self.record, shot)
+@stage_function
+def describe_shot(opened: OpenedShots, record: ShotRecord) -> Shot:
+    """Open a shot and read its frame range and cameras. Raises the errors of `render.shot.Shot.open`."""
+    with opened.use(record) as shot:
+        return describe(record, shot)
 
 
-@dataclass(frozen=True)
-class InspectShot:
-    """Read a shot at its first frame and say what is in it and what of it is not honoured."""
-
-    record: ShotRecord
-
-    def run(self, opened: OpenedShots) -> Inspection:
-        """Raises `StageError`: it cannot be read."""
-        from service.stage.read_shot import inspect
-
-        with opened.use(self.record) as shot:
-            return inspect(self.record, shot)
+@stage_function
+def inspect_shot(opened: OpenedShots, record: ShotRecord) -> Inspection:
+    """Read a shot at its first frame and list its contents and what of it is not honoured. Raises `StageError`."""
+    with opened.use(record) as shot:
+        return inspect(record, shot)
 
 
-@dataclass(frozen=True)
-class ForgetShot:
+@stage_function
+def close_shot(opened: OpenedShots, shot_id: str) -> None:
     """Close a shot that was removed or refused."""
-
-    shot_id: str
-
-    def run(self, opened: OpenedShots) -> None:
-        """Close it."""
-        opened.forget(self.shot_id)
+    opened.close(shot_id)
 
 
-@dataclass(frozen=True)
-class WriteDemo:
-    """Author the demo shot."""
-
-    folder: Path
-
-    def run(self, opened: OpenedShots) -> str:
-        """Its root layer, relative to the folder. Raises `OutputError`."""
-        from render.demo.shot import write_demo
-
-        return write_demo(self.folder).relative_to(self.folder).as_posix()
+@stage_function
+def write_demo(opened: OpenedShots, folder: Path) -> str:
+    """Author the demo shot and return its root layer, relative to the folder. Raises `OutputError`."""
+    return write_demo_files(folder).relative_to(folder).as_posix()

@@ -1,129 +1,85 @@
-"""What the stage process is asked about how a camera's focus is found; see `service.stage.shots`."""
+"""Functions of the stage process that read and edit how a camera's focus is solved."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
+from render.shot import Shot
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
-from service.stage.applying import FOCUS_OF_FIELD, apply_to_focus
-from service.stage.opened import OpenedShots
+from service.stage.applying import apply_to_focus
+from service.stage.authoring import authored_key
+from service.stage.field_names import FOCUS_OF_FIELD
+from service.stage.opened import OpenedShots, stage_function
+from service.stage.read_shot import as_key, camera_tag, points_tag, told_of_camera
 from service.storage.store import ShotRecord
 from service.terms import Terms
-
-if TYPE_CHECKING:
-    from render.shot import Shot
+from usd_schemas.racks import WeightRack
 
 SWITCHES = ("solveStop", "drivenByPoints")
 
 
-@dataclass(frozen=True)
-class ReadFocusSettings:
-    """How the focus is found at one time."""
-
-    record: ShotRecord
-    camera: str | None
-    time: float
-
-    def run(self, opened: OpenedShots) -> FocusSettings:
-        """Raises `CameraError`."""
-        with opened.use(self.record) as shot:
-            return _settings(shot, self.camera, self.time)
+@stage_function
+def read_focus_settings(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> FocusSettings:
+    """Read the focus settings at one time. Raises `CameraError`."""
+    with opened.use(record) as shot:
+        return _settings(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class EditFocusSettings:
-    """Change how the focus is found."""
-
-    record: ShotRecord
-    camera: str | None
-    edit: FocusSettingsEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusSettings:
-        """The settings as they are then. Raises `CameraError` or `SettingsError`."""
-        from service.stage.read_shot import camera_tag
-
-        time = self.edit.time
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            looked_at = shot.frame_range.start if time is None else time
-            with shot.kept_usable(self.camera, looked_at):
-                apply_to_focus(shot, self.camera, self.edit)
-            return _settings(shot, self.camera, looked_at)
+@stage_function
+def edit_focus_settings(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FocusSettingsEdit, terms: Terms
+) -> FocusSettings:
+    """Change the focus settings. Raises `CameraError` or `SettingsError`."""
+    time = edit.time
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        looked_at = shot.frame_range.start if time is None else time
+        with shot.kept_usable(camera, looked_at):
+            apply_to_focus(shot, camera, edit)
+        return _settings(shot, camera, looked_at)
 
 
-@dataclass(frozen=True)
-class SetCameraKey:
-    """Set or replace a key of a camera."""
-
-    record: ShotRecord
-    camera: str | None
-    attribute: CameraKeyed
-    key: KeyEdit
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusSettings:
-        """The settings at the key's time. Raises `CameraError` or `SettingsError`."""
-        from service.stage.authoring import authored_key
-        from service.stage.read_shot import camera_tag
-
-        key = authored_key(self.key, self.attribute, is_switch=self.attribute in SWITCHES)
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            shot.set_camera_key(self.camera, setting_of(self.attribute), key)
-            return _settings(shot, self.camera, key.time)
+@stage_function
+def set_camera_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: CameraKeyed, key: KeyEdit, terms: Terms
+) -> FocusSettings:
+    """Set or replace a key of a camera, and read the settings at the key's time. Raises `CameraError` or `SettingsError`."""
+    authored = authored_key(key, attribute, is_switch=attribute in SWITCHES)
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        shot.set_camera_key(camera, setting_of(attribute), authored)
+        return _settings(shot, camera, key.time)
 
 
-@dataclass(frozen=True)
-class RemoveCameraKey:
-    """Remove a key of a camera."""
-
-    record: ShotRecord
-    camera: str | None
-    attribute: CameraKeyed
-    time: float
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> FocusSettings:
-        """The settings at that time. Raises `NotFoundError`."""
-        from service.stage.read_shot import camera_tag
-
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(camera_tag(shot, self.camera), "the camera")
-            shot.remove_camera_key(self.camera, setting_of(self.attribute), self.time)
-            return _settings(shot, self.camera, self.time)
+@stage_function
+def remove_camera_key(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: CameraKeyed, time: float, terms: Terms
+) -> FocusSettings:
+    """Remove a key of a camera, and read the settings at that time. Raises `NotFoundError`."""
+    with opened.edit(record, terms) as shot:
+        terms.check(camera_tag(shot, camera), "the camera")
+        shot.remove_camera_key(camera, setting_of(attribute), time)
+        return _settings(shot, camera, time)
 
 
-@dataclass(frozen=True)
-class MakeRack:
-    """Rack from one focus point to another."""
-
-    record: ShotRecord
-    camera: str | None
-    rack: RackCreate
-    terms: Terms
-
-    def run(self, opened: OpenedShots) -> Rack:
-        """The rack as it was made. Raises `NotFoundError` or `SettingsError`."""
-        from service.stage.read_shot import points_tag
-        from usd_schemas.racks import WeightRack
-
-        asked = WeightRack(**self.rack.model_dump())
-        with opened.edit(self.record, self.terms) as shot:
-            self.terms.check(points_tag(shot, self.camera), "the list of focus points")
-            made, lens = shot.rack(self.camera, asked)
-            return Rack.model_validate(
-                {
-                    **vars(made),
-                    "stretched": lens.is_stretched,
-                    "start_distance_m": 1 / lens.start_w if lens.start_w > 0 else math.inf,
-                    "end_distance_m": 1 / lens.end_w if lens.end_w > 0 else math.inf,
-                    "etag": points_tag(shot, self.camera),
-                }
-            )
+@stage_function
+def make_rack(opened: OpenedShots, record: ShotRecord, camera: str | None, rack: RackCreate, terms: Terms) -> Rack:
+    """Rack from one focus point to another. Raises `NotFoundError` or `SettingsError`."""
+    asked = WeightRack(**rack.model_dump())
+    with opened.edit(record, terms) as shot:
+        terms.check(points_tag(shot, camera), "the list of focus points")
+        made, lens = shot.rack(camera, asked)
+        return Rack.model_validate(
+            {
+                **vars(made),
+                "stretched": lens.is_stretched,
+                "start_distance_m": 1 / lens.start_w if lens.start_w > 0 else math.inf,
+                "end_distance_m": 1 / lens.end_w if lens.end_w > 0 else math.inf,
+                "etag": points_tag(shot, camera),
+            }
+        )
 
 
 def setting_of(attribute: CameraKeyed) -> str:
@@ -139,8 +95,6 @@ def setting_of(attribute: CameraKeyed) -> str:
 
 
 def _settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
-    from service.stage.read_shot import as_key, camera_tag, told_of_camera
-
     focus, tilt_shift = shot.focus_settings(camera, time)
     said = vars(focus) | vars(tilt_shift)
     fields = set(FocusSettings.model_fields) - {"camera", "time", "keys", "etag"}

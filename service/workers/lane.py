@@ -12,6 +12,7 @@ so that it too comes to its end however many others there are.
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import logging
 import threading
@@ -22,15 +23,14 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from service.http.errors import RETRY_AFTER, ServiceError
+from service.workers.calls import Call, StreamCall
 from service.workers.process import (
-    Request,
     State,
     WorkerDiedError,
     WorkerFailedError,
     WorkerProcess,
     WorkerTimeoutError,
 )
-from service.workers.streaming import Streamed
 
 log = logging.getLogger("pullfocus.service")
 Reply = TypeVar("Reply")
@@ -44,7 +44,7 @@ FIRST_PATIENCE_S = 0.25
 class _Waiting(Generic[State]):
     """A request, and who wants its answer."""
 
-    request: Request[State, Any]
+    call: Call[State, Any]
     group: Hashable | None
     future: Future[Any]
 
@@ -54,7 +54,7 @@ class _Waiting(Generic[State]):
 
     def answer(self, worker: WorkerProcess[State], timeout_s: float) -> bool:
         """Have it done. Always the end of it."""
-        self.future.set_result(worker.call(self.request, timeout_s))
+        self.future.set_result(worker.call(self.call, timeout_s))
         return True
 
     def fail(self, error: Exception) -> None:
@@ -67,14 +67,14 @@ class Stream(Generic[State]):
     """A streamed request in a lane. The last two functions are called in the lane's thread, and must not raise.
 
     Attributes:
-        request: what to do.
+        call: the generator function and its arguments.
         group: whose newer work takes its place.
         serial: its number.
         on_item: called with each answer.
         on_end: called once, when no answer comes any more; with an error, or None where all went well.
     """
 
-    request: Streamed[State, Any]
+    call: StreamCall[State, Any]
     group: Hashable | None
     serial: int
     on_item: Callable[[Any], None]
@@ -97,7 +97,7 @@ class Stream(Generic[State]):
             self.on_item(item)
 
         has_ended = worker.stream(
-            self.request,
+            self.call,
             timeout_s,
             deliver,
             serial=self.serial,
@@ -150,19 +150,23 @@ class Lane(Generic[State]):
         """Whether the worker is at work on a request."""
         return self._running is not None
 
-    def submit(self, request: Request[State, Reply], *, group: Hashable | None = None) -> Future[Reply]:
+    def submit(self, call: Call[State, Reply], *, group: Hashable | None = None) -> Future[Reply]:
         """Put a request in the queue; those of the same group that still wait are superseded.
 
         Raises:
             ServiceError: 503 ``busy`` when too many wait, or the lane is closed.
         """
         future: Future[Reply] = Future()
-        self._enqueue(_Waiting(request, group, future))
+        self._enqueue(_Waiting(call, group, future))
         return future
+
+    async def result(self, call: Call[State, Reply], group: Hashable | None = None) -> Reply:
+        """Put a call in the queue and wait for its reply; see `submit`."""
+        return await asyncio.wrap_future(self.submit(call, group=group))
 
     def stream(
         self,
-        request: Streamed[State, Item],
+        call: StreamCall[State, Item],
         *,
         on_item: Callable[[Item], None],
         on_end: Callable[[Exception | None], None],
@@ -171,7 +175,7 @@ class Lane(Generic[State]):
         """Put a streamed request in the queue; those of the same group that wait or run are superseded.
 
         Args:
-            request: what to do.
+            call: the generator function and its arguments.
             on_item: called with each answer, in a thread of the lane's; it must not raise.
             on_end: called once, when no answer comes any more, likewise; with an error, or None where all went well.
             group: one client looking at one shot.
@@ -182,7 +186,7 @@ class Lane(Generic[State]):
         Raises:
             ServiceError: 503 ``busy`` when too many wait, or the lane is closed.
         """
-        stream = Stream(request, group, next(self._serials), on_item, on_end)
+        stream = Stream(call, group, next(self._serials), on_item, on_end)
         self._enqueue(stream)
         return stream
 

@@ -1,9 +1,8 @@
-"""A worker process: it answers one request at a time, and a fresh one takes its place when it dies.
+"""A worker process: it runs one call at a time, and a fresh process replaces it when it dies.
 
-Work that can take the process down with it (a graphics driver, a parser fed with a stranger's file) runs here, so that
-the process that speaks HTTP never does. A request is an object with a ``run(state)`` method; it is pickled to the
-worker, and what ``run`` returns or raises is pickled back. ``state`` is made once in the worker and lives as long as it.
-A streamed request (`service.workers.streaming`) has a ``stream(state, is_stale)`` method in its place, and many answers.
+Work that can crash a process (a graphics driver, a parser reading an untrusted file) runs here and never in the HTTP process.
+A `service.workers.calls.Call` is pickled to the worker; the reply, or the error that was raised, is pickled back. The worker
+creates its ``state`` once and passes it to every call. A `StreamCall` has any number of replies.
 """
 
 from __future__ import annotations
@@ -20,25 +19,17 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 from render.errors import InputError, PullfocusError, SettingsError
-from service.workers.streaming import Patience, Signals, Streamed
+from service.workers.calls import Call, StreamCall, name_of, resolve
+from service.workers.streaming import Patience, Signals
 
 log = logging.getLogger("pullfocus.service")
 
-State_contra = TypeVar("State_contra", contravariant=True)
 State = TypeVar("State")
-Reply_co = TypeVar("Reply_co", covariant=True)
 Reply = TypeVar("Reply")
 Item = TypeVar("Item")
-
-
-class Request(Protocol[State_contra, Reply_co]):
-    """Work that can be sent to a worker: picklable, and run there."""
-
-    def run(self, state: State_contra, /) -> Reply_co:
-        """Do the work in the worker process."""
 
 
 class WorkerDiedError(Exception):
@@ -70,9 +61,9 @@ class _Answer:
 
 @dataclass(frozen=True)
 class _StreamOrder(Generic[State]):
-    """A streamed request as it goes to the worker."""
+    """A stream call as it is sent to the worker."""
 
-    request: Streamed[State, Any]
+    call: StreamCall[State, Any]
     serial: int
     has_shown: bool
     patience_s: float
@@ -83,7 +74,7 @@ class WorkerProcess(Generic[State]):
 
     Args:
         name: of the process, for logs.
-        make_state: called once in the worker; a function of a module, since it is sent by name.
+        make_state: registered class or function that creates the worker's state, or a reference to it; sent by name.
 
     Attributes:
         starts: how many workers there have been.
@@ -95,7 +86,7 @@ class WorkerProcess(Generic[State]):
         self.name = name
         self.starts = 0
         self.proven = False
-        self._make_state = make_state
+        self._make_state = name_of(make_state)
         # A forked GL context or USD thread pool would be broken.
         self._context = multiprocessing.get_context("spawn")
         self.signals = Signals(self._context)
@@ -107,21 +98,21 @@ class WorkerProcess(Generic[State]):
         """Process id of the worker, or None before the first request and after a death."""
         return self._process.pid if self._process is not None and self._process.is_alive() else None
 
-    def call(self, request: Request[State, Reply], timeout_s: float) -> Reply:
-        """Run a request in the worker, starting one when there is none.
+    def call(self, call: Call[State, Reply], timeout_s: float) -> Reply:
+        """Run a call in the worker, starting one when there is none.
 
         Raises:
-            PullfocusError: the request raised it.
-            WorkerDiedError: the worker died on it; the next call starts another.
+            PullfocusError: the function raised it.
+            WorkerDiedError: the worker died; the next call starts another.
             WorkerTimeoutError: no answer in ``timeout_s``; the worker was ended.
-            WorkerFailedError: the request raised anything else.
+            WorkerFailedError: the function raised anything else.
         """
-        value: Reply = self._unpack(next(self._answers(request, timeout_s)))
+        value: Reply = self._unpack(next(self._answers(call, timeout_s)))
         return value
 
     def stream(
         self,
-        request: Streamed[State, Item],
+        call: StreamCall[State, Item],
         timeout_s: float,
         deliver: Callable[[Item], None],
         *,
@@ -129,10 +120,10 @@ class WorkerProcess(Generic[State]):
         has_shown: bool = False,
         patience_s: float = 0.0,
     ) -> bool:
-        """Run a streamed request in the worker, starting one when there is none.
+        """Run a stream call in the worker, starting one when there is none.
 
         Args:
-            request: what to do.
+            call: the generator function and its arguments.
             timeout_s: time for all of it.
             deliver: called with each answer.
             serial: names it in `signals`; not 0, and not that of another one.
@@ -143,9 +134,9 @@ class WorkerProcess(Generic[State]):
             Whether it came to its end; else it made way for others, or was dropped.
 
         Raises:
-            PullfocusError: the request raised it; and the other errors of `call`.
+            PullfocusError: the function raised it; and the other errors of `call`.
         """
-        for answer in self._answers(_StreamOrder(request, serial, has_shown, patience_s), timeout_s):
+        for answer in self._answers(_StreamOrder(call, serial, has_shown, patience_s), timeout_s):
             value = self._unpack(answer)
             if not answer.is_last:
                 deliver(value)
@@ -207,26 +198,26 @@ class WorkerProcess(Generic[State]):
         self.proven = False
 
 
-def _serve(pipe: Connection, make_state: Callable[[], State], signals: Signals) -> None:
+def _serve(pipe: Connection, make_state: str, signals: Signals) -> None:
     """The worker's side: answer requests until the parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the pipe
     with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
         Path("/proc/self/oom_score_adj").write_text("500")
-    state = make_state()
+    state = resolve(make_state)()
     with suppress(EOFError, BrokenPipeError):  # the parent is gone
         while True:
-            asked: Request[State, object] | _StreamOrder[State] = pipe.recv()
-            pipe.send_bytes(_answer(asked, state, pipe, signals))
+            order: Call[Any, object] | _StreamOrder[Any] = pipe.recv()
+            pipe.send_bytes(_answer(order, state, pipe, signals))
 
 
 def _answer(
-    asked: Request[State, object] | _StreamOrder[State], state: State, pipe: Connection, signals: Signals
+    order: Call[State, object] | _StreamOrder[State], state: State, pipe: Connection, signals: Signals
 ) -> bytes:
-    """Run a request; pickled here, where a reply that cannot be pickled is still an answer and no death."""
+    """Run a call and pickle its reply. A reply that cannot be pickled is a fault of the program, not the end of the worker."""
     try:
-        if isinstance(asked, _StreamOrder):
-            return pickle.dumps(_Answer(value=_streamed(asked, state, pipe, signals)))
-        return pickle.dumps(_Answer(value=asked.run(state)))
+        if isinstance(order, _StreamOrder):
+            return pickle.dumps(_Answer(value=_stream(order, state, pipe, signals)))
+        return pickle.dumps(_Answer(value=order.run(state)))
     except (EOFError, BrokenPipeError):  # the parent is gone
         raise
     except PullfocusError as error:
@@ -235,12 +226,12 @@ def _answer(
         return pickle.dumps(_Answer(fault=traceback.format_exc()))
 
 
-def _streamed(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
-    """Send all answers but the last, which says whether the work came to its end."""
+def _stream(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
+    """Send the items of a stream. Returns whether the stream came to its end."""
     patience = Patience(signals, order.serial, has_shown=order.has_shown, patience_s=order.patience_s)
-    answers: Any = order.request.stream(state, patience)
-    with closing(answers):
-        for item in answers:
+    items: Any = order.call.run(state, patience)
+    with closing(items):
+        for item in items:
             pipe.send_bytes(pickle.dumps(_Answer(value=item, is_last=False)))
             patience.has_shown = True
     return not patience.has_ended

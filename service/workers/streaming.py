@@ -8,21 +8,12 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from multiprocessing.context import SpawnContext
-from typing import Any, Protocol, TypeVar
-
-State_contra = TypeVar("State_contra", contravariant=True)
-Item_co = TypeVar("Item_co", covariant=True)
+from typing import Any
 
 IsStale = Callable[[], bool]
-
-
-class Streamed(Protocol[State_contra, Item_co]):
-    """Work that can be sent to a worker like a `service.workers.process.Request`, whose answers come one after the other."""
-
-    def stream(self, state: State_contra, is_stale: IsStale, /) -> Iterator[Item_co]:
-        """Do the work in the worker process, looking at ``is_stale`` between its pieces; it ends as soon as that is true."""
+"""Polled by a generator function between its pieces of work; True once it must end."""
 
 
 class Signals:

@@ -1,85 +1,77 @@
-"""Requests for a worker process that needs neither USD nor GL."""
+"""Functions for a worker process that needs neither USD nor GL."""
 
 from __future__ import annotations
 
 import os
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from render.errors import StageError
+from service.workers.calls import register
 
 
+@register
 class Tally:
-    """A worker's state: counts what it was asked."""
+    """State of a worker: counts its calls."""
 
     def __init__(self) -> None:
-        self.asked = 0
+        self.calls = 0
 
 
-@dataclass(frozen=True)
-class Echo:
-    """Answers with its word, and how many requests this worker has seen."""
-
-    word: str = ""
-    pause_s: float = 0.0
-
-    def run(self, state: Tally) -> tuple[str, int]:
-        time.sleep(self.pause_s)
-        state.asked += 1
-        return self.word, state.asked
+@register
+def echo(state: Tally, word: str = "", pause_s: float = 0.0) -> tuple[str, int]:
+    """Return the word, and the number of calls of this worker so far."""
+    time.sleep(pause_s)
+    state.calls += 1
+    return word, state.calls
 
 
-@dataclass(frozen=True)
-class Refuse:
-    def run(self, state: Tally) -> None:
-        raise StageError("set.usda is no USD stage", code="stage_unreadable", path="set.usda")
+@register
+def refuse(state: Tally) -> None:
+    raise StageError("set.usda is no USD stage", code="stage_unreadable", path="set.usda")
 
 
-@dataclass(frozen=True)
-class Fault:
-    def run(self, state: Tally) -> None:
-        raise ZeroDivisionError("a fault of the program")
+@register
+def fail(state: Tally) -> None:
+    raise ZeroDivisionError("a fault of the program")
 
 
-@dataclass(frozen=True)
-class Crash:
-    """Ends the process as a driver's segmentation fault would: no exception, no goodbye."""
-
-    def run(self, state: Tally) -> None:
-        os._exit(139)
+@register
+def crash(state: Tally) -> None:
+    """End the process as a segmentation fault would, without an exception."""
+    os._exit(139)
 
 
-@dataclass(frozen=True)
-class Unsendable:
-    """Answers with what no pipe can carry."""
-
-    def run(self, state: Tally) -> object:
-        return lambda: None
+@register
+def unpicklable(state: Tally) -> object:
+    return lambda: None
 
 
-@dataclass(frozen=True)
-class ProcessId:
-    def run(self, state: Tally) -> int:
-        return os.getpid()
+@register
+def process_id(state: Tally) -> int:
+    return os.getpid()
 
 
-@dataclass(frozen=True)
-class Refine:
-    """Shows its word with 0, 1, 2 and so on, each after so many pieces of work, and then runs ``ending``."""
+def unregistered(state: Tally) -> None:
+    raise AssertionError("a function that is not registered was called")
 
-    word: str = ""
-    shows: int = 3
-    pieces: int = 1
-    piece_s: float = 0.005
-    ending: object = None
 
-    def stream(self, state: Tally, is_stale: Callable[[], bool]) -> Iterator[tuple[str, int]]:
-        for number in range(self.shows):
-            for _ in range(self.pieces):
-                if is_stale():
-                    return
-                time.sleep(self.piece_s)
-            yield self.word, number
-        if self.ending is not None:
-            self.ending.run(state)
+@register
+def refine(
+    state: Tally,
+    is_stale: Callable[[], bool],
+    word: str = "",
+    shows: int = 3,
+    pieces: int = 1,
+    piece_s: float = 0.005,
+    ending: Callable[[Tally], object] | None = None,
+) -> Iterator[tuple[str, int]]:
+    """Yield the word with 0, 1, 2 and so on, each after some pieces of work, and then call ``ending``."""
+    for number in range(shows):
+        for _ in range(pieces):
+            if is_stale():
+                return
+            time.sleep(piece_s)
+        yield word, number
+    if ending is not None:
+        ending(state)

@@ -55,11 +55,12 @@ def test_without_gl_all_but_pictures_works(tmp_path, monkeypatch):
 WITH_A_WORKER = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
-from tests.service.fake_work import ProcessId, Tally
+from tests.service.fake_work import Tally, process_id
+from service.workers.calls import call
 from service.workers.process import WorkerProcess
 if __name__ == "__main__":
     worker = WorkerProcess("orphan", Tally)
-    print(worker.call(ProcessId(), 60), flush=True)
+    print(worker.call(call(process_id), 60), flush=True)
     time.sleep(60)
 """
 

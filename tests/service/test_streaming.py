@@ -9,10 +9,11 @@ import pytest
 
 from render.errors import StageError
 from service.http.errors import ServiceError
+from service.workers.calls import StreamCall, call, stream_call
 from service.workers.lane import Lane
 from service.workers.process import WorkerProcess
 from tests.service.conftest import until
-from tests.service.fake_work import Crash, Echo, Fault, Refine, Refuse, Tally
+from tests.service.fake_work import Tally, crash, echo, fail, refine, refuse
 
 WAIT_S = 60
 
@@ -20,7 +21,7 @@ WAIT_S = 60
 class Watched:
     """A stream that was asked of a lane, and what came of it."""
 
-    def __init__(self, lane: Lane[Tally], work: Refine, group: str | None = None) -> None:
+    def __init__(self, lane: Lane[Tally], work: StreamCall[Tally, tuple[str, int]], group: str | None = None) -> None:
         self.lane = lane
         self.items: list[tuple[str, int]] = []
         self.error: Exception | None = None
@@ -53,7 +54,7 @@ def lane() -> Iterator[Lane[Tally]]:
     lane.close()
 
 
-def begun(lane: Lane[Tally], work: Refine, group: str | None = None) -> Watched:
+def begun(lane: Lane[Tally], work: StreamCall[Tally, tuple[str, int]], group: str | None = None) -> Watched:
     """A stream that has shown something."""
     watched = Watched(lane, work, group)
     until(lambda: bool(watched.items))
@@ -61,24 +62,27 @@ def begun(lane: Lane[Tally], work: Refine, group: str | None = None) -> Watched:
 
 
 def test_answers_come_one_after_the_other(lane):
-    stream = Watched(lane, Refine("a", shows=4))
+    stream = Watched(lane, stream_call(refine, "a", shows=4))
     assert stream.result() is None
     assert stream.items == [("a", number) for number in range(4)]
-    assert lane.submit(Echo("after")).result(WAIT_S)[0] == "after"
+    assert lane.submit(call(echo, "after")).result(WAIT_S)[0] == "after"
 
 
 def test_a_newer_one_of_its_group_takes_its_place_at_once(lane):
-    old = begun(lane, Refine("old", shows=10_000), "viewer")
-    new = Watched(lane, Refine("new", shows=2), "viewer")
+    old = begun(lane, stream_call(refine, "old", shows=10_000), "viewer")
+    new = Watched(lane, stream_call(refine, "new", shows=2), "viewer")
     assert old.code() == "superseded"
     assert new.result() is None
     assert new.items == [("new", 0), ("new", 1)]
 
 
 def test_while_a_hand_moves_each_that_was_begun_shows_one_picture(lane):
-    first = Watched(lane, Refine("first", shows=5, pieces=20), "viewer")
+    first = Watched(lane, stream_call(refine, "first", shows=5, pieces=20), "viewer")
     until(lambda: lane.busy)
-    skipped, last = Watched(lane, Refine("skipped"), "viewer"), Watched(lane, Refine("last"), "viewer")
+    skipped, last = (
+        Watched(lane, stream_call(refine, "skipped"), "viewer"),
+        Watched(lane, stream_call(refine, "last"), "viewer"),
+    )
     assert (first.code(), skipped.code(), last.result()) == ("superseded", "superseded", None)
     assert first.items == [("first", 0)]
     assert skipped.items == []
@@ -86,8 +90,8 @@ def test_while_a_hand_moves_each_that_was_begun_shows_one_picture(lane):
 
 
 def test_other_work_gets_between_and_the_stream_still_comes_to_its_end(lane):
-    stream = begun(lane, Refine("fine", shows=100))
-    shown = lane.submit(Echo("pick")).result(WAIT_S)
+    stream = begun(lane, stream_call(refine, "fine", shows=100))
+    shown = lane.submit(call(echo, "pick")).result(WAIT_S)
     assert shown[0] == "pick"
     assert len(stream.items) < 100
     assert stream.result() is None
@@ -95,27 +99,27 @@ def test_other_work_gets_between_and_the_stream_still_comes_to_its_end(lane):
 
 
 def test_however_many_others_there_are_a_stream_comes_to_its_end(lane):
-    stream = Watched(lane, Refine("fine", shows=40, piece_s=0.02))
+    stream = Watched(lane, stream_call(refine, "fine", shows=40, piece_s=0.02))
     while ("fine", 39) not in stream.items:
-        lane.submit(Echo()).result(WAIT_S)
+        lane.submit(call(echo)).result(WAIT_S)
     assert stream.result() is None
     assert stream.items.count(("fine", 0)) > 1  # it was put off, and begun anew
 
 
 @pytest.mark.parametrize("where", ["running", "waiting"])
 def test_one_that_nobody_wants_any_more_ends(lane, where):
-    running = begun(lane, Refine("running", shows=10_000))
-    unwanted = running if where == "running" else Watched(lane, Refine("waiting", shows=10_000), "viewer")
+    running = begun(lane, stream_call(refine, "running", shows=10_000))
+    unwanted = running if where == "running" else Watched(lane, stream_call(refine, "waiting", shows=10_000), "viewer")
     unwanted.drop()
     assert unwanted.code() == "superseded"
     running.drop()
     running.result()
     unwanted.drop()  # which has ended: nothing happens
-    assert lane.submit(Echo("next")).result(WAIT_S)[0] == "next"
+    assert lane.submit(call(echo, "next")).result(WAIT_S)[0] == "next"
 
 
 def test_one_that_is_dropped_before_it_showed_anything_ends_too(lane):
-    stream = Watched(lane, Refine(shows=1, pieces=10_000))
+    stream = Watched(lane, stream_call(refine, shows=1, pieces=10_000))
     until(lambda: lane.busy)
     stream.drop()
     assert stream.code() == "superseded"
@@ -123,22 +127,22 @@ def test_one_that_is_dropped_before_it_showed_anything_ends_too(lane):
 
 
 def test_an_error_comes_after_what_was_shown(lane):
-    refused = Watched(lane, Refine("a", shows=2, ending=Refuse()))
+    refused = Watched(lane, stream_call(refine, "a", shows=2, ending=refuse))
     assert isinstance(refused.result(), StageError)
     assert refused.items == [("a", 0), ("a", 1)]
-    assert Watched(lane, Refine(ending=Fault())).code() == "internal"
+    assert Watched(lane, stream_call(refine, ending=fail)).code() == "internal"
 
 
 def test_a_dead_worker_costs_the_stream_and_nothing_else(lane):
-    assert Watched(lane, Refine(ending=Crash())).code() == "worker_died"
-    assert lane.submit(Echo("fresh")).result(WAIT_S) == ("fresh", 1)
+    assert Watched(lane, stream_call(refine, ending=crash)).code() == "worker_died"
+    assert lane.submit(call(echo, "fresh")).result(WAIT_S) == ("fresh", 1)
 
 
 def test_streams_wait_in_the_bounded_queue(lane):
-    running = begun(lane, Refine("running", shows=10_000, piece_s=0.2))
-    waiting = [Watched(lane, Refine(str(n), pieces=10_000), f"viewer {n}") for n in range(3)]
+    running = begun(lane, stream_call(refine, "running", shows=10_000, piece_s=0.2))
+    waiting = [Watched(lane, stream_call(refine, str(n), pieces=10_000), f"viewer {n}") for n in range(3)]
     with pytest.raises(ServiceError) as refused:
-        Watched(lane, Refine("one too many"))
+        Watched(lane, stream_call(refine, "one too many"))
     assert refused.value.code == "busy"
     for stream in (*waiting, running):
         stream.drop()
@@ -146,13 +150,13 @@ def test_streams_wait_in_the_bounded_queue(lane):
 
 
 def test_what_is_refused_takes_the_place_of_nothing(lane):
-    running = Watched(lane, Refine("running", shows=2, pieces=40, piece_s=0.02), "viewer")
+    running = Watched(lane, stream_call(refine, "running", shows=2, pieces=40, piece_s=0.02), "viewer")
     until(lambda: lane.busy)
-    waiting = [Watched(lane, Refine(str(n)), f"viewer {n}") for n in range(3)]
+    waiting = [Watched(lane, stream_call(refine, str(n)), f"viewer {n}") for n in range(3)]
     with pytest.raises(ServiceError) as refused:
-        Watched(lane, Refine("one too many"), "viewer")
+        Watched(lane, stream_call(refine, "one too many"), "viewer")
     assert refused.value.code == "busy"
-    newer = Watched(lane, Refine("newer"), "viewer 0")  # which takes a place that is there already
+    newer = Watched(lane, stream_call(refine, "newer"), "viewer 0")  # which takes a place that is there already
     assert [stream.result() for stream in (running, *waiting[1:], newer)] == [None] * 4
     assert waiting[0].code() == "superseded"
     assert ("running", 1) in running.items
@@ -160,7 +164,7 @@ def test_what_is_refused_takes_the_place_of_nothing(lane):
 
 def test_closing_ends_those_that_run_and_those_that_wait():
     lane = Lane(WorkerProcess("closing", Tally), max_waiting=3, timeout_s=WAIT_S)
-    running, waiting = begun(lane, Refine(shows=10_000)), Watched(lane, Refine())
+    running, waiting = begun(lane, stream_call(refine, shows=10_000)), Watched(lane, stream_call(refine))
     lane.close()
     assert (running.code(), waiting.code()) == ("stopping", "stopping")
 
@@ -168,7 +172,7 @@ def test_closing_ends_those_that_run_and_those_that_wait():
 def test_one_that_takes_too_long_is_ended():
     lane = Lane(WorkerProcess("slow", Tally), max_waiting=3, timeout_s=3.0)
     try:
-        assert Watched(lane, Refine(shows=100_000)).code() == "timeout"
-        assert lane.submit(Echo("next")).result(WAIT_S) == ("next", 1)
+        assert Watched(lane, stream_call(refine, shows=100_000)).code() == "timeout"
+        assert lane.submit(call(echo, "next")).result(WAIT_S) == ("next", 1)
     finally:
         lane.close()

@@ -15,13 +15,13 @@ from service.http.frame_cache import FrameCache
 from service.http.metrics import Metrics
 from service.http.viewing import MOST_PROBLEMS, Viewer
 from service.models.cameras import READOUT_EXAMPLE, Readout
-from service.picture.live import ShownPicture
+from service.picture.requests import LivePicture
 
 SPENT = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 1.0)
-PREVIEW = ShownPicture("preview", "jpeg", 24, 14, SPENT, 0, 0.25, 0.0, b"preview")
-REFINING = ShownPicture("refining", "jpeg", 96, 54, SPENT, 6, 1.0, 0.1, b"refining")
-BETTER = ShownPicture("refining", "jpeg", 96, 54, SPENT, 12, 1.0, 0.2, b"better")
-FINAL = ShownPicture(
+PREVIEW = LivePicture("preview", "jpeg", 24, 14, SPENT, 0, 0.25, 0.0, b"preview")
+REFINING = LivePicture("refining", "jpeg", 96, 54, SPENT, 6, 1.0, 0.1, b"refining")
+BETTER = LivePicture("refining", "jpeg", 96, 54, SPENT, 12, 1.0, 0.2, b"better")
+FINAL = LivePicture(
     "final", "png", 96, 54, SPENT, 8, 1.0, 1.0, b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sII", 13, b"IHDR", 96, 54)
 )
 
@@ -75,7 +75,7 @@ class Pictures:
     def drop(self, stream: SimpleNamespace) -> None:
         self.dropped.append(stream)
 
-    async def show(self, index: int, shown: ShownPicture) -> None:
+    async def show(self, index: int, shown: LivePicture) -> None:
         self.streams[index].on_item(shown)
         await settled()
 

@@ -11,8 +11,8 @@ from service.http.hub import Hub, HubDep
 from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
-from service.picture.frames import FindDepth
-from service.stage.cameras import EditCamera, ListCameras, ReadCamera, ReadLens, ReadPlace
+from service.picture.calls import frames
+from service.stage.calls import cameras
 from service.storage.store import ShotRecord
 
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
@@ -22,7 +22,7 @@ EDITED = problems(412)
 @router.get("/shots/{shot}/cameras", operation_id="listCameras")
 async def list_cameras(hub: HubDep, shot: ShotId, time: Time) -> CameraList:
     """The cameras of a shot at one time, focus points solved in."""
-    return await hub.ask_stage(ListCameras(hub.store.get(shot), time))
+    return await hub.ask_stage(cameras.list_cameras, hub.store.get(shot), time)
 
 
 @router.get("/shots/{shot}/camera", operation_id="getCamera")
@@ -30,7 +30,7 @@ async def get_camera(
     hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> CameraState:
     """One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside."""
-    state = await hub.ask_stage(ReadCamera(hub.store.get(shot), camera, time))
+    state = await hub.ask_stage(cameras.read_camera, hub.store.get(shot), camera, time)
     tagged(response, state.etag)
     return state
 
@@ -40,7 +40,7 @@ async def edit_camera(
     hub: HubDep, response: Response, shot: ShotId, edit: CameraEdit, terms: TermsDep, camera: CameraQuery = None
 ) -> CameraState:
     """Set f-number, focal length or focus distance: for all time, or as a key at `time`."""
-    state = await hub.ask_stage(EditCamera(hub.store.get(shot), camera, edit, terms))
+    state = await hub.ask_stage(cameras.edit_camera, hub.store.get(shot), camera, edit, terms)
     tagged(response, state.etag)
     return state
 
@@ -48,7 +48,7 @@ async def edit_camera(
 @router.get("/shots/{shot}/readout", operation_id="getReadout")
 async def get_readout(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
     """Focus distance, depth of field and hyperfocal distance at one time."""
-    return await hub.ask_stage(ReadLens(hub.store.get(shot), camera, time))
+    return await hub.ask_stage(cameras.read_lens, hub.store.get(shot), camera, time)
 
 
 class PlaceQuery(Model):
@@ -95,7 +95,7 @@ async def get_place_readout(hub: HubDep, shot: ShotId, query: Annotated[PlaceQue
     """What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there."""
     record = hub.store.get(shot)
     place = query.point or await _pointed_at(hub, record, query)
-    return await hub.ask_stage(ReadPlace(record, query.camera, query.time, place, query.aspect))
+    return await hub.ask_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)
 
 
 async def _pointed_at(hub: Hub, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
@@ -103,6 +103,7 @@ async def _pointed_at(hub: Hub, record: ShotRecord, query: PlaceQuery) -> tuple[
     assert query.y is not None
     screen, depth_m = (query.x, query.y), query.depth_m
     if depth_m is None:
-        find = FindDepth(record, record.edit_text(), query.camera, query.time, screen, query.aspect)
-        depth_m = await hub.ask_picture(find)
+        depth_m = await hub.ask_picture(
+            frames.measure_depth, record, record.edit_text(), query.camera, query.time, screen, query.aspect
+        )
     return screen, depth_m

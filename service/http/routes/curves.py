@@ -8,8 +8,8 @@ from fastapi import APIRouter, File, Query, Response, UploadFile
 
 from service.http.hub import HubDep
 from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
-from service.models.curve import FocusCurve, ImportedCurve
-from service.stage.curves import ComputeCurve, CurveFileFormat, ImportCurve
+from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
+from service.stage.calls import curves
 
 router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 
@@ -63,8 +63,8 @@ async def get_focus_curve(
 ) -> Response:
     """Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp."""
     record = hub.store.get(shot)
-    work = ComputeCurve(record, camera, frames, format, baked, hub.settings.max_curve_frames)
-    text = await hub.ask_stage(work)
+    max_frames = hub.settings.max_curve_frames
+    text = await hub.ask_stage(curves.compute_curve, record, camera, frames, format, baked, max_frames)
     headers = {"Content-Disposition": f'inline; filename="{record.id}-{FILE_NAMES[format]}"'}
     return Response(text, media_type=CURVE_TYPES[format], headers=headers)
 
@@ -98,9 +98,16 @@ async def import_focus_curve(
     baked: Annotated[bool, Query(description="Time samples in place of splines.", examples=[False])] = False,
 ) -> ImportedCurve:
     """Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's."""
-    work = ImportCurve(
-        hub.store.get(shot), camera, await file.read(), gaps, first_frame, baked, hub.settings.max_curve_frames, terms
+    imported = await hub.ask_stage(
+        curves.import_curve,
+        hub.store.get(shot),
+        camera,
+        await file.read(),
+        gaps,
+        first_frame,
+        baked,
+        hub.settings.max_curve_frames,
+        terms,
     )
-    imported = await hub.ask_stage(work)
     tagged(response, imported.camera.etag)
     return imported

@@ -12,7 +12,8 @@ from service.http.hub import HubDep
 from service.http.routes.parameters import ShotId, TermsDep, problems, tagged
 from service.models.edits import EditHistory, Restore
 from service.models.shots import Shot
-from service.stage.edits import ReadHistory, RestoreEdits, WalkHistory, edits_tag
+from service.stage.calls import edits
+from service.terms import edits_tag
 
 router = APIRouter(tags=["edits"])
 
@@ -45,7 +46,7 @@ async def get_edits(
 @router.put("/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 503, 504))
 async def restore_edits(hub: HubDep, response: Response, shot: ShotId, restore: Restore, terms: TermsDep) -> Shot:
     """Take back every edit since a revision: the edits are then what they were. This can be undone."""
-    restored = await hub.ask_stage(RestoreEdits(hub.store.get(shot), restore.revision, terms))
+    restored = await hub.ask_stage(edits.restore_edits, hub.store.get(shot), restore.revision, terms)
     tagged(response, edits_tag(restored.revision))
     return restored
 
@@ -53,7 +54,7 @@ async def restore_edits(hub: HubDep, response: Response, shot: ShotId, restore: 
 @router.get("/shots/{shot}/edits/history", operation_id="getEditHistory", responses=problems(404, 503, 504))
 async def get_edit_history(hub: HubDep, response: Response, shot: ShotId) -> EditHistory:
     """The states that the edits have had, and what an undo and a redo would do."""
-    history = await hub.ask_stage(ReadHistory(hub.store.get(shot)))
+    history = await hub.ask_stage(edits.read_history, hub.store.get(shot))
     tagged(response, edits_tag(history.revision))
     return history
 
@@ -61,7 +62,7 @@ async def get_edit_history(hub: HubDep, response: Response, shot: ShotId) -> Edi
 @router.post("/shots/{shot}/edits/undo", operation_id="undoEdit", responses=problems(404, 409, 412, 503, 504))
 async def undo_edit(hub: HubDep, response: Response, shot: ShotId, terms: TermsDep) -> EditHistory:
     """Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since."""
-    history = await hub.ask_stage(WalkHistory(hub.store.get(shot), "undo", terms))
+    history = await hub.ask_stage(edits.walk_history, hub.store.get(shot), "undo", terms)
     tagged(response, edits_tag(history.revision))
     return history
 
@@ -69,6 +70,6 @@ async def undo_edit(hub: HubDep, response: Response, shot: ShotId, terms: TermsD
 @router.post("/shots/{shot}/edits/redo", operation_id="redoEdit", responses=problems(404, 409, 412, 503, 504))
 async def redo_edit(hub: HubDep, response: Response, shot: ShotId, terms: TermsDep) -> EditHistory:
     """Do the edit again that was undone last; the next edit drops what was undone."""
-    history = await hub.ask_stage(WalkHistory(hub.store.get(shot), "redo", terms))
+    history = await hub.ask_stage(edits.walk_history, hub.store.get(shot), "redo", terms)
     tagged(response, edits_tag(history.revision))
     return history

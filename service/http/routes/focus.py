@@ -25,15 +25,7 @@ from service.models.focus import (
     KeyedAttribute,
     KeyEdit,
 )
-from service.stage.focus_points import (
-    AddFocusPoint,
-    EditFocusPoint,
-    ListFocusPoints,
-    ReadFocusPoint,
-    RemoveFocusPoint,
-    RemoveKey,
-    SetKey,
-)
+from service.stage.calls import focus_points
 
 router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 EDITED = problems(412)
@@ -46,7 +38,7 @@ async def list_focus_points(
     hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None, aspect: AspectQuery = None
 ) -> FocusPointList:
     """The focus points of a camera, and where they are in the picture at one time."""
-    points = await hub.ask_stage(ListFocusPoints(hub.store.get(shot), camera, time, aspect))
+    points = await hub.ask_stage(focus_points.list_focus_points, hub.store.get(shot), camera, time, aspect)
     tagged(response, points.etag)
     return points
 
@@ -62,7 +54,7 @@ async def create_focus_point(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag."""
-    placed = await hub.ask_stage(AddFocusPoint(hub.store.get(shot), camera, time, point, terms))
+    placed = await hub.ask_stage(focus_points.add_focus_point, hub.store.get(shot), camera, time, point, terms)
     tagged(response, placed.etag)
     return placed
 
@@ -72,7 +64,7 @@ async def get_focus_point(
     hub: HubDep, response: Response, shot: ShotId, name: PointNameInPath, time: Time, camera: CameraQuery = None
 ) -> FocusPoint:
     """One focus point at one time. Its `ETag` is made of what is edited on it."""
-    point = await hub.ask_stage(ReadFocusPoint(hub.store.get(shot), camera, time, name))
+    point = await hub.ask_stage(focus_points.read_focus_point, hub.store.get(shot), camera, time, name)
     tagged(response, point.etag)
     return point
 
@@ -89,7 +81,7 @@ async def edit_focus_point(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Change a focus point: a value that has keys gets one at `time`, any other is changed for all time."""
-    point = await hub.ask_stage(EditFocusPoint(hub.store.get(shot), camera, time, name, edit, terms))
+    point = await hub.ask_stage(focus_points.edit_focus_point, hub.store.get(shot), camera, time, name, edit, terms)
     tagged(response, point.etag)
     return point
 
@@ -99,7 +91,7 @@ async def delete_focus_point(
     hub: HubDep, shot: ShotId, name: PointNameInPath, terms: TermsDep, camera: CameraQuery = None
 ) -> None:
     """Remove a focus point and its keys."""
-    await hub.ask_stage(RemoveFocusPoint(hub.store.get(shot), camera, name, terms))
+    await hub.ask_stage(focus_points.remove_focus_point, hub.store.get(shot), camera, name, terms)
 
 
 @router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED)
@@ -114,7 +106,7 @@ async def set_key(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Set a key; one at the same time is replaced. Answers with the point at the key's time; `If-Match` takes its tag."""
-    point = await hub.ask_stage(SetKey(hub.store.get(shot), camera, name, attribute, key, terms))
+    point = await hub.ask_stage(focus_points.set_key, hub.store.get(shot), camera, name, attribute, key, terms)
     tagged(response, point.etag)
     return point
 
@@ -131,6 +123,6 @@ async def delete_key(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Remove the key at `time`. Answers with the point at that time; `If-Match` takes its tag."""
-    point = await hub.ask_stage(RemoveKey(hub.store.get(shot), camera, name, attribute, time, terms))
+    point = await hub.ask_stage(focus_points.remove_key, hub.store.get(shot), camera, name, attribute, time, terms)
     tagged(response, point.etag)
     return point

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
@@ -14,10 +14,12 @@ from service.http.hub import Hub, HubDep
 from service.http.routes.parameters import ShotId, problems
 from service.models.base import Model, PrimPath, TimeCode
 from service.models.focus import Pick
+from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
-from service.picture.frames import PickSurface, RenderPicture
-from service.picture.picture_size import check_pixels
+from service.picture.calls import frames
+from service.picture.requests import FrameRequest
 from service.storage.store import ShotRecord
+from service.workers.calls import call
 
 router = APIRouter(tags=["frames"])
 
@@ -151,14 +153,10 @@ async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, 
     if cached is not None:
         hub.metrics.frames.labels("cache").inc()
         return cached
-    settings, asked = settings_of(query), query.model_dump(include=FINISH)
-    live = query.live and query.format != "exr"  # which holds light that is not finished
-    most_px = hub.settings.max_picture_px
-    work = RenderPicture(
-        record, edits, query.camera, query.time, query.height, most_px, settings, query.format, asked, live
-    )
+    live = query.live and query.format != "exr"  # an EXR holds scene-linear light, which has no film or grade
+    request = frame_request(hub, record, edits, query)
     group = (query.client, record.id) if query.client else None
-    picture = await hub.ask_picture(work, group)
+    picture = await hub.pictures.result(call(frames.render_frame, request, query.format, live), group)
     hub.frames.put(tag, picture)
     hub.metrics.frames.labels("rendered").inc()
     return picture
@@ -174,13 +172,22 @@ def tag_of_frame(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery) ->
     return frame_tag(asked | shot | {"run": hub.run_id})
 
 
-def settings_of(query: PictureQuery) -> dict[str, Any]:
-    """The fields of `render.frame.FrameSettings`, but for the height, that a query has."""
-    return query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH})
+def frame_request(hub: Hub, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
+    """Return a query as the picture process takes it."""
+    return FrameRequest(
+        record=record,
+        edits=edits,
+        camera=query.camera,
+        time=query.time,
+        height=query.height,
+        max_px=hub.settings.max_picture_px,
+        settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
+        finish=query.model_dump(include=FINISH),
+    )
 
 
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))
 async def pick(hub: HubDep, shot: ShotId, asked: PickRequest) -> Pick:
     """The surface under a pixel. Its `anchor` is what a focus point is made of."""
     record = hub.store.get(shot)
-    return await hub.ask_picture(PickSurface(record, record.edit_text(), asked))
+    return await hub.ask_picture(frames.pick_surface, record, record.edit_text(), asked)

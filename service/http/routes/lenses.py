@@ -20,7 +20,7 @@ from service.http.routes.parameters import (
 from service.http.upload import lens_file_name
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
-from service.stage.lenses import DrawLensSheet, DrawLibraryLens, ListLenses, MountLensFile, ReadLibraryLens
+from service.stage.calls import lenses
 
 router = APIRouter(tags=["lenses"])
 
@@ -32,13 +32,13 @@ LensName = Annotated[str, Path(alias="name", description="A lens's name.", examp
 @router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
 async def list_lenses(hub: HubDep) -> LensList:
     """The lens library; its names are what an edit of a camera takes as `lens`."""
-    return await hub.ask_stage(ListLenses())
+    return await hub.ask_stage(lenses.list_lenses)
 
 
 @router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
 async def get_lens(hub: HubDep, name: LensName) -> Lens:
     """A lens of the library, and what it is made of."""
-    return await hub.ask_stage(ReadLibraryLens(name))
+    return await hub.ask_stage(lenses.read_library_lens, name)
 
 
 @router.get(
@@ -50,7 +50,7 @@ async def get_lens(hub: HubDep, name: LensName) -> Lens:
 )
 async def get_lens_section(hub: HubDep, name: LensName) -> Response:
     """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
-    section = await hub.ask_stage(DrawLibraryLens(name))
+    section = await hub.ask_stage(lenses.draw_lens_section, name)
     return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
 
 
@@ -62,7 +62,7 @@ async def get_lens_section(hub: HubDep, name: LensName) -> Response:
 )
 async def get_lens_sheet(hub: HubDep, name: LensName) -> Response:
     """All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
-    return sheet(await hub.ask_stage(DrawLensSheet(name)))
+    return sheet(await hub.ask_stage(lenses.draw_lens_sheet, name))
 
 
 @router.put(
@@ -84,6 +84,6 @@ async def mount_lens_file(
 ) -> CameraState:
     """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
     name = lens_file_name(file.filename)
-    state = await hub.ask_stage(MountLensFile(hub.store.get(shot), camera, name, await file.read(), terms))
+    state = await hub.ask_stage(lenses.mount_lens_file, hub.store.get(shot), camera, name, await file.read(), terms)
     tagged(response, state.etag)
     return state

@@ -11,7 +11,7 @@ from service.http.hub import HubDep
 from service.http.routes.parameters import SHEET, problems, sheet
 from service.models.bodies import Body, BodyList
 from service.models.films import Film, FilmList
-from service.stage.libraries import DrawLibraryFilm, ListBodies, ListFilms, ReadLibraryBody, ReadLibraryFilm
+from service.stage.calls import libraries
 
 router = APIRouter(tags=["libraries"])
 
@@ -24,13 +24,13 @@ BodyName = Annotated[str, Path(alias="name", description="A body's name.", examp
 @router.get("/films", operation_id="listFilms", responses=problems(503, 504))
 async def list_films(hub: HubDep) -> FilmList:
     """The film library; the names of its camera stocks are what an edit of a camera's film takes as `stock`."""
-    return await hub.ask_stage(ListFilms())
+    return await hub.ask_stage(libraries.list_films)
 
 
 @router.get("/films/{name}", operation_id="getFilm", responses=problems(404, 503, 504))
 async def get_film(hub: HubDep, name: FilmName) -> Film:
     """A stock of the library, and what is known of it. A part of the name that no other has is enough."""
-    return await hub.ask_stage(ReadLibraryFilm(name))
+    return await hub.ask_stage(libraries.read_film, name)
 
 
 @router.get(
@@ -41,13 +41,13 @@ async def get_film(hub: HubDep, name: FilmName) -> Film:
 )
 async def get_film_sheet(hub: HubDep, name: FilmName) -> Response:
     """All about a stock on one sheet: its curves, a ramp of greys, a colour chart, its grain, and a scene on it."""
-    return sheet(await hub.ask_stage(DrawLibraryFilm(name)))
+    return sheet(await hub.ask_stage(libraries.draw_film_sheet, name))
 
 
 @router.get("/bodies", operation_id="listBodies", responses=problems(503, 504))
 async def list_bodies(hub: HubDep) -> BodyList:
     """Camera bodies and film formats, whose names are what an edit of a camera takes as `body`; and shapes of pictures."""
-    return await hub.ask_stage(ListBodies())
+    return await hub.ask_stage(libraries.list_bodies)
 
 
 @router.get("/bodies/{name}", operation_id="getBody", responses=problems(404, 503, 504))
@@ -65,4 +65,4 @@ async def get_body(
     ] = None,
 ) -> Body:
     """A camera body, and what it shows: fields of view, and framing guides for usual shapes of pictures."""
-    return await hub.ask_stage(ReadLibraryBody(name, tuple(focal_length_mm or USUAL_LENSES_MM)))
+    return await hub.ask_stage(libraries.read_body, name, tuple(focal_length_mm or USUAL_LENSES_MM))

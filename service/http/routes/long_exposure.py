@@ -10,7 +10,7 @@ from service.http.hub import HubDep
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
-from service.picture.picture_size import check_pixels
+from service.models.picture_size import check_pixels
 
 router = APIRouter(tags=["long exposures"])
 

@@ -11,7 +11,9 @@ from service.http.hub import HubDep
 from service.http.routes.parameters import CameraQuery, ShotId, Time, problems
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.metering import ExposureReadout, MeterMode, MeterReading
-from service.picture.metering import MeterLight, ReadExposure
+from service.picture.calls import metering
+from service.stage.calls import exposure
+from service.workers.calls import call
 
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
 
@@ -56,7 +58,7 @@ class MeterQuery(Model):
 @router.get("/shots/{shot}/readout/exposure", operation_id="getExposureReadout")
 async def get_exposure_readout(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> ExposureReadout:
     """EV, T-stop, bellows factor and equivalents of a camera's exposure at one time, and the light that it is right for."""
-    return await hub.ask_stage(ReadExposure(hub.store.get(shot), camera, time))
+    return await hub.ask_stage(exposure.read_exposure, hub.store.get(shot), camera, time)
 
 
 @router.get("/shots/{shot}/meter", operation_id="meter", responses=problems(409))
@@ -64,5 +66,6 @@ async def meter(hub: HubDep, shot: ShotId, query: Annotated[MeterQuery, Query()]
     """What a light meter on the camera says at one time: EV, lux, and stops over or under."""
     record = hub.store.get(shot)
     spot = query.point if query.x is None or query.y is None else (query.x, query.y)
-    work = MeterLight(record, record.edit_text(), query.camera, query.time, query.mode, spot)
-    return await hub.ask_picture(work, ("meter", query.client, record.id) if query.client else None)
+    group = ("meter", query.client, record.id) if query.client else None
+    reading = call(metering.meter_light, record, record.edit_text(), query.camera, query.time, query.mode, spot)
+    return await hub.pictures.result(reading, group)

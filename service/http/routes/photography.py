@@ -11,15 +11,7 @@ from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, 
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
-from service.stage.photography import (
-    EditExposureSettings,
-    EditFilmSettings,
-    KeyExposure,
-    KeyFilm,
-    ReadExposureSettings,
-    ReadFilmSettings,
-    ReadGradeChoices,
-)
+from service.stage.calls import photography
 
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
 EDITED = problems(412)
@@ -34,7 +26,7 @@ async def get_exposure_settings(
     hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> ExposureSettings:
     """How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(ReadExposureSettings(hub.store.get(shot), camera, time))
+    settings = await hub.ask_stage(photography.read_exposure_settings, hub.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
@@ -49,7 +41,7 @@ async def edit_exposure_settings(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Change how a camera exposes: for all time, or as keys at `time`."""
-    settings = await hub.ask_stage(EditExposureSettings(hub.store.get(shot), camera, edit, terms))
+    settings = await hub.ask_stage(photography.edit_exposure_settings, hub.store.get(shot), camera, edit, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -65,7 +57,7 @@ async def set_exposure_key(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Set a key; one at the same time is replaced."""
-    settings = await hub.ask_stage(KeyExposure(hub.store.get(shot), camera, terms, attribute, key.time, key))
+    settings = await hub.ask_stage(photography.set_exposure_key, hub.store.get(shot), camera, attribute, key, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -81,7 +73,7 @@ async def delete_exposure_key(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(KeyExposure(hub.store.get(shot), camera, terms, attribute, time))
+    settings = await hub.ask_stage(photography.remove_exposure_key, hub.store.get(shot), camera, attribute, time, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -91,7 +83,7 @@ async def get_film_settings(
     hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FilmSettings:
     """What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(ReadFilmSettings(hub.store.get(shot), camera, time))
+    settings = await hub.ask_stage(photography.read_film_settings, hub.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
@@ -101,7 +93,7 @@ async def edit_film_settings(
     hub: HubDep, response: Response, shot: ShotId, edit: FilmSettingsEdit, terms: TermsDep, camera: CameraQuery = None
 ) -> FilmSettings:
     """Change film and grade: for all time, or as keys at `time`. What makes no picture is refused."""
-    settings = await hub.ask_stage(EditFilmSettings(hub.store.get(shot), camera, edit, terms))
+    settings = await hub.ask_stage(photography.edit_film_settings, hub.store.get(shot), camera, edit, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -117,7 +109,7 @@ async def set_film_key(
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Set a key; one at the same time is replaced."""
-    settings = await hub.ask_stage(KeyFilm(hub.store.get(shot), camera, terms, attribute, key.time, key))
+    settings = await hub.ask_stage(photography.set_film_key, hub.store.get(shot), camera, attribute, key, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -133,7 +125,7 @@ async def delete_film_key(
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(KeyFilm(hub.store.get(shot), camera, terms, attribute, time))
+    settings = await hub.ask_stage(photography.remove_film_key, hub.store.get(shot), camera, attribute, time, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -141,4 +133,4 @@ async def delete_film_key(
 @router.get("/shots/{shot}/camera/grades", operation_id="listGrades")
 async def list_grades(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> GradeChoices:
     """Displays, views and looks of the OpenColorIO configuration that the camera's picture is graded by."""
-    return await hub.ask_stage(ReadGradeChoices(hub.store.get(shot), camera, time))
+    return await hub.ask_stage(photography.read_grade_choices, hub.store.get(shot), camera, time)

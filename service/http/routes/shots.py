@@ -13,7 +13,7 @@ from service.http.routes.parameters import ShotId, problems
 from service.http.upload import file_name, place
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
-from service.stage.shots import DescribeShot, InspectShot
+from service.stage.calls import shots
 
 router = APIRouter(tags=["shots"])
 
@@ -43,7 +43,7 @@ async def create_shot(
     begun = hub.store.begin(name)
     try:
         placed = await run_in_threadpool(place, file.file, name, root, begun.files, hub.settings)
-        described = await hub.ask_stage(DescribeShot(begun.with_root(placed)))
+        described = await hub.ask_stage(shots.describe_shot, begun.with_root(placed))
         record = await run_in_threadpool(hub.store.accept, begun, placed)
     except BaseException as error:
         hub.store.discard(begun)
@@ -59,13 +59,13 @@ async def create_shot(
 @router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 503, 504))
 async def get_shot(hub: HubDep, shot: ShotId) -> Shot:
     """A shot, its frame range and its cameras."""
-    return await hub.ask_stage(DescribeShot(hub.store.get(shot)))
+    return await hub.ask_stage(shots.describe_shot, hub.store.get(shot))
 
 
 @router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 503, 504))
 async def inspect_shot(hub: HubDep, shot: ShotId) -> Inspection:
     """What a shot holds, what of it is not honoured, and what the validators say of its cameras."""
-    return await hub.ask_stage(InspectShot(hub.store.get(shot)))
+    return await hub.ask_stage(shots.inspect_shot, hub.store.get(shot))
 
 
 @router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404))

@@ -10,7 +10,7 @@ from service.http.hub import HubDep
 from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
-from service.stage.solving import EditFocusSettings, MakeRack, ReadFocusSettings, RemoveCameraKey, SetCameraKey
+from service.stage.calls import solving
 
 router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 EDITED = problems(412)
@@ -25,7 +25,7 @@ async def get_focus_settings(
     hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FocusSettings:
     """How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(ReadFocusSettings(hub.store.get(shot), camera, time))
+    settings = await hub.ask_stage(solving.read_focus_settings, hub.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
@@ -40,7 +40,7 @@ async def edit_focus_settings(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Change how the focus is found: for all time, or as keys at `time`."""
-    settings = await hub.ask_stage(EditFocusSettings(hub.store.get(shot), camera, edit, terms))
+    settings = await hub.ask_stage(solving.edit_focus_settings, hub.store.get(shot), camera, edit, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -56,7 +56,7 @@ async def set_camera_key(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Set a key; one at the same time is replaced. A key of `focusDistanceM` gives the focus back to the hand."""
-    settings = await hub.ask_stage(SetCameraKey(hub.store.get(shot), camera, attribute, key, terms))
+    settings = await hub.ask_stage(solving.set_camera_key, hub.store.get(shot), camera, attribute, key, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -72,7 +72,7 @@ async def delete_camera_key(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(RemoveCameraKey(hub.store.get(shot), camera, attribute, time, terms))
+    settings = await hub.ask_stage(solving.remove_camera_key, hub.store.get(shot), camera, attribute, time, terms)
     tagged(response, settings.etag)
     return settings
 
@@ -85,6 +85,6 @@ async def create_rack(
 
     `If-Match` takes the tag of the list of focus points.
     """
-    made = await hub.ask_stage(MakeRack(hub.store.get(shot), camera, rack, terms))
+    made = await hub.ask_stage(solving.make_rack, hub.store.get(shot), camera, rack, terms)
     tagged(response, made.etag)
     return made

@@ -12,7 +12,7 @@ from service.http.errors import RETRY_AFTER, ServiceError
 from service.http.hub import HubDep
 from service.http.routes.parameters import problems
 from service.models.base import Model, shown_as
-from service.picture.frames import Warm
+from service.picture.calls import frames
 
 router = APIRouter(tags=["system"])
 READY_WITHIN_S = 10.0
@@ -48,7 +48,7 @@ async def readyz(hub: HubDep) -> Health:
         return Health()
     try:
         async with asyncio.timeout(READY_WITHIN_S):
-            await hub.ask_picture(Warm())
+            await hub.ask_picture(frames.warm_up)
     except TimeoutError as error:
         detail = f"The picture worker did not answer within {READY_WITHIN_S:g} s."
         raise ServiceError(503, "not_ready", detail, headers=RETRY_AFTER) from error

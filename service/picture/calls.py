@@ -1,0 +1,18 @@
+"""Modules of the picture process as the HTTP process sees them; see `service.stage.calls`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from service.workers.calls import RemoteModule
+
+if TYPE_CHECKING:
+    from service.picture import frames, live, long_exposure, metering, state
+else:
+    frames = RemoteModule("service.picture.frames")
+    live = RemoteModule("service.picture.live")
+    long_exposure = RemoteModule("service.picture.long_exposure")
+    metering = RemoteModule("service.picture.metering")
+    state = RemoteModule("service.picture.state")
+
+__all__ = ["frames", "live", "long_exposure", "metering", "state"]

@@ -1,0 +1,84 @@
+"""Values that the HTTP process and the picture process exchange. Imports neither USD nor GL."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from service.models.live import Stage
+from service.storage.store import ShotRecord
+
+
+@dataclass(frozen=True)
+class FrameRequest:
+    """A frame of a shot and how it is rendered.
+
+    Attributes:
+        record: the shot.
+        edits: text of its edit layer at the time of the request.
+        camera: prim path, or None for the default camera.
+        time: USD time code.
+        height: px, or None for the shape of the film gate.
+        max_px: limit of width times height.
+        settings: the other fields of `render.frame.FrameSettings`, ``width`` among them.
+        finish: ``film``, ``display``, ``view`` and ``look`` in place of the shot's; None keeps the shot's.
+    """
+
+    record: ShotRecord
+    edits: str
+    camera: str | None
+    time: float
+    height: int | None
+    max_px: int
+    settings: Mapping[str, Any]
+    finish: Mapping[str, str | None]
+
+
+@dataclass(frozen=True)
+class LivePicture:
+    """An encoded picture of a live request.
+
+    Attributes:
+        stage: its quality.
+        format: file format of ``data``.
+        width: px.
+        height: px.
+        took_ms: times as in `service.models.live.LiveTiming`, except ``answered_ms``.
+        rays: rays per pixel.
+        scale: pixels per requested pixel, along one side.
+        share: fraction of the final picture's work that is done.
+        data: the encoded picture.
+    """
+
+    stage: Stage
+    format: Literal["jpeg", "png"]
+    width: int
+    height: int
+    took_ms: dict[str, float]
+    rays: int
+    scale: float
+    share: float
+    data: bytes
+
+    @property
+    def is_final(self) -> bool:
+        """True for the exact picture, which no better one follows."""
+        return self.stage == "final"
+
+
+@dataclass(frozen=True)
+class ExposureProgress:
+    """Progress of a long exposure; see `render.pictures.long_exposure.LongExposureState`.
+
+    Attributes:
+        open_frames: time that the shutter was open, in frames.
+        open_seconds: the same in seconds.
+        intervals: intervals that are exposed.
+        nd_stops: density of the neutral density filter.
+    """
+
+    open_frames: float = 0.0
+    open_seconds: float = 0.0
+    intervals: int = 0
+    nd_stops: float = 0.0

@@ -1,0 +1,51 @@
+"""Modules of the stage process as the HTTP process sees them: functions to call by name, without importing USD.
+
+A type checker follows the imports; at run time each module is a stand-in (see `service.workers.calls`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from service.workers.calls import RemoteModule
+
+if TYPE_CHECKING:
+    from service.stage import (
+        cameras,
+        curves,
+        edits,
+        exposure,
+        focus_points,
+        lenses,
+        libraries,
+        opened,
+        photography,
+        shots,
+        solving,
+    )
+else:
+    cameras = RemoteModule("service.stage.cameras")
+    curves = RemoteModule("service.stage.curves")
+    edits = RemoteModule("service.stage.edits")
+    exposure = RemoteModule("service.stage.exposure")
+    focus_points = RemoteModule("service.stage.focus_points")
+    lenses = RemoteModule("service.stage.lenses")
+    libraries = RemoteModule("service.stage.libraries")
+    opened = RemoteModule("service.stage.opened")
+    photography = RemoteModule("service.stage.photography")
+    shots = RemoteModule("service.stage.shots")
+    solving = RemoteModule("service.stage.solving")
+
+__all__ = [
+    "cameras",
+    "curves",
+    "edits",
+    "exposure",
+    "focus_points",
+    "lenses",
+    "libraries",
+    "opened",
+    "photography",
+    "shots",
+    "solving",
+]

@@ -19,7 +19,7 @@ test:    ## run every test
 fuzz:    ## search for failing examples with fresh seeds: make fuzz MINUTES=60
 	@scripts/fuzz $(MINUTES)
 
-check:   ## linters, formatters, type checkers, import contracts
+check:   ## linters, formatters, type checkers, import contracts, dead code
 	@scripts/check
 
 bench:   ## measure the engines: quality and seconds

@@ -41,11 +41,6 @@ class LibraryBody:
     resolution: tuple[int, int]
     squeeze: float
 
-    @property
-    def apertures_mm(self) -> tuple[float, float]:
-        """UsdGeomCamera's apertures: the gate as wide as it looks when the picture is stretched back."""
-        return self.gate_mm[0] * self.squeeze, self.gate_mm[1]
-
 
 def body_names() -> list[str]:
     """Names of all bodies, in the library's order."""

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from render.model.arrays import FloatArray
 
-CHANNELS = 4
-"""Numbers that one pixel has."""
 _MAX_THREADS = 8
 _ROWS_AT_ONCE = 16
 _MULTIPLIER, _INCREMENT = np.uint32(1664525), np.uint32(1013904223)
@@ -42,7 +40,7 @@ def normal_noise(rows: range, columns: range, channels: int, *, frame: int, seed
     Args:
         rows: which rows; they may be negative.
         columns: which columns, likewise.
-        channels: how many numbers for each pixel, up to `CHANNELS`.
+        channels: how many numbers for each pixel, up to 4.
         frame: frame number.
         seed: which noise; any integer.
 

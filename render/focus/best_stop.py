@@ -71,38 +71,6 @@ class StopSolutions:
     holds: BoolArray
 
 
-def best_stop(
-    w_near: ArrayLike,
-    w_far: ArrayLike,
-    coc_limit_mm: ArrayLike,
-    focal_length_mm: ArrayLike,
-    *,
-    breathing: bool = False,
-    f_stop_range: tuple[float, float] = (0.0, 0.0),
-    camera_f_stop: ArrayLike = 0.0,
-) -> Split:
-    """The split of a thin lens between two points, for n frames.
-
-    Args:
-        w_near: ``(n,)`` or a number: inverse depth of one point, 1/m.
-        w_far: likewise, of the other; 0 is infinity.
-        coc_limit_mm: diameter on the film that both may have.
-        focal_length_mm: of the lens.
-        breathing: whether its picture grows as it focuses closer.
-        f_stop_range: f-numbers wide open and stopped down; 0 leaves an end unbounded.
-        camera_f_stop: kept where both points are equally far.
-
-    Raises:
-        SettingsError: a number is out of range.
-    """
-    columns = (w_near, w_far, coc_limit_mm, focal_length_mm, camera_f_stop)
-    if not all(np.all(np.asarray(w) >= 0) for w in (w_near, w_far)):
-        raise SettingsError("the best stop needs points before the camera, at 0 /m (infinity) or more")
-    near, far, circle, focal, own = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, np.float64)) for c in columns))
-    law = LensLaw.thin(focal, own, breathing=breathing)
-    return split(np.stack([near, far], axis=1), circle[:, None], law, f_stop_range=f_stop_range)
-
-
 def split(
     w: ArrayLike,
     circles_mm: ArrayLike,

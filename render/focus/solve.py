@@ -103,14 +103,6 @@ class FocusSolutions:
         """``(n, k)`` what became of the points."""
         return np.array(STATES)[self.state_codes]
 
-    def states_of(self, point: int) -> tuple[PointState, ...]:
-        """State of one point in every frame.
-
-        Args:
-            point: index of the point.
-        """
-        return tuple(STATES[code] for code in self.state_codes[:, point].tolist())
-
     def at(self, frame: int) -> FocusSolution:
         """The solution at one frame.
 

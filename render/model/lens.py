@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal
 
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
-LENS_MODELS: tuple[LensModel, ...] = get_args(LensModel)
 
 
 @dataclass(frozen=True)

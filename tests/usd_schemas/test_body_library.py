@@ -72,7 +72,7 @@ def test_photosites_are_square(body: LibraryBody) -> None:
 def test_film_gates_are_what_the_standards_say_in_inches(name: str, gate_mm: tuple[float, float], shape: float) -> None:
     body = library_body(name)
     assert body.gate_mm == pytest.approx(gate_mm, abs=0.01)
-    assert body.apertures_mm[0] / body.apertures_mm[1] == pytest.approx(shape, abs=0.01)
+    assert body.gate_mm[0] * body.squeeze / body.gate_mm[1] == pytest.approx(shape, abs=0.01)
 
 
 def test_a_body_is_found_by_name_and_title_and_a_wrong_name_has_neighbours() -> None:
@@ -106,7 +106,7 @@ def test_the_lens_decides_how_far_the_picture_is_stretched_back(camera: LensCame
     assert apertures(camera) == pytest.approx(gate.gate_mm)
     mount_lens(camera, LensData(squeeze=2))
     mount_body(camera, gate)
-    assert apertures(camera) == pytest.approx(gate.apertures_mm)
+    assert apertures(camera) == pytest.approx((2 * gate.gate_mm[0], gate.gate_mm[1]))
     mount_body(camera, library_body("super16"))
     assert apertures(camera) == pytest.approx((2 * 12.52, 7.41))
     assert camera.film.read().resolution == (0, 0)

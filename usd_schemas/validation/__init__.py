@@ -78,7 +78,7 @@ def _site_path(error: UsdValidation.ValidationError) -> Sdf.Path:
 def _register(rule: Rule) -> None:
     kinds = {"error": UsdValidation.ValidationErrorType.Error, "warning": UsdValidation.ValidationErrorType.Warn}
 
-    def task(subject: Usd.Stage | Usd.Prim, time_range: UsdValidation.ValidationTimeRange) -> list[object]:
+    def task(subject: Usd.Stage | Usd.Prim, _time_range: UsdValidation.ValidationTimeRange) -> list[object]:
         stage = subject if rule.subject == "stage" else subject.GetStage()
         return [
             UsdValidation.ValidationError(

@@ -130,26 +130,6 @@ def stops_of_density(density: float) -> float:
     return density * math.log2(10)
 
 
-def density_of_stops(stops: float) -> float:
-    """The neutral density that takes so many stops."""
-    return stops / math.log2(10)
-
-
-def transmittance_of_t_stop(t_stop: float, f_stop: float) -> float:
-    """T of a lens that is marked with both, ``(N / T-stop)²``.
-
-    Raises:
-        SettingsError: a number is not positive, or the T-stop is the smaller one.
-    """
-    check_positive("a T-stop", t_stop)
-    check_positive("an f-number", f_stop)
-    if t_stop < f_stop:
-        raise SettingsError(
-            f"a lens loses light, so its T-stop is no less than its f-number {f_stop:g}, got {t_stop:g}"
-        )
-    return (f_stop / t_stop) ** 2
-
-
 def shutter_time_s(angle_rad: float, frames_per_second: float) -> float:
     """Exposure time of each frame under a rotating shutter.
 

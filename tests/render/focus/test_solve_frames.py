@@ -150,7 +150,7 @@ def test_hidden_points_are_kept_left_out_or_faded():
     assert found["keep"].focus_w[0] == pytest.approx(0.375)
     assert found["ignore"].focus_w[0] == pytest.approx(0.5)
     assert found["fade"].focus_w[0] == pytest.approx((0.5 + 0.25 * 0.25) / 1.25)
-    assert found["ignore"].states_of(1) == ("hidden",)
+    assert found["ignore"].states[:, 1].tolist() == ["hidden"]
     gone = FocusTargets.of(["veiled"], [4.0], visible=0.0)
     assert solve_distances(gone, 7.0, occluded="fade").at(0).states == ("hidden",)
     assert "hidden" in STATES

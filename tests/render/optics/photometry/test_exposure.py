@@ -16,13 +16,11 @@ from render.errors import SettingsError
 from render.model.camera import Camera
 from render.optics.photometry.exposure import (
     ExposureSettings,
-    density_of_stops,
     equivalent,
     nd_transmittance,
     shutter_angle_rad,
     shutter_time_s,
     stops_of_density,
-    transmittance_of_t_stop,
 )
 from render.optics.photometry.illuminance import (
     LightPath,
@@ -161,12 +159,11 @@ def test_the_picture_falls_off_by_cos4_over_the_field(breathing: bool) -> None:
 
 
 def test_t_stops_filters_and_shutters_are_read_as_they_are_marked() -> None:
-    assert LightPath(2, transmittance_of_t_stop(2.3, 2)).t_stop == pytest.approx(2.3)
+    assert LightPath(2, (2 / 2.3) ** 2).t_stop == pytest.approx(2.3)
     assert LightPath(2, 0.5, 1).effective_t_stop == pytest.approx(4 * math.sqrt(2))
     assert LightPath(2, 0).t_stop == math.inf
     assert nd_transmittance(0.6) == pytest.approx(0.25, rel=0.01)
     assert stops_of_density(0.9) == pytest.approx(3, rel=0.01)
-    assert density_of_stops(stops_of_density(1.2)) == pytest.approx(1.2)
     assert shutter_time_s(math.pi, 24) == pytest.approx(1 / 48)
     assert shutter_angle_rad(shutter_time_s(3, 25), 25) == pytest.approx(3)
 
@@ -222,7 +219,6 @@ def test_impossible_exposures_are_refused(changes: dict[str, Any], words: str) -
         (lambda: LightPath(2, 1.5), "transmittance must be from 0 to 1, got 1.5"),
         (lambda: LightPath(2, 1, -1), "magnification must be 0 or more, got -1"),
         (lambda: LightPath(2, 1, 1, 0), "pupil magnification must be a positive number, got 0"),
-        (lambda: transmittance_of_t_stop(1.8, 2), "no less than its f-number 2, got 1.8"),
         (lambda: nd_transmittance(-0.3), "density of a filter must be 0 or more, got -0.3"),
         (lambda: shutter_time_s(7, 24), "up to 360°, got 401"),
         (lambda: shutter_time_s(3, 0), "frame rate must be a positive number, got 0"),

@@ -88,7 +88,7 @@ def mount(shot: Shot, camera: str | None, lens: LensChoice | None) -> None:
     """
     if lens is None:
         return
-    mounted = shot.mount_lens(camera, lens)
+    mounted = shot.camera.mount_lens(camera, lens)
     changes = [f"focal length {mounted.focal_length_mm:g} mm"] if mounted.focal_length_mm is not None else []
     changes += [f"f-number raised to f/{mounted.f_stop:g}"] if mounted.f_stop is not None else []
     say(f"lens: {lens.name} ({', '.join(changes) or 'the camera as it is set'})")

@@ -64,7 +64,7 @@ class AskedCamera:
         crop: width over height of the part of the gate that is exposed, in its middle; None is all of it.
         f_stop: of the iris; None keeps the shot's.
         shutter: how long it is open; None keeps the shot's.
-        settings: of its exposure, by the names that `Shot.set_photography` has.
+        settings: of its exposure, by the names that `EXPOSURE_SETTINGS` has.
         compensation_stops: by how much brighter, than it is set to or than the meter says; None keeps the shot's.
         guides: drawn over graded pictures.
     """
@@ -89,26 +89,26 @@ class AskedCamera:
             SettingsError: a value is out of range.
         """
         if self.body is not None:
-            shot.mount_body(camera, self.body)
+            shot.camera.mount_body(camera, self.body)
             width, height = self.body.gate_mm
             say(f"body: {self.body.title} (gate {width:g} × {height:g} mm)")
         if self.crop is not None:
             self._crop(shot, camera, self.crop)
         if self.f_stop is not None:
-            shot.set_camera(camera, f_stop=self.f_stop)
+            shot.camera.set(camera, f_stop=self.f_stop)
         if self.shutter is not None:
             self._open_shutter(shot, camera, self.shutter)
         if self.settings:
-            shot.set_photography(camera, **self.settings)
+            shot.exposure.set(camera, **self.settings)
         if self.compensation_stops is not None:
-            is_metered = shot.photography(camera, shot.frame_range.start)["metering_mode"] != "manual"
+            is_metered = shot.exposure.settings(camera, shot.frame_range.start)["metering_mode"] != "manual"
             name = "metering_compensation" if is_metered else "compensation_stops"
-            shot.set_photography(camera, **{name: self.compensation_stops})
+            shot.exposure.set(camera, **{name: self.compensation_stops})
 
     def _crop(self, shot: Shot, camera: str | None, aspect: float) -> None:
         """Expose no more of the gate, and of its photosites, than the largest frame of a shape in its middle."""
         start = shot.frame_range.start
-        said = shot.photography(camera, start)
+        said = shot.film.settings(camera, start)
         path = camera or shot.default_camera().path
         own = read_camera(shot.stage, str(path), start)
         squeeze = own.lens.squeeze
@@ -116,17 +116,17 @@ class AskedCamera:
         frame = framing_guide(gate, aspect)
         exposed = frame.width_mm, frame.height_mm
         kind: Literal["film", "digital"] = "digital" if said["process"] == "digital" else "film"
-        shot.mount_body(camera, LibraryBody("", said["body"], "", kind, exposed, frame.resolution, squeeze))
+        shot.camera.mount_body(camera, LibraryBody("", said["body"], "", kind, exposed, frame.resolution, squeeze))
         say(f"crop: {exposed[0]:.4g} × {exposed[1]:.4g} mm of {gate.width_mm:.4g} × {gate.height_mm:.4g} mm")
 
     def _open_shutter(self, shot: Shot, camera: str | None, opening: ShutterTime) -> None:
         """Close the shutter later or earlier. A shot that says how long it exposes does so for as long."""
         start, rate = shot.frame_range.start, shot.stage.GetTimeCodesPerSecond()
         seconds = opening.seconds(shot.stage.GetFramesPerSecond())
-        said = shot.photography(camera, start)
+        said = shot.exposure.settings(camera, start)
         timed = {"exposure_time_s": seconds} if said["exposure_time_s"] != ExposureSettings.time_s else {}
         opens = said["shutter_open"]
-        shot.set_photography(camera, shutter_open=opens, shutter_close=opens + seconds * rate, **timed)
+        shot.exposure.set(camera, shutter_open=opens, shutter_close=opens + seconds * rate, **timed)
 
     def viewed(self, graded: FloatArray, camera: Camera) -> FloatArray:
         """A graded picture as it is looked at: with the guides over it.
@@ -228,7 +228,7 @@ def _body(name: str | None) -> LibraryBody | None:
 
 
 def _metering(typed: str) -> dict[str, Any]:
-    """What is asked of the light meter, by the names that `Shot.set_photography` has."""
+    """What is asked of the light meter, by the names that `EXPOSURE_SETTINGS` has."""
     mode, _, spot = typed.partition(":")
     if mode not in METERING or (spot and mode != "spot"):
         known = f"{', '.join(METERING)}, spot:NAME or spot:X,Y"

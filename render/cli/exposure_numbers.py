@@ -10,7 +10,7 @@ from rich import box
 from rich.table import Table
 
 from render.cli.report import finite, print_result
-from render.shot.exposure.light_meter import Metered
+from render.shot.exposure.metering import Metered
 from render.shot.exposure.readout import ExposureReadout
 
 

@@ -35,7 +35,7 @@ class AskedFlare:
         asked = {"flare_ghosts": self.ghosts, "flare_star": self.star}
         said = {name: factor for name, factor in asked.items() if factor is not None}
         if said:
-            shot.set_photography(camera, **said)
+            shot.exposure.set(camera, **said)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

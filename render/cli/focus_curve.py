@@ -18,7 +18,7 @@ from render.files import check_writable, write_atomic
 from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
 from render.model.frame_spec import every_frame, parse_frames
 from render.shot import Shot
-from render.shot.edits.curve_import import read_for_shot
+from render.shot.focus.curve_import import read_for_shot
 from render.shot.focus.curve_layer import curve_layer
 from usd_schemas.curves import EXACT
 
@@ -133,12 +133,12 @@ def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
 
 def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, arguments: argparse.Namespace) -> str:
     if wanted == LAYER:
-        return shot.focus_layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
-    return curve_to_text(shot.focus_curve(camera, frames), wanted)  # type: ignore[arg-type]
+        return shot.focus.layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
+    return curve_to_text(shot.focus.curve(camera, frames), wanted)  # type: ignore[arg-type]
 
 
 def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespace) -> str:
-    shot.readout(camera, shot.frame_range.start)  # it is a camera, and can be used
+    shot.focus.read(camera, shot.frame_range.start)  # it is a camera, and can be used
     read = read_for_shot(
         shot.stage,
         _content(arguments.source),

@@ -16,7 +16,8 @@ from render.files import check_writable, write_atomic
 from render.model.frame_spec import every_frame, parse_frames
 from render.shot import Shot
 from render.shot.exposure.keys import exposure_layer, keyed_stops
-from render.shot.exposure.light_meter import LightMeter, Metered, metering_of
+from render.shot.exposure.metering import Metered
+from render.shot.light_meter import LightMeter
 
 MODES = ("spot", "center", "average")
 KEY_SUFFIXES = (".usda", ".usd")
@@ -88,8 +89,8 @@ def run(arguments: argparse.Namespace) -> None:
     shared.mount(shot, camera, lens)
     start, end = shot.frame_range.start, shot.frame_range.end
     frames = frames or ([start] if arguments.key is None else every_frame(start, end))
-    shot.exposure(camera, frames[0])  # it is a camera, and can be used
-    if "mode" not in asked and metering_of(shot, camera, frames[0]).mode == "manual":
+    shot.exposure.read(camera, frames[0])  # it is a camera, and can be used
+    if "mode" not in asked and shot.exposure.metering(camera, frames[0]).mode == "manual":
         asked["mode"] = MANUALLY
     said = _metered(shot, camera, frames, arguments.shading, asked)
     if arguments.key is not None:

@@ -13,11 +13,10 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.pictures.contact_axes import Axis, Choice, Value
 from render.pictures.picture import expose_frame, picture_of
-from render.shot.exposure.light_meter import auto_exposed
 from render.shot.exposure.readout import ExposureReadout
-from render.shot.film.finish import finish_of
 from render.shot.focus.readout import Readout
 from render.shot.lens.lens_choice import LensChoice
+from render.shot.light_meter import auto_exposed
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -81,7 +80,7 @@ def make_contact_sheet(
 ) -> ContactSheet:
     """Take all pictures of a sheet. The shot is left as it was.
 
-    A lens is mounted as `Shot.mount_lens` does it: with its own focal length, and no wider than it opens.
+    A lens is mounted as `Shot.camera.mount_lens` does it: with its own focal length, and no wider than it opens.
 
     Args:
         renderer: of the calling thread.
@@ -100,16 +99,16 @@ def make_contact_sheet(
         GraphicsError: the device refuses.
     """
     maker = _Maker(renderer, shot, camera, time, settings, stock, choice)
-    before = shot.snapshot_edits()
+    before = shot.edits.snapshot()
     pictures = []
     try:
         combinations = _combinations(axes)
         for index, (wanted, label) in enumerate(combinations):
             say = None if on_picture is None else _telling(on_picture, label, index, len(combinations))
-            shot.back_to(before)
+            shot.edits.restore(before)
             pictures.append(maker.picture(wanted, say))
     finally:
-        shot.back_to(before)
+        shot.edits.restore(before)
     return ContactSheet(axes, tuple(pictures), shot.path.name, pictures[0].readout.camera)
 
 
@@ -158,7 +157,7 @@ class _Maker:
         lens = shot.camera_at(self._camera, time, settings.width, settings.height)
         as_set, lens = lens, auto_exposed(self._renderer, shot, lens, time, settings.shading)
         stock = str(wanted["stock"]) if "stock" in wanted else self._stock
-        finish = finish_of(shot.stage, lens, time, None, stock, self._choice)
+        finish = shot.film.finish(lens, time, None, stock, self._choice)
         if "push" in wanted and (finish.film is None or finish.film.stock is None):
             raise SettingsError("only film can be pushed: name a stock, with --film or as what is compared")
         key = tuple(id(value) if isinstance(value := wanted.get(name), LensChoice) else value for name in _OF_THE_LIGHT)
@@ -166,23 +165,23 @@ class _Maker:
             self._lights[key] = expose_frame(self._renderer, shot, self._camera, lens, time, settings, on_progress)
         taken = picture_of(shot, self._lights[key], lens, time, settings, finish)
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
-        readout, exposure = shot.readout(self._camera, time), shot.exposure(self._camera, time)
+        readout, exposure = shot.focus.read(self._camera, time), shot.exposure.read(self._camera, time)
         metered = None if lens is as_set else _metered_ev100(exposure, as_set, lens)
         return ContactPicture(taken.graded, lens, time, readout, exposure, film, metered)
 
     def _set(self, wanted: dict[str, Value], time: float) -> None:
         shot, camera = self._shot, self._camera
         if "stop" in wanted:
-            shot.set_camera(camera, f_stop=_number(wanted["stop"]))
+            shot.camera.set(camera, f_stop=_number(wanted["stop"]))
         if isinstance(lens := wanted.get("lens"), LensChoice):
-            shot.mount_lens(camera, lens)
+            shot.camera.mount_lens(camera, lens)
         if "push" in wanted:
-            shot.set_photography(camera, push=_number(wanted["push"]))
+            shot.film.set(camera, push=_number(wanted["push"]))
         if "exposure" in wanted:
-            said = shot.photography(camera, time)
+            said = shot.exposure.settings(camera, time)
             # What a meter says takes the place of the one compensation, and has another of its own.
             name = "compensation_stops" if said["metering_mode"] == "manual" else "metering_compensation"
-            shot.set_photography(camera, **{name: (said[name] or 0.0) + _number(wanted["exposure"])})
+            shot.exposure.set(camera, **{name: (said[name] or 0.0) + _number(wanted["exposure"])})
 
 
 def _metered_ev100(set_to: ExposureReadout, as_set: Camera, metered: Camera) -> float | None:

@@ -19,8 +19,8 @@ from render.output import FrameMetadata
 from render.pictures.flare import flared
 from render.pictures.image_space import ImageSpace
 from render.pictures.moving import check_shutter, moves, moving_frame
-from render.shot.exposure.light_meter import auto_exposed
-from render.shot.film.finish import Finish, finish_of
+from render.shot.film.finish import Finish
+from render.shot.light_meter import auto_exposed
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -100,7 +100,7 @@ def prepare_camera(
     """
     lens = shot.camera_at(camera, time, settings.width, settings.height)
     check_shutter(lens)
-    finish = finish_of(shot.stage, lens, time, grade, stock, choice)
+    finish = shot.film.finish(lens, time, grade, stock, choice)
     return auto_exposed(renderer, shot, lens, time, settings.shading), finish
 
 

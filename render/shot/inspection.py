@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,6 +18,9 @@ from render.shot.shot import Shot
 from render.stage import CameraChoice, Finding, FrameRange
 from usd_schemas.units import metres_per_unit
 from usd_schemas.validation import Problem, validate
+
+_SQUARE_PX = (64, 64)
+"""Size of a picture; no finish depends on it."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ def inspect_shot(shot: Shot) -> Inspection:
     scene = shot.scene_at(first)
     readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
-    notes = (*shot.findings(), *unusable, *finish_findings(shot, first, problems))
+    notes = (*shot.findings(), *unusable, *_finish_findings(shot, first, problems))
     told = {note.message for note in notes}
     return Inspection(
         frame_range=shot.frame_range,
@@ -98,11 +102,17 @@ def _read_cameras(
     readouts, exposures, unusable = [], [], []
     for path in shot.cameras():
         try:
-            readouts.append(shot.readout(path, time))
-            exposures.append(shot.exposure(path, time))
+            readouts.append(shot.focus.read(path, time))
+            exposures.append(shot.exposure.read(path, time))
         except PullfocusError as error:
             unusable.append(Finding(error.code, path, error.detail))
     return tuple(readouts), tuple(exposures), tuple(unusable)
+
+
+def _finish_findings(shot: Shot, time: float, problems: Sequence[Problem]) -> Iterator[Finding]:
+    return finish_findings(
+        shot.stage, lambda path, at: shot.camera_at(path, at, *_SQUARE_PX), shot.cameras(), time, problems
+    )
 
 
 def _drawn_prims(scene: Scene) -> int:

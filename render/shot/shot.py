@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Self
 
-from render.errors import NotFoundError, SettingsError
-from render.focus.racks import Rack
-from render.shot.edits.photography_edits import PhotographyEdits
-from render.shot.focus.anchor import Picked, anchored
-from render.shot.focus.focus_mode import set_focus_mode
-from render.shot.focus.rack import pull_rack
-from render.shot.view import checked_time
-from usd_schemas import FocusPoint, FocusPointView, Interpolation, Tangents
-from usd_schemas.racks import WeightRack
-from usd_schemas.topology import topology_under
+from pxr import Usd
+
+from render.errors import PullfocusError, SettingsError
+from render.model.scene import Camera, Scene
+from render.model.shutter import moments
+from render.shot.camera.lookup import CameraLookup
+from render.shot.camera.shot_camera import ShotCamera
+from render.shot.edits.edit_layer import Edits
+from render.shot.edits.shot_files import check_not_own
+from render.shot.exposure.readout import with_exposure
+from render.shot.exposure.shot_exposure import ShotExposure
+from render.shot.film.shot_film import ShotFilm
+from render.shot.findings.shot_findings import ShotFindings
+from render.shot.focus.camera_focus import CameraFocus
+from render.shot.focus.shot_focus import ShotFocus
+from render.shot.focus.solver import FocusSolver
+from render.shot.times import check_time
+from render.stage import AnchorReader, CameraChoice, Finding, FrameRange, StageReader, frame_range, open_stage
+
+_TRIAL_PX = (16, 9)
+"""Size of the picture that `Shot.keep_usable` sets a camera up for; it is not rendered."""
 
 
-class Shot(PhotographyEdits):
+class Shot:
     """A USD stage, its cameras and focus, and the layer of edits over it.
 
     Each edit goes to the edit layer (`render.shot.edits.edit_layer`); no file of the user's is ever written. An edit that fails
@@ -26,155 +39,149 @@ class Shot(PhotographyEdits):
     A shot is for one thread at a time: USD stages may not be written while they are read, so callers with several
     threads (the service) hold a lock around each call.
 
-    Where a camera path is asked for, None stands for the shot's default camera, and `CameraError` is raised where there
+    In the shot and its parts, a camera path of None stands for the shot's default camera. `CameraError` is raised where there
     is no such camera or its numbers are impossible. A time is a USD time code; one that is not finite raises
     `SettingsError`.
+
+    Attributes:
+        path: the file that was opened.
+        stage: the composed stage, edits included.
+        edits: the edit layer and its history.
+        camera: attributes and keys of cameras, their lenses and bodies.
+        focus: focus points, focus settings, readouts and focus curves.
+        exposure: exposure settings, readouts and metering.
+        film: film settings, stocks and finishes.
     """
 
-    def add_focus_point(self, camera_path: str | None, name: str, anchor: Picked | FocusPoint) -> FocusPoint:
-        """Add a focus point, and let the points decide the focus where it was set by hand.
+    def __init__(self, path: Path, stage: Usd.Stage, edits: Edits, reader: StageReader) -> None:
+        """Use `Shot.open`."""
+        edits.attach(stage)
+        anchors, cameras = AnchorReader(stage), CameraLookup(stage, path)
+        # The parts refer to the reader and not to the shot: without a cycle, dropping the shot closes its files at once.
+        self._reader = reader
+        self._cameras = cameras
+        self._findings = ShotFindings(stage, edits, cameras, reader)
+        self._solver = FocusSolver(stage, edits, cameras, CameraFocus(stage, anchors, reader.read), self._findings)
+        self.path = path
+        self.stage = stage
+        self.edits = edits
+        self.camera = ShotCamera(edits, cameras)
+        self.focus = ShotFocus(stage, edits, cameras, anchors, self._solver)
+        self.exposure = ShotExposure(stage, edits, cameras, self._solver, reader)
+        self.film = ShotFilm(stage, edits, cameras)
 
-        What it is anchored to is noted with it (`usd_schemas.topology`), so that a re-export with other faces can be told.
+    @classmethod
+    def open(
+        cls,
+        path: str | Path,
+        *,
+        confined_to: Path | None = None,
+        purposes: Sequence[str] = ("default", "render"),
+        mask: Sequence[str] | None = None,
+        complexity: str = "low",
+        edits: Path | None = None,
+    ) -> Self:
+        """Open a shot.
+
+        Args:
+            path: a USD file.
+            confined_to: folder that nothing the stage refers to may lie outside of; None for anywhere.
+            purposes: which of USD's purposes are drawn.
+            mask: only what lies at, below or above these prim paths is drawn; None for everything.
+            complexity: how finely surfaces are refined, as in usdrecord.
+            edits: a layer that `Edits.save` wrote, to start from. The file itself is not written to.
+
+        Raises:
+            StageError: a file is no USD, is damaged, or refers to what is missing or outside ``confined_to``.
+        """
+        layer = Edits(edits)
+        stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)
+        reader = StageReader(stage, purposes=tuple(purposes), mask=mask, complexity=complexity)
+        return cls(Path(path), stage, layer, reader)
+
+    @property
+    def frame_range(self) -> FrameRange:
+        """First and last frame as time codes, and how many pass in a second."""
+        return frame_range(self.stage)
+
+    def cameras(self) -> list[str]:
+        """Prim paths of all cameras."""
+        return self._cameras.paths()
+
+    def default_camera(self) -> CameraChoice:
+        """The camera that is used when none is named, and why."""
+        return self._cameras.default()
+
+    def findings(self) -> list[Finding]:
+        """Everything known so far that is not honoured, or could not be used."""
+        return self._findings.all()
+
+    def scene_at(self, time: float) -> Scene:
+        """Read the scene at a USD time code; what did not change since the last call is the same object."""
+        scene = self._reader.read(check_time(time))
+        self._findings.note_lights(scene.lights)
+        return scene
+
+    def camera_at(self, camera_path: str | None, time: float, width: int, height: int) -> Camera:
+        """The camera for a picture, its focus solved.
+
+        Where ``focus:mode`` says points, the focus distance is the one that serves the focus points best. A camera whose
+        mode is not authored is focused by hand, even where points exist: manual is what the schema falls back to, and
+        what every other tool sees. Where no camera is named and none is to be preferred, one frames the whole stage.
 
         Args:
             camera_path: of a camera.
-            name: an identifier (letters, digits and ``_``, no digit first) that no other focus point of the camera has.
-            anchor: what was clicked on, or all of a focus point (its own name does not matter).
-
-        Returns:
-            What was authored.
-
-        Raises:
-            SettingsError: the name is not legal or taken, or a value is not allowed.
-        """
-        lens_camera = self._editable(camera_path)
-        point = anchor if isinstance(anchor, FocusPoint) else anchored(name, anchor)
-        if any(view.name == name for view in lens_camera.focus_points()):
-            path = str(lens_camera.prim.GetPath())
-            raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)
-        with self._edits.editing(f"add focus point {name}"):
-            view = lens_camera.add_focus_point(name, replace(point, name=name))
-            if not point.topology:
-                _note_topology(view, None)
-            if lens_camera.focus.read().mode == "manual":
-                set_focus_mode(lens_camera, "points")
-        return view.read()
-
-    def update_focus_point(
-        self, camera_path: str | None, name: str, *, time: float | None = None, **changes: Any
-    ) -> FocusPoint:
-        """Change some fields of a focus point.
-
-        A field that has keys gets one at the time; a field that has none is changed for all time. Where the target or its face
-        changes and no topology is given, what it is anchored to is noted anew.
-
-        Args:
-            camera_path: of a camera.
-            name: of the focus point.
-            time: USD time code, needed where a field has keys.
-            changes: new values by the names of `FocusPoint`'s fields.
-
-        Returns:
-            The point as it is afterwards, at the time.
-
-        Raises:
-            NotFoundError: the camera has no such point.
-            SettingsError: a value or a field is not allowed, or a field has keys and no time is given.
-        """
-        view = self._editable_point(camera_path, name)
-        unknown = set(changes) - (set(FocusPoint.__dataclass_fields__) - {"name"})
-        if unknown:
-            raise SettingsError(f"focus points have no {', '.join(sorted(unknown))} to change", code="bad_field")
-        keyed = {field for field in changes if time is not None and field != "target" and view.keys(field)}
-        with self._edits.editing(f"set {', '.join(changes)} of focus point {name}"):
-            if keyed:
-                view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
-            view.author(replace(view.read(), **{field: v for field, v in changes.items() if field not in keyed}))
-            if changes.keys() & {"target", "face", "fan_triangle"} and "topology" not in changes:
-                _note_topology(view, time)
-        return view.read(time)
-
-    def remove_focus_point(self, camera_path: str | None, name: str) -> None:
-        """Remove a focus point.
-
-        Raises:
-            NotFoundError: the camera has no such point.
-        """
-        self._editable_point(camera_path, name)
-        with self._edits.editing(f"remove focus point {name}"):
-            self._editable(camera_path).remove_focus_point(name)
-
-    def set_key(
-        self,
-        camera_path: str | None,
-        name: str,
-        attribute: str,
-        time: float,
-        value: Any,
-        interpolation: Interpolation | None = None,
-        tangents: Tangents | None = None,
-    ) -> None:
-        """Set, or replace, a key of one attribute of a focus point.
-
-        Args:
-            camera_path: of a camera.
-            name: of the focus point.
-            attribute: such as ``weight`` or ``enabled``; target, kind and topology take no keys.
             time: USD time code.
-            value: in the attribute's own unit.
-            interpolation: how the value goes on to the next key: linear, held, bezier or auto; None suits the attribute.
-            tangents: of a bezier key; None gives it those that an auto key would have now.
+            width: of the picture in pixels.
+            height: of the picture in pixels.
 
         Raises:
-            NotFoundError: the camera has no such point.
-            SettingsError: the attribute takes no such key, value or interpolation, or the time is not finite.
+            SettingsError: the picture has no pixels.
         """
-        view = self._editable_point(camera_path, name)
-        with self._edits.editing(f"key {attribute} of focus point {name} at {time:g}"):
-            view.set_key(attribute, checked_time(time), value, interpolation or "linear", tangents)
+        if width < 1 or height < 1:
+            raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
+        focused = self._solver.solve(camera_path, time)
+        return with_exposure(self.stage, self._solver.fit_to_picture(focused, time, width / height), time)
 
-    def remove_key(self, camera_path: str | None, name: str, attribute: str, time: float) -> None:
-        """Remove a key; after the last one its value stays for all time.
-
-        Raises:
-            NotFoundError: the camera has no such point, or the attribute no key at that time.
-            SettingsError: a focus point has no such attribute.
-        """
-        view = self._editable_point(camera_path, name)
-        times = [key.time for key in self.keys(camera_path, name, attribute)]
-        if time not in times:
-            told = ", ".join(f"{t:g}" for t in times) or "none"
-            raise NotFoundError(
-                f"{attribute} of focus point {name!r} has no key at time {time:g}, its keys are: {told}"
-            )
-        with self._edits.editing(f"remove the key of {attribute} of focus point {name} at {time:g}"):
-            view.remove_key(attribute, time)
-
-    def rack(self, camera_path: str | None, asked: WeightRack) -> tuple[WeightRack, Rack]:
-        """Take the focus from one focus point to another, by keys of their weights.
+    def check_not_own(self, path: Path) -> None:
+        """Refuse to write a result over a file that the shot uses: a layer, a texture, or the saved edits over it.
 
         Args:
-            camera_path: of a camera.
-            asked: from which to which, when, and how.
-
-        Returns:
-            What was authored, which ends later where the hand cannot turn the ring that fast, and what the lens does.
+            path: of the file to be written.
 
         Raises:
-            NotFoundError: the camera has no such point.
-            SettingsError: the rack makes no sense, or contradicts keys that are there.
-            InputError: the target of a point is missing.
+            SettingsError: the shot is made of that file.
         """
-        for name in (asked.from_point, asked.to_point):
-            self._editable_point(camera_path, name)
-        with self._edits.editing(f"rack from {asked.from_point} to {asked.to_point}"):
-            return pull_rack(self.stage, self._anchors, self._path(camera_path), asked)
+        check_not_own(self.stage, path)
+        edits = self.edits.path
+        if edits is not None and path.is_file() and path.samefile(edits):
+            raise SettingsError(
+                f"the edits over the shot are {path}: write to another file", code="own_file", path=str(path)
+            )
 
-    def _editable_point(self, camera_path: str | None, name: str) -> FocusPointView:
-        self._editable(camera_path)
-        return self._point(camera_path, name)
+    @contextmanager
+    def keep_usable(self, camera_path: str | None, time: float) -> Iterator[None]:
+        """Refuse edits after which no picture can be made that could be made before.
 
+        Args:
+            camera_path: of the camera that is edited.
+            time: USD time code of the picture.
 
-def _note_topology(view: FocusPointView, time: float | None) -> None:
-    """Note with a focus point the faces of the mesh that it is on at a time."""
-    view.author(replace(view.read(), topology=topology_under(view.prim.GetStage(), view.read(time))))
+        Raises:
+            PullfocusError: what the next picture would be refused with.
+        """
+        before = self._refusal(camera_path, time)
+        yield
+        after = self._refusal(camera_path, time)
+        if after is not None and str(after) != str(before):
+            raise after
+
+    def _refusal(self, camera_path: str | None, time: float) -> PullfocusError | None:
+        """The error that a picture would end with; None where it can be made."""
+        try:
+            camera = self.camera_at(camera_path, time, *_TRIAL_PX)
+            self.film.finish(camera, time)
+            moments(camera.shutter_open, camera.shutter_close, camera.shutter, 1)
+        except PullfocusError as error:
+            return error
+        return None

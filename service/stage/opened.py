@@ -41,8 +41,8 @@ class OpenedShots:
         """
         try:
             shot = self._get(record)
-            if edit_text is not None and edit_text != shot.history.present.text:
-                shot.replace_edits(edit_text)
+            if edit_text is not None and edit_text != shot.edits.history.present.text:
+                shot.edits.replace(edit_text)
             yield shot
         except PullfocusError as error:
             raise _error_as_sent(error, record) from error
@@ -56,7 +56,7 @@ class OpenedShots:
             terms: its gesture; the tag is for the caller to check, who knows what is edited.
             label: what is done; empty takes what the shot says of its edits.
         """
-        with self.change(record) as shot, shot.one_edit(label, terms.gesture):
+        with self.change(record) as shot, shot.edits.transaction(label, terms.gesture):
             yield shot
 
     @contextmanager
@@ -67,14 +67,14 @@ class OpenedShots:
             record: which shot.
         """
         with self.use(record) as shot:
-            before = shot.snapshot_edits()
+            before = shot.edits.snapshot()
             try:
                 yield shot
-                if shot.history != before.history:
+                if shot.edits.history != before.history:
                     _save(record, shot)
             except BaseException:
-                if shot.history != before.history:
-                    shot.back_to(before)
+                if shot.edits.history != before.history:
+                    shot.edits.restore(before)
                     _save_history_again(record, shot)
                 raise
 
@@ -90,7 +90,7 @@ class OpenedShots:
             shot = Shot.open(record.root_path, confined_to=record.files, edits=edits)
             kept = load_history(record.history)
             if kept is not None:
-                shot.go_on_from(kept)
+                shot.edits.resume(kept)
             self._shots[record.id] = shot
             if len(self._shots) > MAX_OPEN:
                 self._shots.popitem(last=False)
@@ -107,17 +107,17 @@ def stage_function(
 
 def _save(record: ShotRecord, shot: Shot) -> None:
     """Write the history, then the edits: these say which of its states is the present one if only one gets written."""
-    save_history(record.history, shot.history)
-    if shot.history.present.text:
-        shot.save_edits(record.edits)
+    save_history(record.history, shot.edits.history)
+    if shot.edits.history.present.text:
+        shot.edits.save(record.edits)
     else:
         record.edits.unlink(missing_ok=True)
 
 
 def _save_history_again(record: ShotRecord, shot: Shot) -> None:
-    """Take an edit that failed out of the history on disk; where that fails too, `Shot.go_on_from` sorts it out."""
+    """Take an edit that failed out of the history on disk; where that fails too, `Shot.edits.resume` sorts it out."""
     with suppress(PullfocusError):
-        save_history(record.history, shot.history)
+        save_history(record.history, shot.edits.history)
 
 
 def as_sent(text: str, record: ShotRecord) -> str:

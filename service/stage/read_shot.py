@@ -139,7 +139,7 @@ def read_camera_state(shot: OpenShot, path: str | None, time: float) -> CameraSt
     Raises:
         CameraError: it is no camera, or has impossible numbers.
     """
-    lens = shot.readout(path, time)
+    lens = shot.focus.read(path, time)
     own = read_camera(shot.stage, lens.camera, time)
     camera = replace(own, focus_distance_m=lens.focus_distance_m, f_stop=lens.f_stop)
     return _camera_state(camera, lens.camera, time, lens.focus_mode, camera_tag(shot, path))
@@ -156,7 +156,7 @@ def _camera_state(camera: Camera, path: str | None, time: float, focus_mode: str
 
 def read_points(shot: OpenShot, camera: str | None, time: float, aspect: float | None = None) -> list[FocusPoint]:
     """The focus points of a camera as they stand in its picture."""
-    return [_point(shot, camera, placed) for placed in shot.focus_points(camera, time, aspect=aspect)]
+    return [_point(shot, camera, placed) for placed in shot.focus.points(camera, time, aspect=aspect)]
 
 
 def read_point(shot: OpenShot, camera: str | None, time: float, name: str) -> FocusPoint:
@@ -165,7 +165,7 @@ def read_point(shot: OpenShot, camera: str | None, time: float, name: str) -> Fo
     Raises:
         NotFoundError: the camera has no such point.
     """
-    for placed in shot.focus_points(camera, time):
+    for placed in shot.focus.points(camera, time):
         if placed.point.name == name:
             return _point(shot, camera, placed)
     raise NotFoundError(f"the camera has no focus point named {name!r}", code="point_not_found", path=name)
@@ -192,18 +192,18 @@ def _point(shot: OpenShot, camera: str | None, placed: PlacedPoint) -> FocusPoin
 
 def camera_tag(shot: OpenShot, camera: str | None) -> str:
     """Tag of what is edited on a camera, its focus points aside. Raises `CameraError`."""
-    return tag_of("camera", *shot.camera_edits(camera))
+    return tag_of("camera", *shot.camera.edited_properties(camera))
 
 
 def points_tag(shot: OpenShot, camera: str | None) -> str:
     """Tag of what is edited on all focus points of a camera. Raises `CameraError`."""
     framed = camera is None and shot.default_camera().framing is not None
-    return tag_of("points", *(() if framed else shot.point_edits(camera)))
+    return tag_of("points", *(() if framed else shot.focus.edited_properties(camera)))
 
 
 def point_tag(shot: OpenShot, camera: str | None, name: str) -> str:
     """Tag of what is edited on one of them. Raises `NotFoundError`."""
-    return tag_of("point", *shot.point_edits(camera, name))
+    return tag_of("point", *shot.focus.edited_properties(camera, name))
 
 
 def _place(position: Sequence[float] | None) -> Vector3 | None:
@@ -215,7 +215,7 @@ def _place(position: Sequence[float] | None) -> Vector3 | None:
 
 def _keys(shot: OpenShot, camera: str | None, name: str) -> dict[KeyedAttribute, list[Key]]:
     attributes: tuple[KeyedAttribute, ...] = get_args(KeyedAttribute)
-    found = {attribute: shot.keys(camera, name, attribute) for attribute in attributes}
+    found = {attribute: shot.focus.keys(camera, name, attribute) for attribute in attributes}
     return {attribute: [as_key(key) for key in keys] for attribute, keys in found.items() if keys}
 
 
@@ -242,7 +242,7 @@ def _schema_fields(values: dict[str, Any]) -> dict[str, Any]:
 
 def free_name(shot: OpenShot, camera: str | None, time: float) -> str:
     """A name that no focus point of the camera has."""
-    taken = {placed.point.name for placed in shot.focus_points(camera, time)}
+    taken = {placed.point.name for placed in shot.focus.points(camera, time)}
     return next(name for name in (f"point{n}" for n in range(1, len(taken) + 2)) if name not in taken)
 
 

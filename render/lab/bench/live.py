@@ -182,22 +182,22 @@ class _Stand:
 
     @contextmanager
     def _put_back(self) -> Iterator[None]:
-        before = self._shot.snapshot_edits()
+        before = self._shot.edits.snapshot()
         try:
             yield
         finally:
-            self._shot.back_to(before)
+            self._shot.edits.restore(before)
 
     def _focus(self, step: int) -> PreviewRequest:
-        self._shot.set_camera(None, focus_distance_m=2.5 + 0.15 * step)
+        self._shot.camera.set(None, focus_distance_m=2.5 + 0.15 * step)
         return self._asked
 
     def _aperture(self, step: int) -> PreviewRequest:
-        self._shot.set_camera(None, f_stop=1.4 + 0.1 * step)
+        self._shot.camera.set(None, f_stop=1.4 + 0.1 * step)
         return self._asked
 
     def _pose(self, step: int) -> PreviewRequest:
-        with self._shot.one_edit("move the camera"):
+        with self._shot.edits.transaction("move the camera"):
             xform = UsdGeom.Xformable(self._shot.stage.GetPrimAtPath(self._camera))
             named = [op for op in xform.GetOrderedXformOps() if op.GetOpName() == "xformOp:translate:drag"]
             op = named[0] if named else xform.AddTranslateOp(opSuffix="drag")

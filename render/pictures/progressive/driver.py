@@ -144,7 +144,7 @@ class Progressive:
             if asked.is_moving:
                 return
             frame = yield from self._rendered(asked, scene, lens, finish, clock, light, rays)
-            self._kept = _Kept(scene, lens, settings, self._shot.revision, frame)
+            self._kept = _Kept(scene, lens, settings, self._shot.edits.revision, frame)
         else:
             graded = self._graded(frame.color, lens, finish, asked)
             clock.note("finish")
@@ -222,7 +222,7 @@ class Progressive:
         kept = self._kept
         if kept is None or kept.scene is not scene or kept.settings != asked.settings:
             return None
-        if moves(lens, asked.settings) and kept.revision != self._shot.revision:
+        if moves(lens, asked.settings) and kept.revision != self._shot.edits.revision:
             return None
         flares = lens.lens.ghosts > 0 or lens.lens.star > 0  # which are of what is bright as it is exposed
         return kept.frame if alike(kept.lens, lens, but=() if flares else ("exposure_scale",)) else None

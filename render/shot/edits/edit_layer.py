@@ -25,7 +25,7 @@ from usd_schemas.values import usd_value
 
 @dataclass(frozen=True)
 class EditsSnapshot:
-    """All that `Edits.back_to` needs to make edits as they were.
+    """Edits at one moment, for `Edits.restore`.
 
     Attributes:
         text: the state of the layer.
@@ -77,7 +77,7 @@ class Edits:
             self._begin_layer(self.layer)
 
     @contextmanager
-    def editing(self, label: str = "", gesture: str = "") -> Iterator[None]:
+    def transaction(self, label: str = "", gesture: str = "") -> Iterator[None]:
         """Direct what USD authors to the edit layer; if an error comes out, take back all that was authored.
 
         It is one step of the history. Edits within an edit are part of it.
@@ -156,7 +156,7 @@ class Edits:
         """The edits as they are, to come back to."""
         return EditsSnapshot(self.state(), self.history)
 
-    def back_to(self, snapshot: EditsSnapshot) -> None:
+    def restore(self, snapshot: EditsSnapshot) -> None:
         """Make the edits and their history what they were.
 
         Args:
@@ -164,6 +164,14 @@ class Edits:
         """
         self.replace(snapshot.text)
         self.history = snapshot.history
+
+    def resume(self, history: EditHistory) -> None:
+        """Take over a history that was kept while the shot was not open; the edits stay what they are.
+
+        Args:
+            history: where it does not agree with the edits, these become its present state.
+        """
+        self.history = history.agreeing_with(self.state())
 
     def state(self) -> str:
         """The edit layer as usda text; empty where it says nothing of the stage."""
@@ -189,16 +197,16 @@ class Edits:
         check_not_own(self._attached(), path)
         write_atomic(path, self.export().encode())
 
-    def said_of(self, prim: Sdf.Path, chosen: Callable[[str], bool]) -> tuple[str, ...]:
-        """What the edit layer says of properties of a prim, as usda text, in order of their names.
+    def properties(self, prim_path: Sdf.Path, is_included: Callable[[str], bool]) -> tuple[str, ...]:
+        """Edited properties of a prim as usda text, in order of their names.
 
         Args:
-            prim: its path.
-            chosen: whether a property of that name is asked for.
+            prim_path: of the prim.
+            is_included: whether a property of that name is returned.
         """
-        spec = self.layer.GetPrimAtPath(prim)
-        properties = sorted((spec.properties if spec else ()), key=lambda said: str(said.name))
-        return tuple(said.GetAsText() for said in properties if chosen(said.name))
+        spec = self.layer.GetPrimAtPath(prim_path)
+        properties = sorted((spec.properties if spec else ()), key=lambda prop: str(prop.name))
+        return tuple(prop.GetAsText() for prop in properties if is_included(prop.name))
 
     def _show(self, history: EditHistory) -> None:
         self.replace(history.present.text)

@@ -13,7 +13,7 @@ from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.optics.photometry.metering import one_key
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
-from render.shot.exposure.light_meter import Metered
+from render.shot.exposure.metering import Metered
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
 

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from pxr import Usd
 
 from render.errors import PullfocusError
+from render.model.scene import Camera
 from render.shot.film.finish import finish_of
-from render.shot.shot import Shot
 from render.stage import Finding
 from usd_schemas.keys import keys
 from usd_schemas.validation import Problem
 from usd_schemas.values import is_animated
 
 _UNREADABLE = ("AuthoredTypes", "ValuesAllowed")
-_SQUARE = (64, 64)  # a picture's size, which no finish depends on
 _KEYS_LOOKED_AT = 50  # of a camera, or a few more
 
 
-def finish_findings(shot: Shot, time: float, validation: Iterable[Problem]) -> Iterator[Finding]:
+def finish_findings(
+    stage: Usd.Stage,
+    camera_at: Callable[[str, float], Camera],
+    camera_paths: Sequence[str],
+    time: float,
+    validation: Iterable[Problem],
+) -> Iterator[Finding]:
     """A finding for each camera whose pictures could not be finished: what `record` would end with.
 
     Args:
-        shot: the shot.
+        stage: the shot.
+        camera_at: a camera for a picture at a time, its focus solved.
+        camera_paths: of its cameras.
         time: USD time code that is looked at first; then those of the keys of film and grade.
         validation: what the validators found: a camera with a wrong ``film:*`` or a value that cannot be read in it is told of
             already.
@@ -33,12 +40,12 @@ def finish_findings(shot: Shot, time: float, validation: Iterable[Problem]) -> I
         Findings; a camera that cannot be read at all has none.
     """
     told = [(problem.rule, problem.path) for problem in validation if problem.severity == "error"]
-    for path in shot.cameras():
+    for path in camera_paths:
         of_film, of_camera = f"{path}.film:", f"{path}."
         if any(own.startswith(of_camera if rule in _UNREADABLE else of_film) for rule, own in told):
             continue
-        for when in _times(shot.stage.GetPrimAtPath(path), time):
-            found = _unfinished(shot, path, when)
+        for when in _times(stage.GetPrimAtPath(path), time):
+            found = _unfinished(stage, camera_at, path, when)
             if found is not None:
                 yield found if when == time else replace(found, message=f"{found.message} (at time code {when:g})")
                 break
@@ -56,14 +63,14 @@ def _times(prim: Usd.Prim, first: float) -> list[float]:
     return [first, *others[:: max(1, len(others) // _KEYS_LOOKED_AT)]]
 
 
-def _unfinished(shot: Shot, path: str, time: float) -> Finding | None:
+def _unfinished(stage: Usd.Stage, camera_at: Callable[[str, float], Camera], path: str, time: float) -> Finding | None:
     """What is wrong with a camera's finish at a time; nothing where the camera itself cannot be read."""
     try:
-        camera = shot.camera_at(path, time, *_SQUARE)
+        camera = camera_at(path, time)
     except PullfocusError:
         return None
     try:
-        finish_of(shot.stage, camera, time)
+        finish_of(stage, camera, time)
     except PullfocusError as error:
         return Finding(error.code, path, error.detail)
     return None

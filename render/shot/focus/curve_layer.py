@@ -11,8 +11,8 @@ from pxr import Sdf, Usd
 from render.errors import SettingsError
 from render.focus.curve import FAR_AWAY_M, FocusCurve
 from render.model.arrays import DoubleArray
+from render.shot.camera.attributes import set_focus_mode
 from render.shot.edits.edit_layer import schema_errors_as_settings
-from render.shot.focus.focus_mode import set_focus_mode
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
 from usd_schemas.units import tenths_from_mm, units_from_metres

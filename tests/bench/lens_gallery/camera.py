@@ -29,7 +29,7 @@ class CameraEntry:
         stock: of the library; empty for the shot's own way.
         lens: of the library; empty for the shot's own.
         f_stop: 0 for the shot's own.
-        photography: other settings of the camera, as `Shot.set_photography` takes them.
+        exposure: other exposure settings of the camera, by the names of `EXPOSURE_SETTINGS`.
         motion: moments of the shutter's opening.
         finer: times the rays of other pictures, where each place is exposed in few of the moments.
         opening: of a long exposure; None for a frame.
@@ -44,7 +44,7 @@ class CameraEntry:
     stock: str = ""
     lens: str = ""
     f_stop: float = 0.0
-    photography: Mapping[str, Any] = field(default_factory=dict)
+    exposure: Mapping[str, Any] = field(default_factory=dict)
     motion: int = 1
     finer: int = 1
     opening: ShutterInterval | None = None
@@ -60,18 +60,18 @@ class CameraEntry:
     def prepare(self, shot: Shot) -> None:
         """Set the shot's camera for it."""
         if self.lens:
-            shot.mount_lens(None, choose_lens(self.lens))
+            shot.camera.mount_lens(None, choose_lens(self.lens))
         if self.f_stop:
-            shot.set_camera(None, f_stop=self.f_stop)
-        if self.photography:
-            shot.set_photography(None, **self.photography)
+            shot.camera.set(None, f_stop=self.f_stop)
+        if self.exposure:
+            shot.exposure.set(None, **self.exposure)
         if self.tripod:
             _stand_still(shot, self.frame)
 
 
 def _stand_still(shot: Shot, time: float) -> None:
     """Leave the camera where it is at a time."""
-    with shot.one_edit("put the camera on a tripod"):
+    with shot.edits.transaction("put the camera on a tripod"):
         camera = UsdGeom.Xformable(shot.stage.GetPrimAtPath(shot.default_camera().path))
         place = camera.GetLocalTransformation(Usd.TimeCode(time))
         camera.MakeMatrixXform().Set(place)
@@ -116,7 +116,7 @@ def _stops() -> Section:
                 "Two stops darker than wide open at the same time and ISO.",
                 f_stop=2.8,
                 lens="planar_50",
-                photography=darker,
+                exposure=darker,
                 detail=_LIGHTS,
             ),
         ),
@@ -140,9 +140,9 @@ def _lenses() -> Section:
 
 def _motion() -> Section:
     def moving(
-        slug: str, title: str, note: str, *, motion: int = 12, finer: int = 1, **photography: object
+        slug: str, title: str, note: str, *, motion: int = 12, finer: int = 1, **exposure: object
     ) -> CameraEntry:
-        return CameraEntry(f"motion-{slug}", title, note, motion=motion, finer=finer, photography=photography)
+        return CameraEntry(f"motion-{slug}", title, note, motion=motion, finer=finer, exposure=exposure)
 
     return Section(
         "Motion",

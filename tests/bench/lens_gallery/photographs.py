@@ -71,7 +71,7 @@ class Photographer:
         self._renderer = renderer
         self._size = size
         self._folder = folder
-        self._unedited = shot.export_edits()
+        self._unedited = shot.edits.export()
 
     def take(self, entry: Shown) -> Photograph:
         """Render an entry, and write its picture and detail.
@@ -113,7 +113,7 @@ class Photographer:
         settings = FrameSettings(size.width, size.height, rays=rays, motion=entry.motion)
         try:
             entry.prepare(self._shot)
-            exposure = self._shot.exposure(None, entry.frame)
+            exposure = self._shot.exposure.read(None, entry.frame)
             if entry.opening is None:
                 picture = make_picture(self._renderer, self._shot, None, entry.frame, settings, stock=stock)
                 angle = f"{math.degrees(exposure.shutter_angle_rad):.0f}°"
@@ -128,7 +128,7 @@ class Photographer:
                 picture, state = taken.picture(), taken.state
                 shutter = f"{state.open_seconds:.2g} s, ND {state.nd_stops:.1f} stops"
         finally:
-            self._shot.replace_edits(self._unedited)
+            self._shot.edits.replace(self._unedited)
         lens = picture.camera
         numbers = (
             f"{lens.focal_length_mm:.4g} mm · f/{lens.f_stop:.3g} · EV {exposure.ev100:.1f} · {shutter}",
@@ -144,11 +144,11 @@ class Photographer:
     def _camera(self, entry: Entry) -> Camera:
         """The shot's camera with the entry's lens, where the entry wants it."""
         if entry.lens is not None:
-            self._shot.mount_lens(None, choose_lens(entry.lens))
+            self._shot.camera.mount_lens(None, choose_lens(entry.lens))
         try:
             camera = self._shot.camera_at(None, entry.view.frame, self._size.width, self._size.height)
         finally:
-            self._shot.replace_edits(self._unedited)
+            self._shot.edits.replace(self._unedited)
         return entry.change(entry.view.placed(camera))
 
 

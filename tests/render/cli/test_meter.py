@@ -104,7 +104,7 @@ def test_its_keys_expose_the_shot_as_the_meter_does_in_every_tool(
     assert ended.status == 0, ended.err
     keyed = Shot.open(shot, edits=layer)
     assert scales(renderer, keyed, (1.0, 6.0, 12.0)) == pytest.approx(metered, rel=0.005)
-    assert not keyed.readings  # it is exposed by hand now
+    assert not keyed.exposure.meter_cache  # it is exposed by hand now
     exposure = keyed.stage.GetPrimAtPath(CAMERA).GetAttribute("exposure")
     assert exposure.HasSpline() != baked
     between = [exposure.Get(6 + n / 10) for n in range(11)]

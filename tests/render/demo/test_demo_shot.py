@@ -138,7 +138,7 @@ def test_instances_are_native_and_points(shot: Shot) -> None:
 def test_the_near_and_the_far_subject_move_at_their_depths(shot: Shot) -> None:
     tracks = {name: [] for name in ("pip", "mara")}
     for frame in (1, 24, 48, 72, 96):
-        for placed in shot.focus_points(CAMERA, frame):
+        for placed in shot.focus.points(CAMERA, frame):
             assert placed.visible_in_frame
             tracks[placed.point.name].append((placed.depth_m, *placed.position_m))
     pip, mara = (np.array(tracks[name]) for name in ("pip", "mara"))
@@ -159,7 +159,7 @@ def test_something_hangs_close_before_the_camera_and_leaves_the_picture(shot: Sh
         depth = -view[:, 2]
         half = camera.horizontal_aperture_mm / camera.focal_length_mm / 2
         inside = (np.abs(view[:, 0]) < half * depth) & (np.abs(view[:, 1]) < half * 9 / 16 * depth)
-        near = min(placed.depth_m for placed in shot.focus_points(CAMERA, frame))
+        near = min(placed.depth_m for placed in shot.focus.points(CAMERA, frame))
         assert (depth[inside] < 0.6 * near).all()
         seen.append(int(inside.sum()))
     assert seen[0] > max(seen[1], 5)
@@ -171,7 +171,7 @@ def test_the_focus_racks_from_the_near_face_to_the_far_one(shot: Shot) -> None:
     assert points["mara"].read(1).target[0].startswith(MARA)
     assert [round(points["pip"].read(frame).weight, 6) for frame in (1, 44, 55, 66, 96)] == [1, 1, 0.5, 0, 0]
     distances = [shot.camera_at(CAMERA, frame, 960, 540).focus_distance_m for frame in range(44, 67)]
-    depths = {placed.point.name: placed.depth_m for placed in shot.focus_points(CAMERA, 66)}
+    depths = {placed.point.name: placed.depth_m for placed in shot.focus.points(CAMERA, 66)}
     assert distances[0] < 3
     assert distances[-1] == pytest.approx(depths["mara"], rel=1e-6)
     assert (np.diff(distances) > -0.01).all()
@@ -187,7 +187,7 @@ def test_the_rack_is_seen(shot: Shot, renderer: FrameRenderer) -> None:
         radiance = renderer.render(scene, camera, FrameSettings(width=480, height=270, rays=24, supersample=1)).color
         seen = np.sqrt(np.clip(radiance[..., :3].mean(axis=2), 0, 1))
         slope = np.hypot(*np.gradient(seen))
-        for placed in shot.focus_points(CAMERA, frame):
+        for placed in shot.focus.points(CAMERA, frame):
             x, y = int(placed.screen[0] * 480), int(placed.screen[1] * 270)
             reach = 40 if placed.point.name == "pip" else 16
             window = slope[max(y - reach, 0) : y + reach, max(x - reach, 0) : x + reach]

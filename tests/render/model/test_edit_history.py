@@ -19,138 +19,141 @@ def shot(tmp_path):
 
 
 def stop_of(shot):
-    return shot.readout(CAMERA, 1).f_stop
+    return shot.focus.read(CAMERA, 1).f_stop
 
 
 def test_every_edit_is_a_step_that_can_be_taken_back_and_done_again(shot):
-    states = [shot.history.present.text]
+    states = [shot.edits.history.present.text]
     for edit in (
-        lambda: shot.set_camera(CAMERA, f_stop=4.0),
-        lambda: shot.add_focus_point(CAMERA, "hero", HERO),
-        lambda: shot.set_key(CAMERA, "hero", "weight", 1, 0.5),
-        lambda: shot.remove_focus_point(CAMERA, "hero"),
+        lambda: shot.camera.set(CAMERA, f_stop=4.0),
+        lambda: shot.focus.add_point(CAMERA, "hero", HERO),
+        lambda: shot.focus.set_key(CAMERA, "hero", "weight", 1, 0.5),
+        lambda: shot.focus.remove_point(CAMERA, "hero"),
     ):
         edit()
-        states.append(shot.export_edits())
-        assert shot.history.present.text == shot.export_edits()
+        states.append(shot.edits.export())
+        assert shot.edits.history.present.text == shot.edits.export()
     for state in reversed(states[1:-1]):
-        shot.undo()
-        assert shot.export_edits() == state
-    shot.undo()
-    assert shot.history.present.text == states[0] == ""
-    assert shot.edit_layer.GetPrimAtPath(CAMERA) is None
+        shot.edits.undo()
+        assert shot.edits.export() == state
+    shot.edits.undo()
+    assert shot.edits.history.present.text == states[0] == ""
+    assert shot.edits.layer.GetPrimAtPath(CAMERA) is None
     assert stop_of(shot) == 2.0
     for state in states[1:]:
-        shot.redo()
-        assert shot.export_edits() == state
+        shot.edits.redo()
+        assert shot.edits.export() == state
 
 
 def test_steps_say_what_they_did(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
-    shot.add_focus_point(CAMERA, "hero", HERO)
-    assert [state.label for state in shot.history.states] == ["", "set f-number of cam", "add focus point hero"]
-    shot.undo()
-    assert (shot.history.undo_label, shot.history.redo_label) == ("set f-number of cam", "add focus point hero")
+    shot.camera.set(CAMERA, f_stop=4.0)
+    shot.focus.add_point(CAMERA, "hero", HERO)
+    assert [state.label for state in shot.edits.history.states] == ["", "set f-number of cam", "add focus point hero"]
+    shot.edits.undo()
+    assert (shot.edits.history.undo_label, shot.edits.history.redo_label) == (
+        "set f-number of cam",
+        "add focus point hero",
+    )
 
 
 def test_there_is_an_end_in_both_directions(shot):
-    for step, code in ((shot.undo, "nothing_to_undo"), (shot.redo, "nothing_to_redo")):
+    for step, code in ((shot.edits.undo, "nothing_to_undo"), (shot.edits.redo, "nothing_to_redo")):
         with pytest.raises(InputError) as caught:
             step()
         assert caught.value.code == code
 
 
 def test_an_edit_after_an_undo_ends_what_was_undone(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
-    shot.undo()
-    shot.set_camera(CAMERA, f_stop=8.0)
+    shot.camera.set(CAMERA, f_stop=4.0)
+    shot.edits.undo()
+    shot.camera.set(CAMERA, f_stop=8.0)
     with pytest.raises(InputError):
-        shot.redo()
-    shot.undo()
+        shot.edits.redo()
+    shot.edits.undo()
     assert stop_of(shot) == 2.0
 
 
 def test_an_edit_that_changes_nothing_or_fails_is_no_step(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
-    before = shot.history
-    shot.set_camera(CAMERA, f_stop=4.0)
+    shot.camera.set(CAMERA, f_stop=4.0)
+    before = shot.edits.history
+    shot.camera.set(CAMERA, f_stop=4.0)
     with pytest.raises(SettingsError):
-        shot.set_camera(CAMERA, f_stop=-4.0)
+        shot.camera.set(CAMERA, f_stop=-4.0)
     with pytest.raises(SettingsError):
         _set_stop_and_focal_length(shot, 8.0, -1.0)
-    assert shot.history is before
+    assert shot.edits.history is before
     assert stop_of(shot) == 4.0
 
 
 def _set_stop_and_focal_length(shot, f_stop, focal_length_mm):
-    with shot.one_edit():
-        shot.set_camera(CAMERA, f_stop=f_stop)
-        shot.set_camera(CAMERA, focal_length_mm=focal_length_mm)
+    with shot.edits.transaction():
+        shot.camera.set(CAMERA, f_stop=f_stop)
+        shot.camera.set(CAMERA, focal_length_mm=focal_length_mm)
 
 
 def test_edits_within_one_edit_are_one_step(shot):
-    with shot.one_edit():
-        shot.set_camera(CAMERA, f_stop=4.0)
-        shot.add_focus_point(CAMERA, "hero", HERO)
-    assert shot.history.undo_label == "set f-number of cam, add focus point hero"
-    shot.undo()
-    assert shot.history.present.text == ""
+    with shot.edits.transaction():
+        shot.camera.set(CAMERA, f_stop=4.0)
+        shot.focus.add_point(CAMERA, "hero", HERO)
+    assert shot.edits.history.undo_label == "set f-number of cam, add focus point hero"
+    shot.edits.undo()
+    assert shot.edits.history.present.text == ""
 
 
 def test_a_drag_is_one_step_and_a_drag_to_where_it_began_is_none(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
+    shot.camera.set(CAMERA, f_stop=4.0)
     for stop in (5.0, 6.0, 7.0):
-        with shot.one_edit(gesture="drag 1"):
-            shot.set_camera(CAMERA, f_stop=stop)
-    assert len(shot.history.states) == 3
-    with shot.one_edit(gesture="drag 2"):
-        shot.set_camera(CAMERA, f_stop=9.0)
-    shot.undo()
+        with shot.edits.transaction(gesture="drag 1"):
+            shot.camera.set(CAMERA, f_stop=stop)
+    assert len(shot.edits.history.states) == 3
+    with shot.edits.transaction(gesture="drag 2"):
+        shot.camera.set(CAMERA, f_stop=9.0)
+    shot.edits.undo()
     assert stop_of(shot) == 7.0
-    shot.undo()
+    shot.edits.undo()
     assert stop_of(shot) == 4.0
     for stop in (5.0, 4.0):
-        with shot.one_edit(gesture="drag 3"):
-            shot.set_camera(CAMERA, f_stop=stop)
-    assert len(shot.history.states) == 2
+        with shot.edits.transaction(gesture="drag 3"):
+            shot.camera.set(CAMERA, f_stop=stop)
+    assert len(shot.edits.history.states) == 2
 
 
 def test_replaced_edits_begin_a_history_unless_that_is_an_edit(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
-    text = shot.export_edits()
-    with shot.one_edit("restore"):
-        shot.replace_edits("")
+    shot.camera.set(CAMERA, f_stop=4.0)
+    text = shot.edits.export()
+    with shot.edits.transaction("restore"):
+        shot.edits.replace("")
     assert stop_of(shot) == 2.0
-    assert shot.history.undo_label == "restore"
-    shot.replace_edits(text)
+    assert shot.edits.history.undo_label == "restore"
+    shot.edits.replace(text)
     assert stop_of(shot) == 4.0
-    assert shot.history.undo_label is None
+    assert shot.edits.history.undo_label is None
 
 
 def test_a_history_goes_on_from_the_layer_as_it_is_found(shot):
     for stop in (4.0, 5.0, 6.0):
-        shot.set_camera(CAMERA, f_stop=stop)
-    kept = shot.history
-    shot.undo()
-    shot.go_on_from(kept)
-    assert shot.history.redo_label is not None
-    shot.undo()
+        shot.camera.set(CAMERA, f_stop=stop)
+    kept = shot.edits.history
+    shot.edits.undo()
+    shot.edits.resume(kept)
+    assert shot.edits.history.redo_label is not None
+    shot.edits.undo()
     assert stop_of(shot) == 4.0
-    shot.replace_edits(kept.present.text.replace("fStop = 6", "fStop = 11"))
-    shot.go_on_from(kept)
-    assert shot.history.undo_label == "edited elsewhere"
+    shot.edits.replace(kept.present.text.replace("fStop = 6", "fStop = 11"))
+    shot.edits.resume(kept)
+    assert shot.edits.history.undo_label == "edited elsewhere"
     assert stop_of(shot) == 11.0
-    shot.undo()
+    shot.edits.undo()
     assert stop_of(shot) == 6.0
 
 
 def test_what_failed_after_an_edit_leaves_edits_and_history_as_they_were(shot):
-    shot.set_camera(CAMERA, f_stop=4.0)
-    before = shot.snapshot_edits()
-    shot.set_camera(CAMERA, f_stop=8.0)
-    shot.back_to(before)
+    shot.camera.set(CAMERA, f_stop=4.0)
+    before = shot.edits.snapshot()
+    shot.camera.set(CAMERA, f_stop=8.0)
+    shot.edits.restore(before)
     assert stop_of(shot) == 4.0
-    assert shot.history == before.history
+    assert shot.edits.history == before.history
 
 
 def test_the_oldest_states_go_first():

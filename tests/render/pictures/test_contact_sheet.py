@@ -63,15 +63,15 @@ def test_a_sheet_holds_the_pictures_that_record_makes(pullfocus: Command, shot: 
 
 def test_stops_blur_as_they_say_and_lenses_bring_their_own(shot: Path, renderer: FrameRenderer) -> None:
     opened = Shot.open(shot)
-    before = opened.export_edits()
+    before = opened.edits.export()
     axes = parse_axes(["stop=1.4,8", "lens=thin_50,double_gauss_50"])
     sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, axes)
-    assert opened.export_edits() == before
+    assert opened.edits.export() == before
     assert [picture.readout.f_stop for picture in sheet.pictures] == pytest.approx([1.4, 8, 2.03, 8], abs=0.01)
     depths = [picture.readout.far_m - picture.readout.near_m for picture in sheet.pictures]
     assert depths[1] > depths[0]
     assert _data(sheet.pictures[2])[0] == "50.4 mm   f/2.03   EV 0.0"
-    opened.set_photography(None, transmittance=0.5, neutral_density=0.6)
+    opened.exposure.set(None, transmittance=0.5, neutral_density=0.6)
     darker = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["stop=2,4"]))
     assert _data(darker.pictures[0])[0] == "50 mm   f/2   T2.83   EV 0.0   ND 2.0 stops"
     assert draw_contact_sheet(sheet, "svg").lstrip().startswith(b"<?xml")
@@ -111,7 +111,7 @@ def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:
 @pytest.mark.parametrize("metering", ["manual", "average"])
 def test_a_stop_over_is_twice_the_light_whoever_exposes(shot: Path, renderer: FrameRenderer, metering: str) -> None:
     opened = Shot.open(shot)
-    opened.set_photography(None, metering_mode=metering)
+    opened.exposure.set(None, metering_mode=metering)
     sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
     scales = [picture.camera.exposure_scale for picture in sheet.pictures]
     assert scales[0] == pytest.approx(scales[1] / 2)
@@ -149,7 +149,7 @@ def test_small_pictures_have_room_for_all_their_words(shot: Path, renderer: Fram
 
 def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: FrameRenderer) -> None:
     opened = Shot.open(shot)
-    opened.set_photography(None, metering_mode="average")
+    opened.exposure.set(None, metering_mode="average")
     sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=0,2"]))
     (plain, over) = sheet.pictures
     assert plain.metered_ev100 is not None

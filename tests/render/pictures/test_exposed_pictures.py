@@ -230,14 +230,14 @@ def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: 
 
 def test_glass_that_does_not_open_as_far_as_it_is_set_exposes_by_what_it_reaches(tmp_path: Path) -> None:
     shot = open_wall(tmp_path, **SET, **{"film:exposure:stop": "iris", "focusDistance": 4.0})
-    shot.mount_lens(CAMERA, choose_lens("planar_50"))
-    shot.set_camera(CAMERA, f_stop=0.5)
-    read = shot.exposure(CAMERA, 1.0)
+    shot.camera.mount_lens(CAMERA, choose_lens("planar_50"))
+    shot.camera.set(CAMERA, f_stop=0.5)
+    read = shot.exposure.read(CAMERA, 1.0)
     assert read.path is not None
     assert read.settings.f_stop == read.path.f_stop
     assert 1.3 < read.path.f_stop < 1.5
-    shot.set_camera(CAMERA, f_stop=4.0)
-    assert shot.exposure(CAMERA, 1.0).settings.f_stop == pytest.approx(4, rel=1e-3)
+    shot.camera.set(CAMERA, f_stop=4.0)
+    assert shot.exposure.read(CAMERA, 1.0).settings.f_stop == pytest.approx(4, rel=1e-3)
 
 
 def test_what_the_picture_is_multiplied_by_is_what_the_readout_says(tmp_path: Path) -> None:
@@ -249,7 +249,7 @@ def test_what_the_picture_is_multiplied_by_is_what_the_readout_says(tmp_path: Pa
         {"lens:breathing": True, "film:exposure:stop": "iris"},
     ):
         shot = open_wall(tmp_path, **SET, **values)
-        read, camera = shot.exposure(CAMERA, 1.0), shot.camera_at(CAMERA, 1.0, 24, 16)
+        read, camera = shot.exposure.read(CAMERA, 1.0), shot.camera_at(CAMERA, 1.0, 24, 16)
         assert camera.exposure_scale == pytest.approx(read.exposure_scale, rel=1e-6)
         assert camera.exposure_scale * camera.lens.transmittance == pytest.approx(read.scale, rel=1e-6)
 

@@ -183,9 +183,9 @@ def test_strengths_are_read_and_keyed(tmp_path: Path) -> None:
     shot = Shot.open(write_shot(tmp_path / "shot.usda", CAMERA, SQUARE))
     path = shot.default_camera().path
     assert shot.camera_at(path, 1, 8, 8).lens.ghosts == shot.camera_at(path, 1, 8, 8).lens.star == 0
-    shot.set_photography(path, flare_ghosts=0.5)
-    shot.set_photography(path, flare_star=1.0, time=1)
-    shot.set_photography(path, flare_star=3.0, time=5)
+    shot.exposure.set(path, flare_ghosts=0.5)
+    shot.exposure.set(path, flare_star=1.0, time=1)
+    shot.exposure.set(path, flare_star=3.0, time=5)
     lenses = [shot.camera_at(path, time, 8, 8).lens for time in (1, 3, 5)]
     assert [lens.ghosts for lens in lenses] == [0.5] * 3
     assert [lens.star for lens in lenses] == pytest.approx([1.0, 2.0, 3.0])
@@ -194,11 +194,11 @@ def test_strengths_are_read_and_keyed(tmp_path: Path) -> None:
 def test_ghosts_of_a_lens_without_surfaces_are_told(tmp_path: Path) -> None:
     shot = Shot.open(write_shot(tmp_path / "shot.usda", CAMERA, SQUARE))
     path = shot.default_camera().path
-    shot.set_photography(path, flare_ghosts=1.0, flare_star=1.0)
+    shot.exposure.set(path, flare_ghosts=1.0, flare_star=1.0)
     (finding,) = shot.findings()
     assert (finding.code, finding.path) == ("no_ghosts", path)
     assert "thin lens has no surfaces" in finding.message
-    shot.mount_lens(path, choose_lens("double_gauss_50"))
+    shot.camera.mount_lens(path, choose_lens("double_gauss_50"))
     assert not [finding for finding in shot.findings() if finding.code == "no_ghosts"]
 
 

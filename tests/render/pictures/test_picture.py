@@ -90,13 +90,13 @@ def test_a_focus_point_stands_where_the_click_was_and_follows_it(renderer, shot,
     pick = renderer.pick(shot.scene_at(1), shot.camera_at(CAMERA, 1, WIDTH, HEIGHT), WIDTH, HEIGHT, x, y)
     assert pick is not None
     assert pick.prim_path == target
-    shot.add_focus_point(CAMERA, "clicked", pick)
-    (placed,) = shot.focus_points(CAMERA, 1, aspect=WIDTH / HEIGHT)
+    shot.focus.add_point(CAMERA, "clicked", pick)
+    (placed,) = shot.focus.points(CAMERA, 1, aspect=WIDTH / HEIGHT)
     assert placed.position_m == pytest.approx(pick.position_m, abs=2e-4)
     assert placed.screen == pytest.approx((x / WIDTH, y / HEIGHT), abs=2e-4)
     assert placed.depth_m == pytest.approx(pick.depth_m, rel=1e-4)
     assert shot.camera_at(CAMERA, 1, WIDTH, HEIGHT).focus_distance_m == pytest.approx(pick.depth_m, rel=1e-4)
-    (later,) = shot.focus_points(CAMERA, 11)
+    (later,) = shot.focus.points(CAMERA, 11)
     assert np.subtract(later.position_m, placed.position_m) == pytest.approx((-0.3, 0.1, 0.0), abs=1e-4)
 
 
@@ -111,12 +111,12 @@ def test_what_was_clicked_is_sharp_and_the_rest_is_not(renderer, tmp_path):
     for name, (x, y) in places.items():
         pick = renderer.pick(shot.scene_at(1), shot.camera_at(CAMERA, 1, WIDTH, HEIGHT), WIDTH, HEIGHT, x, y)
         assert pick.prim_path == name
-        shot.add_focus_point(CAMERA, "clicked", pick)
+        shot.focus.add_point(CAMERA, "clicked", pick)
         picture = make_picture(renderer, shot, CAMERA, 1, settings, Grade())
         for other, (u, v) in places.items():
             coc_px = abs(picture.frame.aovs["coc"][int(v), int(u)])
             assert (coc_px < 0.02) if other == name else (coc_px > 0.4)
-        shot.remove_focus_point(CAMERA, "clicked")
+        shot.focus.remove_point(CAMERA, "clicked")
 
 
 def test_a_picture_is_the_frame_developed_and_says_how_it_was_made(renderer, shot):
@@ -138,7 +138,7 @@ def test_exposure_times_and_speeds_that_the_shot_sets_are_told(renderer, shot):
     silent = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
     assert (silent.exposure_time_s, silent.iso) == (None, None)
     camera = UsdGeom.Camera(shot.stage.GetPrimAtPath(CAMERA))
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.CreateExposureTimeAttr(1 / 48)
         camera.CreateExposureIsoAttr(800)
     told = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
@@ -149,7 +149,7 @@ def test_a_shot_is_finished_on_the_film_that_it_says(renderer, shot):
     """The stock of the shot, another one by name, and neither: three pictures of the same light."""
     plain = make_picture(renderer, shot, CAMERA, 1, SETTINGS)
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.film.author(FilmData(process="negative", stock="5219", print_stock="2383"))
     negative = make_picture(renderer, shot, CAMERA, 1, SETTINGS)
     slide = make_picture(renderer, shot, CAMERA, 1, SETTINGS, stock="velvia_50")
@@ -162,7 +162,7 @@ def test_a_shot_is_finished_on_the_film_that_it_says(renderer, shot):
     np.testing.assert_array_equal(slide.graded, again.graded)  # its grain too
     with pytest.raises(SettingsError, match="velvia"):
         make_picture(renderer, shot, CAMERA, 1, SETTINGS, stock="velwia_50")
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         shot.stage.GetPrimAtPath(CAMERA).GetAttribute("film:stock").Set("unheard of")
     with pytest.raises(CameraError, match="unheard of"):
         make_picture(renderer, shot, CAMERA, 1, SETTINGS)

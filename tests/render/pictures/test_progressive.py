@@ -137,7 +137,7 @@ def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
     assert drawn.since() > 0
     shadows.since()
     for distance, stop in ((2.0, 0.5), (5.0, 0.5), (5.0, 8.0)):
-        shot.set_camera("/cam", focus_distance_m=distance, f_stop=stop)
+        shot.camera.set("/cam", focus_distance_m=distance, f_stop=stop)
         after = last(driver.pictures(moving)).graded
         assert np.abs(after - before).max() > 0.05
         before = after
@@ -161,7 +161,7 @@ def test_a_change_of_grade_or_film_traces_nothing(
     other = last(driver.pictures(replace(asked, stock="5222")))
     assert (traced.since(), developed.since()) == (0, 1)
     assert np.abs(other.graded - one.graded).max() > 0.02
-    shot.set_camera("/cam", f_stop=11.0)
+    shot.camera.set("/cam", f_stop=11.0)
     last(driver.pictures(asked))
     assert traced.since() > 0
 
@@ -229,7 +229,7 @@ def test_pictures_on_the_way_may_be_looked_at_between_pieces(
 def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
     asked = PreviewRequest("/cam", 2.0, SETTINGS)
     before = last(driver.pictures(asked)).graded
-    with shot.one_edit("hide the card"):
+    with shot.edits.transaction("hide the card"):
         UsdGeom.Imageable(shot.stage.GetPrimAtPath("/card")).MakeInvisible()
     after = last(driver.pictures(asked)).graded
     assert np.abs(after - before).max() > 0.2

@@ -23,13 +23,13 @@ def shot(path):
 
 def test_no_file_of_the_users_is_written(path, shot):
     before = path.read_bytes()
-    shot.add_focus_point(CAMERA, "hero", HERO)
-    shot.set_key(CAMERA, "hero", "weight", 1, 0.5)
-    shot.set_camera(CAMERA, f_stop=4.0, time=3)
-    shot.update_focus_point(CAMERA, "hero", blur=0.1, kind="soft")
+    shot.focus.add_point(CAMERA, "hero", HERO)
+    shot.focus.set_key(CAMERA, "hero", "weight", 1, 0.5)
+    shot.camera.set(CAMERA, f_stop=4.0, time=3)
+    shot.focus.update_point(CAMERA, "hero", blur=0.1, kind="soft")
     assert not shot.stage.GetRootLayer().dirty
     assert shot.stage.GetSessionLayer().GetPrimAtPath(CAMERA) is None
-    assert shot.edit_layer.GetPrimAtPath(CAMERA) is not None
+    assert shot.edits.layer.GetPrimAtPath(CAMERA) is not None
     assert path.read_bytes() == before
     assert [p.name for p in path.parent.iterdir()] == ["shot.usda"]
 
@@ -38,10 +38,10 @@ def test_no_file_of_the_users_is_written(path, shot):
 def test_saved_edits_are_a_sublayer_that_any_usd_tool_can_put_over_the_shot(tmp_path, per_second):
     path = write_shot(tmp_path / "shot.usda", Units(per_second=per_second))
     shot = Shot.open(path)
-    shot.set_camera(CAMERA, f_stop=4.0, time=10)
-    shot.set_camera(CAMERA, f_stop=8.0, time=20)
-    shot.add_focus_point(CAMERA, "hero", HERO)
-    shot.save_edits(tmp_path / "edits.usda")
+    shot.camera.set(CAMERA, f_stop=4.0, time=10)
+    shot.camera.set(CAMERA, f_stop=8.0, time=20)
+    shot.focus.add_point(CAMERA, "hero", HERO)
+    shot.edits.save(tmp_path / "edits.usda")
     (tmp_path / "over.usda").write_text(
         f"#usda 1.0\n(\n timeCodesPerSecond = {per_second}\n subLayers = [@./edits.usda@, @./shot.usda@]\n)\n"
     )
@@ -54,27 +54,27 @@ def test_saved_edits_are_a_sublayer_that_any_usd_tool_can_put_over_the_shot(tmp_
 
 
 def test_edits_go_on_where_they_were_saved(tmp_path, path, shot):
-    shot.add_focus_point(CAMERA, "hero", HERO)
-    shot.set_key(CAMERA, "hero", "weight", 1, 0.25)
+    shot.focus.add_point(CAMERA, "hero", HERO)
+    shot.focus.set_key(CAMERA, "hero", "weight", 1, 0.25)
     saved = tmp_path / "edits.usda"
-    shot.save_edits(saved)
+    shot.edits.save(saved)
     text = saved.read_text()
     again = Shot.open(path, edits=saved)
-    assert [p.point.weight for p in again.focus_points(CAMERA, 1)] == [0.25]
-    assert again.export_edits() == shot.export_edits()
-    again.remove_focus_point(CAMERA, "hero")
+    assert [p.point.weight for p in again.focus.points(CAMERA, 1)] == [0.25]
+    assert again.edits.export() == shot.edits.export()
+    again.focus.remove_point(CAMERA, "hero")
     assert saved.read_text() == text, "the saved layer is copied, not written to"
 
 
 def test_edits_can_be_replaced_by_text_and_bad_text_changes_nothing(path, shot):
-    shot.add_focus_point(CAMERA, "hero", HERO)
+    shot.focus.add_point(CAMERA, "hero", HERO)
     other = Shot.open(path)
-    other.replace_edits(shot.export_edits())
-    assert [p.point.name for p in other.focus_points(CAMERA, 1)] == ["hero"]
+    other.edits.replace(shot.edits.export())
+    assert [p.point.name for p in other.focus.points(CAMERA, 1)] == ["hero"]
     for bad in (" ", "#usda 1.0\ndef {", "nonsense"):
         with pytest.raises(StageError, match="readable"):
-            other.replace_edits(bad)
-    assert other.export_edits() == shot.export_edits()
+            other.edits.replace(bad)
+    assert other.edits.export() == shot.edits.export()
 
 
 def test_saved_edits_that_are_missing_or_damaged_are_named(tmp_path, path):
@@ -89,30 +89,30 @@ def test_saved_edits_that_are_missing_or_damaged_are_named(tmp_path, path):
 def test_the_shots_own_files_are_never_saved_over(path, shot):
     before = path.read_bytes()
     with pytest.raises(SettingsError, match="the shot itself"):
-        shot.save_edits(path)
+        shot.edits.save(path)
     with pytest.raises(SettingsError, match=r"\.usda"):
-        shot.save_edits(path.with_suffix(".txt"))
+        shot.edits.save(path.with_suffix(".txt"))
     with pytest.raises(OutputError, match="folder"):
-        shot.save_edits(path.parent / "nowhere" / "edits.usda")
+        shot.edits.save(path.parent / "nowhere" / "edits.usda")
     assert path.read_bytes() == before
 
 
 def test_a_failed_edit_leaves_all_as_it_was(shot):
-    shot.add_focus_point(CAMERA, "hero", HERO)
-    before = shot.export_edits()
+    shot.focus.add_point(CAMERA, "hero", HERO)
+    before = shot.edits.export()
     attempts = [
-        lambda: shot.update_focus_point(CAMERA, "hero", weight=0.5, blur=-1.0),
-        lambda: shot.update_focus_point(CAMERA, "hero", weight=0.5, target=("not a path",)),
-        lambda: shot.update_focus_point(CAMERA, "hero", colour="red"),
-        lambda: shot.set_camera(CAMERA, f_stop=4.0, focal_length_mm=-50.0),
-        lambda: shot.set_camera(CAMERA, f_stop=4.0, focus_mode="by feel"),
-        lambda: shot.set_camera(CAMERA, f_stop=4.0, focal_length_mm=35.0, time=float("nan")),
-        lambda: shot.add_focus_point(CAMERA, "other", FocusPoint("other", target=(NEAR,), weight=-1.0)),
+        lambda: shot.focus.update_point(CAMERA, "hero", weight=0.5, blur=-1.0),
+        lambda: shot.focus.update_point(CAMERA, "hero", weight=0.5, target=("not a path",)),
+        lambda: shot.focus.update_point(CAMERA, "hero", colour="red"),
+        lambda: shot.camera.set(CAMERA, f_stop=4.0, focal_length_mm=-50.0),
+        lambda: shot.camera.set(CAMERA, f_stop=4.0, focus_mode="by feel"),
+        lambda: shot.camera.set(CAMERA, f_stop=4.0, focal_length_mm=35.0, time=float("nan")),
+        lambda: shot.focus.add_point(CAMERA, "other", FocusPoint("other", target=(NEAR,), weight=-1.0)),
     ]
     for attempt in attempts:
         with pytest.raises(SettingsError):
             attempt()
-        assert shot.export_edits() == before
+        assert shot.edits.export() == before
 
 
 def test_a_key_over_the_shots_own_keys_keeps_the_others(tmp_path, path):
@@ -122,10 +122,10 @@ def test_a_key_over_the_shots_own_keys_keeps_the_others(tmp_path, path):
         attribute.Set(value, time)
     stage.GetRootLayer().Export(str(tmp_path / "keyed.usda"))
     shot = Shot.open(tmp_path / "keyed.usda")
-    shot.set_camera(CAMERA, f_stop=8.0, time=12)
-    assert [shot.readout(CAMERA, t).f_stop for t in (1, 12, 24)] == [2.0, 8.0, 4.0]
-    shot.set_camera(CAMERA, f_stop=5.6)
-    assert [shot.readout(CAMERA, t).f_stop for t in (1, 12, 24)] == pytest.approx([5.6] * 3)
+    shot.camera.set(CAMERA, f_stop=8.0, time=12)
+    assert [shot.focus.read(CAMERA, t).f_stop for t in (1, 12, 24)] == [2.0, 8.0, 4.0]
+    shot.camera.set(CAMERA, f_stop=5.6)
+    assert [shot.focus.read(CAMERA, t).f_stop for t in (1, 12, 24)] == pytest.approx([5.6] * 3)
 
 
 @pytest.mark.parametrize(
@@ -144,39 +144,39 @@ def test_a_key_over_the_shots_own_keys_keeps_the_others(tmp_path, path):
 )
 def test_impossible_lens_settings_are_named(shot, changes, named):
     with pytest.raises(SettingsError, match=named):
-        shot.set_camera(CAMERA, **changes)
+        shot.camera.set(CAMERA, **changes)
 
 
 @pytest.mark.parametrize("name", ["", "1st", "my point", "a:b", "a/b", "héro!", "../up", "target" * 2 + "-"])
 def test_illegal_names_are_refused_and_told_what_is_legal(shot, name):
     with pytest.raises(SettingsError, match="identifier"):
-        shot.add_focus_point(CAMERA, name, HERO)
+        shot.focus.add_point(CAMERA, name, HERO)
 
 
 def test_a_name_is_given_once(shot):
-    shot.add_focus_point(CAMERA, "hero", HERO)
+    shot.focus.add_point(CAMERA, "hero", HERO)
     with pytest.raises(SettingsError, match="already has a focus point named 'hero'") as caught:
-        shot.add_focus_point(CAMERA, "hero", HERO)
+        shot.focus.add_point(CAMERA, "hero", HERO)
     assert caught.value.code == "name_taken"
-    shot.remove_focus_point(CAMERA, "hero")
-    shot.add_focus_point(CAMERA, "hero", HERO)
+    shot.focus.remove_point(CAMERA, "hero")
+    shot.focus.add_point(CAMERA, "hero", HERO)
 
 
 def test_unknown_focus_points_keys_and_attributes_are_named(shot):
-    shot.add_focus_point(CAMERA, "hero", HERO)
+    shot.focus.add_point(CAMERA, "hero", HERO)
     for attempt in (
-        lambda: shot.update_focus_point(CAMERA, "villain", weight=1.0),
-        lambda: shot.remove_focus_point(CAMERA, "villain"),
-        lambda: shot.set_key(CAMERA, "villain", "weight", 1, 1.0),
-        lambda: shot.remove_key(CAMERA, "villain", "weight", 1),
-        lambda: shot.keys(CAMERA, "villain", "weight"),
+        lambda: shot.focus.update_point(CAMERA, "villain", weight=1.0),
+        lambda: shot.focus.remove_point(CAMERA, "villain"),
+        lambda: shot.focus.set_key(CAMERA, "villain", "weight", 1, 1.0),
+        lambda: shot.focus.remove_key(CAMERA, "villain", "weight", 1),
+        lambda: shot.focus.keys(CAMERA, "villain", "weight"),
     ):
         with pytest.raises(NotFoundError, match="no focus point named 'villain', it has: hero"):
             attempt()
     with pytest.raises(NotFoundError, match="no key at time 7"):
-        shot.remove_key(CAMERA, "hero", "weight", 7)
+        shot.focus.remove_key(CAMERA, "hero", "weight", 7)
     with pytest.raises(SettingsError, match="colour"):
-        shot.set_key(CAMERA, "hero", "colour", 1, 1.0)
+        shot.focus.set_key(CAMERA, "hero", "colour", 1, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -191,20 +191,20 @@ def test_unknown_focus_points_keys_and_attributes_are_named(shot):
     ],
 )
 def test_impossible_keys_are_named(shot, attribute, time, value, named):
-    shot.add_focus_point(CAMERA, "hero", HERO)
+    shot.focus.add_point(CAMERA, "hero", HERO)
     with pytest.raises(SettingsError, match=named):
-        shot.set_key(CAMERA, "hero", attribute, time, value)
+        shot.focus.set_key(CAMERA, "hero", attribute, time, value)
 
 
 @pytest.mark.parametrize("camera", ["/World/nothing", NEAR, "not a path", ""])
 def test_a_camera_path_that_is_no_camera_is_named(shot, camera):
     for attempt in (
         lambda: shot.camera_at(camera, 1, 16, 9),
-        lambda: shot.readout(camera, 1),
-        lambda: shot.focus_points(camera, 1),
-        lambda: shot.add_focus_point(camera, "hero", HERO),
-        lambda: shot.set_camera(camera, f_stop=2.0),
-        lambda: shot.focus_curve(camera, [1, 2]),
+        lambda: shot.focus.read(camera, 1),
+        lambda: shot.focus.points(camera, 1),
+        lambda: shot.focus.add_point(camera, "hero", HERO),
+        lambda: shot.camera.set(camera, f_stop=2.0),
+        lambda: shot.focus.curve(camera, [1, 2]),
     ):
         with pytest.raises(CameraError):
             attempt()
@@ -212,10 +212,10 @@ def test_a_camera_path_that_is_no_camera_is_named(shot, camera):
 
 def test_what_is_edited_on_a_camera_leaves_the_scene_as_it_was_read(shot):
     before = shot.scene_at(1)
-    shot.set_camera(CAMERA, f_stop=4.0)  # the first edit of all, which adds the prims that hold it
-    edited = shot.history.present.text
+    shot.camera.set(CAMERA, f_stop=4.0)  # the first edit of all, which adds the prims that hold it
+    edited = shot.edits.history.present.text
     for text in ("", edited, ""):
-        shot.replace_edits(text)
+        shot.edits.replace(text)
     assert shot.scene_at(1) is before
 
 
@@ -226,9 +226,9 @@ def test_a_camera_with_impossible_numbers_can_be_mended(tmp_path):
     stage.GetRootLayer().Export(str(tmp_path / "broken.usda"))
     shot = Shot.open(tmp_path / "broken.usda")
     with pytest.raises(CameraError, match="focalLength"):
-        shot.readout(CAMERA, 1)
-    shot.set_camera(CAMERA, focal_length_mm=35.0)
-    assert shot.readout(CAMERA, 1).focal_length_mm == pytest.approx(35.0)
+        shot.focus.read(CAMERA, 1)
+    shot.camera.set(CAMERA, focal_length_mm=35.0)
+    assert shot.focus.read(CAMERA, 1).focal_length_mm == pytest.approx(35.0)
 
 
 def test_a_camera_in_an_instance_can_be_looked_through_but_not_edited(tmp_path):
@@ -238,10 +238,10 @@ def test_a_camera_in_an_instance_can_be_looked_through_but_not_edited(tmp_path):
         'def "copy" (\n instanceable = true\n references = @./shot.usda@\n)\n{\n}\n'
     )
     shot = Shot.open(tmp_path / "twice.usda")
-    assert shot.readout("/copy/cam", 1).focus_distance_m == pytest.approx(3.0)
+    assert shot.focus.read("/copy/cam", 1).focus_distance_m == pytest.approx(3.0)
     for attempt in (
-        lambda: shot.set_camera("/copy/cam", f_stop=4.0),
-        lambda: shot.add_focus_point("/copy/cam", "hero", HERO),
+        lambda: shot.camera.set("/copy/cam", f_stop=4.0),
+        lambda: shot.focus.add_point("/copy/cam", "hero", HERO),
     ):
         with pytest.raises(CameraError, match="instance"):
             attempt()

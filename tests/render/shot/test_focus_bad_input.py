@@ -22,13 +22,13 @@ from tests.render.kits.table_shot import CAMERA, ON_TABLE, TABLE, on_table, writ
 def shot(tmp_path: Path) -> Shot:
     made = Shot.open(write_table(tmp_path / "table.usda"))
     for name, place in ON_TABLE.items():
-        made.add_focus_point(CAMERA, name, on_table(name, place))
+        made.focus.add_point(CAMERA, name, on_table(name, place))
     return made
 
 
 def say(shot: Shot, name: str, value: Any, time: float | None = None) -> None:
     """Author a value past every check, as a file of another tool may have it."""
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute(name)
         attribute.Set(value) if time is None else attribute.Set(value, time)
 
@@ -57,27 +57,27 @@ def codes(shot: Shot) -> list[str]:
 def test_a_point_that_is_at_fault_is_left_out_and_named(
     shot: Shot, mode: str, field: str, value: Any, told: str
 ) -> None:
-    shot.set_focus(CAMERA, mode=mode)
+    shot.focus.set(CAMERA, mode=mode)
     say(shot, f"focusPoint:near:{field}", value)
-    with_fault = shot.readout(CAMERA, 1)
-    states = {point.point.name: point.state for point in shot.focus_points(CAMERA, 1)}
+    with_fault = shot.focus.read(CAMERA, 1)
+    states = {point.point.name: point.state for point in shot.focus.points(CAMERA, 1)}
     assert states == {"near": "lost", "left": "used", "far": "used"}
-    (near,) = (point.point for point in shot.focus_points(CAMERA, 1) if point.point.name == "near")
+    (near,) = (point.point for point in shot.focus.points(CAMERA, 1) if point.point.name == "near")
     sound = {"offset": (0.0, 0.0, 0.0)} if field == "offset" else {}
     assert replace(near, topology="") == replace(on_table("near", ON_TABLE["near"]), **sound)  # nothing to stumble over
     (finding,) = (finding for finding in shot.findings() if finding.code == "bad_focus_point")
     assert told in finding.message
     assert "the other points decide the focus" in finding.message
-    shot.remove_focus_point(CAMERA, "near")
-    assert with_fault == shot.readout(CAMERA, 1)
+    shot.focus.remove_point(CAMERA, "near")
+    assert with_fault == shot.focus.read(CAMERA, 1)
     assert "bad_focus_point" not in codes(shot)
 
 
 def test_a_key_that_is_at_fault_is_so_only_at_its_times(shot: Shot) -> None:
-    whole = shot.readout(CAMERA, 1).focus_distance_m
+    whole = shot.focus.read(CAMERA, 1).focus_distance_m
     say(shot, "focusPoint:near:weight", 1.0, 1)
     say(shot, "focusPoint:near:weight", -1.0, 10)
-    curve = shot.focus_curve(CAMERA, [1.0, 2.0, 10.0])
+    curve = shot.focus.curve(CAMERA, [1.0, 2.0, 10.0])
     assert curve.focus_distance_m[0] == pytest.approx(whole)
     assert curve.points[0].states == ("used", "used", "lost")
     assert np.isfinite(curve.points[0].weight).all()
@@ -96,61 +96,61 @@ def test_a_key_that_is_at_fault_is_so_only_at_its_times(shot: Shot) -> None:
     ],
 )
 def test_impossible_settings_are_named_where_points_focus(shot: Shot, name: str, value: Any, told: str) -> None:
-    shot.set_focus(CAMERA, mode="surface")
+    shot.focus.set(CAMERA, mode="surface")
     say(shot, name, value)
     with pytest.raises(CameraError, match=told):
-        shot.readout(CAMERA, 1)
-    shot.set_focus(CAMERA, mode="manual")
-    assert shot.readout(CAMERA, 1).focus_distance_m == pytest.approx(1.8)
+        shot.focus.read(CAMERA, 1)
+    shot.focus.set(CAMERA, mode="manual")
+    assert shot.focus.read(CAMERA, 1).focus_distance_m == pytest.approx(1.8)
 
 
 @pytest.mark.parametrize(("count", "is_told"), [(64, False), (70, True)])
 def test_a_surface_takes_the_strongest_of_too_many_points(shot: Shot, count: int, is_told: bool) -> None:
     for name in ON_TABLE:
-        shot.remove_focus_point(CAMERA, name)
+        shot.focus.remove_point(CAMERA, name)
     for i in range(count):  # the first six are the weakest
         place = (0.02 * (i % 10) - 0.1, 0.0, 0.1 * (i // 10) - 0.4)
-        shot.add_focus_point(CAMERA, f"p{i}", on_table(f"p{i}", place, weight=1.0 if i < 6 else 2.0))
-    shot.set_focus(CAMERA, mode="surface")
-    blurs_mm = np.array([point.coc_mm for point in shot.focus_points(CAMERA, 1)])
+        shot.focus.add_point(CAMERA, f"p{i}", on_table(f"p{i}", place, weight=1.0 if i < 6 else 2.0))
+    shot.focus.set(CAMERA, mode="surface")
+    blurs_mm = np.array([point.coc_mm for point in shot.focus.points(CAMERA, 1)])
     assert blurs_mm[6:] == pytest.approx(0, abs=1e-9)
     assert (blurs_mm[:6] > 1e-6).all() == is_told
     told = [finding.message for finding in shot.findings() if finding.code == "focus_not_as_asked"]
     assert told == (
         [f"{CAMERA}: a focal surface has room for 64 focus points, so only the strongest shape it"] * is_told
     )
-    assert shot.focus_curve(CAMERA, [1.0]).limited[0] == is_told
+    assert shot.focus.curve(CAMERA, [1.0]).limited[0] == is_told
 
 
 def test_a_deactivated_target_is_lost(shot: Shot) -> None:
     with Usd.EditContext(shot.stage, shot.stage.GetRootLayer()):
         shot.stage.GetPrimAtPath(TABLE).SetActive(False)
-    states = [point.state for point in shot.focus_points(CAMERA, 1)]
+    states = [point.state for point in shot.focus.points(CAMERA, 1)]
     assert states == ["lost"] * 3
     assert f"focus point near is on {TABLE}, which is deactivated" in shot.findings()[0].message
 
 
 def test_a_focus_that_its_lens_does_not_reach_does_not_hide_the_rest_of_the_shot(shot: Shot) -> None:
-    shot.mount_lens(CAMERA, choose_lens("planar_50"))
-    shot.set_camera(CAMERA, focus_distance_m=0.02)
+    shot.camera.mount_lens(CAMERA, choose_lens("planar_50"))
+    shot.camera.set(CAMERA, focus_distance_m=0.02)
     seen = inspect_shot(shot)
     assert "cannot focus at 0.02 m" in " ".join(note.message for note in seen.notes)
     assert (seen.readouts, seen.prim_count) == ((), 10)
 
 
 def test_a_lens_tilted_as_far_as_it_may_be_is_written_as_a_layer(shot: Shot) -> None:
-    shot.set_focus(CAMERA, tilt=89.0, from_focus_points=False)
-    layer = shot.focus_layer(CAMERA, [1.0, 2.0])
+    shot.focus.set(CAMERA, tilt=89.0, from_focus_points=False)
+    layer = shot.focus.layer(CAMERA, [1.0, 2.0])
     assert "tiltShift:tilt" in layer
 
 
 def test_keys_of_what_is_the_same_at_all_times_say_nothing(tmp_path: Path) -> None:
     """A frame has one focus, whether it is asked for alone or with others."""
     shot = Shot.open(write_table(tmp_path / "table.usda"))
-    shot.add_focus_point(CAMERA, "far", on_table("far", ON_TABLE["far"]))
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    shot.focus.add_point(CAMERA, "far", on_table("far", ON_TABLE["far"]))
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         mode = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focus:mode")
         mode.Set("manual", 10.0)
         mode.Set("points", 1.0)
-    alone = [shot.readout(CAMERA, time).focus_distance_m for time in (1, 12)]
-    assert shot.focus_curve(CAMERA, [1, 12]).focus_distance_m.tolist() == alone
+    alone = [shot.focus.read(CAMERA, time).focus_distance_m for time in (1, 12)]
+    assert shot.focus.curve(CAMERA, [1, 12]).focus_distance_m.tolist() == alone

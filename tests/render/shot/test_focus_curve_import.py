@@ -12,7 +12,7 @@ from pxr import Sdf, Usd
 from render.errors import InputError, SettingsError
 from render.focus.files import FORMATS, curve_to_text
 from render.shot import Shot
-from render.shot.edits.curve_import import read_for_shot
+from render.shot.focus.curve_import import read_for_shot
 from render.shot.focus.curve_layer import curve_layer
 from tests.render.kits.cli_shots import Command
 from tests.render.kits.focus_curves import full_curve
@@ -74,8 +74,8 @@ def test_an_imported_layer_gives_any_usd_tool_the_curve(tmp_path, units, baked, 
 @pytest.mark.parametrize("format", FORMATS)
 def test_what_the_shot_exports_it_imports(format, path, tmp_path, pullfocus):
     solved = Shot.open(path)
-    solved.add_focus_point(CAMERA, "far", ON_FAR)
-    curve = solved.focus_curve(CAMERA, FRAMES)
+    solved.focus.add_point(CAMERA, "far", ON_FAR)
+    curve = solved.focus.curve(CAMERA, FRAMES)
     source = tmp_path / f"focus.{format}"
     source.write_text(curve_to_text(curve, format))
     layer = pullfocus("focus-curve", path, "--import", source).out
@@ -129,16 +129,16 @@ def test_a_trackers_clock_begins_where_the_shot_does(path):
 @pytest.mark.parametrize("baked", [False, True])
 def test_an_imported_curve_is_an_edit(path, baked):
     shot = Shot.open(path)
-    shot.add_focus_point(CAMERA, "far", ON_FAR)
-    before = shot.export_edits()
-    shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, RACK), baked=baked)
-    readout = shot.readout(CAMERA, 24)
+    shot.focus.add_point(CAMERA, "far", ON_FAR)
+    before = shot.edits.export()
+    shot.focus.import_curve(CAMERA, read_for_shot(shot.stage, RACK), baked=baked)
+    readout = shot.focus.read(CAMERA, 24)
     assert (readout.focus_mode, readout.source) == ("manual", "camera")
     assert (readout.focus_distance_m, readout.f_stop) == (pytest.approx(9, rel=1e-6), pytest.approx(4))
     assert readout.focal_length_mm == pytest.approx(35)
-    shot.undo()
-    assert shot.export_edits() == before
-    assert shot.readout(CAMERA, 24).source == "points"
+    shot.edits.undo()
+    assert shot.edits.export() == before
+    assert shot.focus.read(CAMERA, 24).source == "points"
 
 
 def test_samples_and_splines_take_each_others_place(path):
@@ -146,30 +146,30 @@ def test_samples_and_splines_take_each_others_place(path):
     read = read_for_shot(shot.stage, RACK)
     focus = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("focusDistance")
     for baked in (False, True, False):
-        shot.import_focus_curve(CAMERA, read, baked=baked)
-        spec = shot.edit_layer.GetAttributeAtPath(focus.GetPath())
+        shot.focus.import_curve(CAMERA, read, baked=baked)
+        spec = shot.edits.layer.GetAttributeAtPath(focus.GetPath())
         assert (spec.HasInfo("timeSamples"), spec.HasInfo("spline")) == (baked, not baked)
 
 
 def test_a_tilt_is_imported_where_there_is_one(path):
     shot = Shot.open(path)
     tilted = "frame,focus_distance_m,tilt_deg,swing_deg\n1,2,0,0\n2,2,1.5,0\n3,2,3,0\n"
-    shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, tilted))
+    shot.focus.import_curve(CAMERA, read_for_shot(shot.stage, tilted))
     camera = shot.stage.GetPrimAtPath(CAMERA)
     assert camera.GetAttribute("tiltShift:tilt").Get(2) == pytest.approx(1.5)
     straight = "frame,focus_distance_m,tilt_deg,swing_deg\n1,2,0,0\n2,2,0,0\n"
-    shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, straight))
+    shot.focus.import_curve(CAMERA, read_for_shot(shot.stage, straight))
     assert camera.GetAttribute("tiltShift:tilt").Get(2) == 0, "what was tilted is told to be straight"
 
 
 def test_a_refused_import_changes_nothing(path):
     shot = Shot.open(path)
-    before = shot.export_edits()
+    before = shot.edits.export()
     with pytest.raises(InputError):
-        shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, "frame,focus_distance_m\n1,-2\n"))
+        shot.focus.import_curve(CAMERA, read_for_shot(shot.stage, "frame,focus_distance_m\n1,-2\n"))
     with pytest.raises(SettingsError, match="tilt"):
-        shot.import_focus_curve(CAMERA, read_for_shot(shot.stage, "frame,focus_distance_m,tilt_deg\n1,2,89.5\n"))
-    assert shot.export_edits() == before
+        shot.focus.import_curve(CAMERA, read_for_shot(shot.stage, "frame,focus_distance_m,tilt_deg\n1,2,89.5\n"))
+    assert shot.edits.export() == before
 
 
 @pytest.mark.parametrize("baked", [False, True])
@@ -184,7 +184,7 @@ def test_all_that_drives_a_camera_survives_a_layer(path, baked):
         "#usda 1.0\n(\n    subLayers = [@./pulled.usda@, @./shot.usda@]\n    metersPerUnit = 1\n"
         '    upAxis = "Y"\n    timeCodesPerSecond = 24\n)\n'
     )
-    back = Shot.open(root).focus_curve(CAMERA, made.time_codes.tolist())
+    back = Shot.open(root).focus.curve(CAMERA, made.time_codes.tolist())
     assert back.focus_distance_m == pytest.approx(np.minimum(made.focus_distance_m, 1e5), rel=1e-6)
     assert back.f_stop == pytest.approx(made.f_stop, rel=1e-6)
     assert back.focal_length_mm == pytest.approx(made.focal_length_mm, rel=1e-6)

@@ -28,15 +28,15 @@ def racked_shot(folder: Path, start: float, end: float, *, first: float = 1, las
     stage.Save()
     shot = Shot.open(path)
     for name, place, before in (("near", NEAR, 1.0), ("far", FAR, 0.0)):
-        shot.add_focus_point(CAMERA, name, on_table(name, place))
-        shot.set_key(CAMERA, name, "weight", start, before)
-        shot.set_key(CAMERA, name, "weight", end, 1 - before)
-    shot.set_focus(CAMERA, mode="points")
+        shot.focus.add_point(CAMERA, name, on_table(name, place))
+        shot.focus.set_key(CAMERA, name, "weight", start, before)
+        shot.focus.set_key(CAMERA, name, "weight", end, 1 - before)
+    shot.focus.set(CAMERA, mode="points")
     return shot
 
 
 def distances_m(shot: Shot, times: list[float]) -> np.ndarray:
-    return np.array([shot.readout(CAMERA, time).focus_distance_m for time in times])
+    return np.array([shot.focus.read(CAMERA, time).focus_distance_m for time in times])
 
 
 def test_the_first_frames_of_a_long_shot_are_followed_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,18 +45,18 @@ def test_the_first_frames_of_a_long_shot_are_followed_too(tmp_path: Path, monkey
     shot = racked_shot(tmp_path, 6, 12, last=150)
     first_frames = [1.0, 6.0, 140.0]
     level = distances_m(shot, first_frames)
-    shot.set_focus(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag=0.3)
     assert distances_m(shot, first_frames) == pytest.approx(level, rel=1e-6)
-    in_one = shot.focus_curve(CAMERA, list(range(1, 151))).focus_distance_m
+    in_one = shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m
     monkeypatch.setattr(camera_focus, "MAX_FOLLOWED_FRAMES", 1000)
-    shot.set_focus(CAMERA, lag=0.3001)
-    shot.set_focus(CAMERA, lag=0.3)
-    assert in_one == pytest.approx(shot.focus_curve(CAMERA, list(range(1, 151))).focus_distance_m, rel=1e-6)
+    shot.focus.set(CAMERA, lag=0.3001)
+    shot.focus.set(CAMERA, lag=0.3)
+    assert in_one == pytest.approx(shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m, rel=1e-6)
 
 
 def test_what_was_looked_at_beyond_the_shot_changes_nothing_in_it(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, -20, -10)
-    shot.set_focus(CAMERA, lag=3.0)
+    shot.focus.set(CAMERA, lag=3.0)
     before = distances_m(shot, [2.0, 20.0])
     assert before[0] == pytest.approx(before[1], rel=1e-6)  # the hand is settled at the shot's first frame
     beyond = distances_m(shot, [-15.0, -30.0, 40.0])
@@ -68,7 +68,7 @@ def test_a_time_far_beyond_the_shot_is_answered_from_the_frames_about_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shot = racked_shot(tmp_path, 6, 12)
-    shot.set_focus(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag=0.3)
     frames: list[int] = []
 
     def counted(reading: FocusReading) -> FocusTrack:
@@ -84,16 +84,16 @@ def test_a_time_far_beyond_the_shot_is_answered_from_the_frames_about_it(
 @pytest.mark.parametrize("seconds_off", [0.0, 0.5])
 def test_smoothing_is_exact_at_keys_between_frames(tmp_path: Path, seconds_off: float) -> None:
     shot = racked_shot(tmp_path, 6 + seconds_off, 12 + seconds_off)
-    shot.set_key(CAMERA, "far", "weight", 9 + seconds_off, 0.9)
+    shot.focus.set_key(CAMERA, "far", "weight", 9 + seconds_off, 0.9)
     key_times = [6 + seconds_off, 9 + seconds_off, 12 + seconds_off]
     wanted = distances_m(shot, key_times)
-    shot.set_focus(CAMERA, smoothing=0.3)
+    shot.focus.set(CAMERA, smoothing=0.3)
     assert distances_m(shot, key_times) == pytest.approx(wanted, rel=1e-9)
 
 
 def test_a_range_that_is_turned_about_has_its_first_frame(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, 6, 12, first=24, last=1)
-    shot.set_focus(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag=0.3)
     assert all(math.isfinite(distance) for distance in distances_m(shot, [1.0, 10.0, 24.0]))
 
 
@@ -101,34 +101,34 @@ def test_what_the_lens_could_not_do_is_flagged_and_nothing_else(tmp_path: Path) 
     """A ring of 300 degrees from 0.5 m on, turned by 60 degrees in a second, takes longer than 6 frames."""
     shot = racked_shot(tmp_path, 6, 12)
     frames = list(range(1, 200))
-    shot.set_focus(CAMERA, lag=0.1)
-    assert not shot.focus_curve(CAMERA, frames).limited.any()  # to come late is what was asked for
-    with Usd.EditContext(shot.stage, shot.edit_layer):
+    shot.focus.set(CAMERA, lag=0.1)
+    assert not shot.focus.curve(CAMERA, frames).limited.any()  # to come late is what was asked for
+    with Usd.EditContext(shot.stage, shot.edits.layer):
         LensCamera(shot.stage.GetPrimAtPath(CAMERA)).lens.author(LensData(close_focus=500.0, focus_throw=300.0))
-    shot.set_focus(CAMERA, lag=0.0, max_speed=60.0)
-    limited = shot.focus_curve(CAMERA, frames).limited
+    shot.focus.set(CAMERA, lag=0.0, max_speed=60.0)
+    limited = shot.focus.curve(CAMERA, frames).limited
     assert limited[12]
     assert not limited[:5].any()
     assert not limited[-1]
-    assert "slower" in shot.readout(CAMERA, 13).note
+    assert "slower" in shot.focus.read(CAMERA, 13).note
 
 
 def test_points_that_fix_less_than_a_plane_are_told_and_no_limit(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, 6, 12)
-    shot.set_focus(CAMERA, mode="tiltPlane")
-    readout = shot.readout(CAMERA, 9)
+    shot.focus.set(CAMERA, mode="tiltPlane")
+    readout = shot.focus.read(CAMERA, 9)
     assert "on one line of the picture" in readout.reason
     assert not readout.note
-    assert not shot.focus_curve(CAMERA, [9.0]).limited[0]
+    assert not shot.focus.curve(CAMERA, [9.0]).limited[0]
 
 
 def test_the_circles_of_a_curve_are_those_of_the_points(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, 6, 12)
-    shot.add_focus_point(CAMERA, "behind", on_table("behind", (0.0, 0.0, 5.0)))
-    shot.set_focus(CAMERA, mode="surface", expressive=0.5)
-    curve = shot.focus_curve(CAMERA, [1.0, 9.0])
+    shot.focus.add_point(CAMERA, "behind", on_table("behind", (0.0, 0.0, 5.0)))
+    shot.focus.set(CAMERA, mode="surface", expressive=0.5)
+    curve = shot.focus.curve(CAMERA, [1.0, 9.0])
     for i, time in enumerate((1.0, 9.0)):
-        told = [point.coc_mm for point in shot.focus_points(CAMERA, time)]
+        told = [point.coc_mm for point in shot.focus.points(CAMERA, time)]
         assert [track.coc_mm[i] for track in curve.points] == pytest.approx(told, nan_ok=True)
         assert math.isnan(told[2])
         assert max(told[:2]) > 0.01

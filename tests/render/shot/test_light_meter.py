@@ -17,7 +17,7 @@ from render.frame import FrameRenderer, FrameSettings
 from render.optics.photometry.exposure import MIDDLE_GREY
 from render.pictures.picture import make_picture
 from render.shot import Shot
-from render.shot.exposure.light_meter import LightMeter
+from render.shot.light_meter import LightMeter
 from usd_schemas import FocusPoint, LensCamera
 from usd_schemas.applying import apply
 
@@ -175,10 +175,10 @@ def test_what_is_not_in_the_picture_or_black_leaves_the_exposure_as_it_is_set(
 def test_what_was_read_is_kept_until_the_scene_changes(renderer: FrameRenderer, tmp_path: Path) -> None:
     shot = open_shot(tmp_path, {1: 0.4}, film_metering_mode="average")
     exposed(renderer, shot, 24.0, PICTURE)
-    known = dict(shot.readings)
-    shot.set_camera(CAMERA, f_stop=2.0, focus_distance_m=7.0)
+    known = dict(shot.exposure.meter_cache)
+    shot.camera.set(CAMERA, f_stop=2.0, focus_distance_m=7.0)
     exposed(renderer, shot, 24.0, PICTURE)
-    assert shot.readings == known
+    assert shot.exposure.meter_cache == known
     shot.stage.GetPrimAtPath("/dome").GetAttribute("inputs:intensity").Set(0.8, 1)
     assert exposed(renderer, shot, 24.0, PICTURE) == pytest.approx(MIDDLE_GREY, rel=1e-5)
 
@@ -188,14 +188,14 @@ def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_p
     shot = open_shot(tmp_path, flickering(), film_metering_mode="average")
     meter = LightMeter(renderer, shot, CAMERA)
     said = [meter.metered(float(n)) for n in range(1, LAST + 1, 6)]
-    shot.key_exposure(CAMERA, said, held=held)
+    shot.exposure.key(CAMERA, said, held=held)
     assert meter.asked(1.0).mode == "manual"
     attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("exposure")
     keyed = [attribute.Get(one.time) for one in said]
     wanted = [one.compensation_stops for one in said]
     assert attribute.HasSpline() != held
     assert keyed == pytest.approx([sum(wanted) / len(wanted)] * len(wanted) if held else wanted, abs=0.006)
-    shot.undo()
+    shot.edits.undo()
     assert meter.asked(1.0).mode == "average"
 
 

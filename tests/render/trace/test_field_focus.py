@@ -98,7 +98,7 @@ def test_a_thin_lens_and_a_pinhole_have_no_shift() -> None:
 @pytest.fixture
 def shot(tmp_path: Path) -> Shot:
     made = Shot.open(write_table(tmp_path / "table.usda"))
-    made.mount_lens(CAMERA, choose_lens("double_gauss_50"))
+    made.camera.mount_lens(CAMERA, choose_lens("double_gauss_50"))
     return made
 
 
@@ -117,12 +117,12 @@ def test_a_focused_point_is_sharp_in_readout_and_picture(
     shot: Shot, renderer: FrameRenderer, mode: str, names: list[str]
 ) -> None:
     for name in names:
-        shot.add_focus_point(CAMERA, name, on_table(name, PLACES[name]))
-    shot.set_focus(CAMERA, mode=mode, max_angle=40.0)
+        shot.focus.add_point(CAMERA, name, on_table(name, PLACES[name]))
+    shot.focus.set(CAMERA, mode=mode, max_angle=40.0)
     camera = shot.camera_at(CAMERA, 1, WIDTH, HEIGHT)
     settings = FrameSettings(WIDTH, HEIGHT, rays=1, aovs=("color", "coc"))
     aovs = renderer.render(shot.scene_at(1), camera, settings).aovs
-    for placed in shot.focus_points(CAMERA, 1):
+    for placed in shot.focus.points(CAMERA, 1):
         assert placed.state == "used"
         told_px = placed.coc_mm / 2 * WIDTH / 36
         assert told_px < 0.15, placed.point.name
@@ -131,13 +131,13 @@ def test_a_focused_point_is_sharp_in_readout_and_picture(
 
 def test_a_point_off_the_axis_is_focused_by_the_curved_field(shot: Shot) -> None:
     """By hand on its own depth it is soft; by its point it is sharp, and the plane on the axis lies elsewhere."""
-    shot.add_focus_point(CAMERA, "left", on_table("left", ON_TABLE["left"]))
-    shot.set_focus(CAMERA, mode="points")
-    by_point = shot.focus_points(CAMERA, 1)[0]
-    distance_m = shot.readout(CAMERA, 1).focus_distance_m
+    shot.focus.add_point(CAMERA, "left", on_table("left", ON_TABLE["left"]))
+    shot.focus.set(CAMERA, mode="points")
+    by_point = shot.focus.points(CAMERA, 1)[0]
+    distance_m = shot.focus.read(CAMERA, 1).focus_distance_m
     assert abs(1 / distance_m - 1 / by_point.depth_m) > 0.005
-    shot.set_focus(CAMERA, mode="manual")
-    shot.set_camera(CAMERA, focus_distance_m=by_point.depth_m)
-    by_hand = shot.focus_points(CAMERA, 1)[0]
+    shot.focus.set(CAMERA, mode="manual")
+    shot.camera.set(CAMERA, focus_distance_m=by_point.depth_m)
+    by_hand = shot.focus.points(CAMERA, 1)[0]
     assert by_point.coc_mm < 0.1 * by_hand.coc_mm
     assert math.isfinite(distance_m)

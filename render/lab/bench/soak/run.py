@@ -140,16 +140,16 @@ class _Soak:
         return float(255 * np.abs(plain.graded - shown.graded).max())
 
     def _focus(self) -> None:
-        self._shot.set_camera(CAMERA, focus_distance_m=self._random.uniform(1.0, 12.0))
+        self._shot.camera.set(CAMERA, focus_distance_m=self._random.uniform(1.0, 12.0))
 
     def _stop(self) -> None:
-        self._shot.set_camera(CAMERA, f_stop=self._random.choice((0.0, 0.7, 1.4, 2.8, 8.0)))
+        self._shot.camera.set(CAMERA, f_stop=self._random.choice((0.0, 0.7, 1.4, 2.8, 8.0)))
 
     def _zoom(self) -> None:
-        self._shot.set_camera(CAMERA, focal_length_mm=self._random.uniform(24, 90))
+        self._shot.camera.set(CAMERA, focal_length_mm=self._random.uniform(24, 90))
 
     def _mode(self) -> None:
-        self._shot.set_camera(CAMERA, focus_mode=self._random.choice(("manual", "points", "tiltPlane", "surface")))
+        self._shot.camera.set(CAMERA, focus_mode=self._random.choice(("manual", "points", "tiltPlane", "surface")))
 
     def _walk(self) -> None:
         place = Gf.Vec3d(self._random.uniform(-1, 1), self._random.uniform(0.5, 1.5), self._random.uniform(1, 2))
@@ -160,16 +160,16 @@ class _Soak:
         self._translate(f"/World/ball{ball}", Gf.Vec3d(self._random.uniform(-2, 2), 0.3, -2.0 - 1.1 * ball))
 
     def _translate(self, path: str, place: Gf.Vec3d) -> None:
-        with self._shot.one_edit(f"move {path}"):
+        with self._shot.edits.transaction(f"move {path}"):
             UsdGeom.Xformable(self._shot.stage.GetPrimAtPath(path)).GetOrderedXformOps()[0].Set(place)
 
     def _hide(self) -> None:
         ball = UsdGeom.Imageable(self._shot.stage.GetPrimAtPath(f"/World/ball{self._random.randrange(1, 4)}"))
-        with self._shot.one_edit("hide or show a ball"):
+        with self._shot.edits.transaction("hide or show a ball"):
             ball.GetVisibilityAttr().Set(self._random.choice(("invisible", "inherited")))
 
     def _expose(self) -> None:
-        self._shot.set_photography(CAMERA, compensation_stops=self._random.uniform(-1, 1))
+        self._shot.exposure.set(CAMERA, compensation_stops=self._random.uniform(-1, 1))
 
     def _scrub(self) -> None:
         self.asked = replace(self.asked, time=self._random.uniform(*FRAMES))
@@ -190,11 +190,11 @@ class _Soak:
 
     def _undo(self) -> None:
         with suppress(PullfocusError):  # there is nothing to undo
-            self._shot.undo()
+            self._shot.edits.undo()
 
     def _redo(self) -> None:
         with suppress(PullfocusError):
-            self._shot.redo()
+            self._shot.edits.redo()
 
 
 def measure(plan: SoakPlan) -> SoakBench:

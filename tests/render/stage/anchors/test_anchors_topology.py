@@ -46,8 +46,8 @@ def placed(folder: Path) -> Path:
     export(folder / "character.usda")
     shot = Shot.open(shot_of(folder))
     point = FocusPoint("hero", ("/body",), face=20, fan_triangle=1, barycentric=(0.2, 0.3, 0.5))
-    assert shot.add_focus_point("/cam", "hero", point).topology
-    shot.save_edits(folder / "edits.usda")
+    assert shot.focus.add_point("/cam", "hero", point).topology
+    shot.edits.save(folder / "edits.usda")
     return folder / "edits.usda"
 
 
@@ -58,13 +58,13 @@ def topology_findings(shot: Shot) -> list[str]:
 def test_a_reexport_with_the_same_faces_keeps_the_point_where_it_is_on_the_surface(tmp_path: Path) -> None:
     edits = placed(tmp_path)
     before = Shot.open(tmp_path / "shot.usda", edits=edits)
-    place = before.focus_points("/cam", 1)[0].position_m
+    place = before.focus.points("/cam", 1)[0].position_m
     assert place is not None
     del before
     assert Sdf.Layer.Find(str(tmp_path / "character.usda")) is None, "who lets go of a shot lets go of its files"
     export(tmp_path / "character.usda", bend=0.5)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)
-    found = shot.focus_points("/cam", 1)[0].position_m
+    found = shot.focus.points("/cam", 1)[0].position_m
     assert found is not None
     np.testing.assert_allclose(found[:2], place[:2], atol=1e-6)
     # the bend is 0.5·x² at the grid's corners and straight between them
@@ -80,8 +80,8 @@ def test_a_reexport_with_other_faces_is_a_finding_and_the_shot_still_focuses(
     edits = placed(tmp_path)
     export(tmp_path / "character.usda", **change)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)
-    assert shot.focus_points("/cam", 1)[0].problem == ""
-    assert shot.readout("/cam", 1).focus_distance_m == pytest.approx(10)
+    assert shot.focus.points("/cam", 1)[0].problem == ""
+    assert shot.focus.read("/cam", 1).focus_distance_m == pytest.approx(10)
     (message,) = topology_findings(shot)
     assert "hero was placed on /body" in message
     assert says in message
@@ -92,9 +92,9 @@ def test_placing_the_point_again_settles_it(tmp_path: Path) -> None:
     export(tmp_path / "character.usda", faces=N + 1)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)
     assert len(topology_findings(shot)) == 1
-    shot.update_focus_point("/cam", "hero", weight=2.0)
+    shot.focus.update_point("/cam", "hero", weight=2.0)
     assert len(topology_findings(shot)) == 1
-    shot.update_focus_point("/cam", "hero", face=21)
+    shot.focus.update_point("/cam", "hero", face=21)
     assert topology_findings(shot) == []
 
 
@@ -102,12 +102,12 @@ def test_a_face_that_is_gone_leaves_the_rest_of_the_shot(tmp_path: Path) -> None
     edits = placed(tmp_path)
     export(tmp_path / "character.usda", faces=2)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)
-    shot.add_focus_point("/cam", "left", FocusPoint("left", ("/body",), face=1, barycentric=(1.0, 0.0, 0.0)))
-    hero, left = shot.focus_points("/cam", 1)
+    shot.focus.add_point("/cam", "left", FocusPoint("left", ("/body",), face=1, barycentric=(1.0, 0.0, 0.0)))
+    hero, left = shot.focus.points("/cam", 1)
     assert "face 20" in hero.problem
     assert left.position_m == (0.5, 0, 0)
     assert {"lost_focus_point", "topology_changed"} <= {finding.code for finding in shot.findings()}
-    assert shot.readout("/cam", 1).source == "points"
+    assert shot.focus.read("/cam", 1).source == "points"
     assert shot.scene_at(1).triangle_count == 8
 
 
@@ -148,5 +148,5 @@ def test_an_instanced_mesh_has_its_prototypes_topology(tmp_path: Path) -> None:
     shot = Shot.open(tmp_path / "s.usda")
     point = FocusPoint("p", ("/dots", "/dots/a"), face=0, instance=0)
     mesh = UsdGeom.Mesh(shot.stage.GetPrimAtPath("/dots/a"))
-    assert shot.add_focus_point("/cam", "p", point).topology == topology_fingerprint(mesh)
+    assert shot.focus.add_point("/cam", "p", point).topology == topology_fingerprint(mesh)
     assert LensCamera(shot.stage.GetPrimAtPath("/cam")).focus_point("p").read().topology == topology_fingerprint(mesh)

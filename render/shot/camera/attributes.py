@@ -14,9 +14,11 @@ from render.errors import NotFoundError, SettingsError
 from render.focus.curve import FAR_AWAY_M
 from render.near_names import hint
 from render.optics.photometry.exposure import check_positive
-from render.shot.edits.edit_layer import set_value
+from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
+from render.shot.times import check_time
 from usd_schemas import FilmData, FocusData, Key, LensCamera, TiltShiftData
 from usd_schemas.applying import applied
+from usd_schemas.binding import property_values
 from usd_schemas.keys import keys, remove_key, set_key
 from usd_schemas.units import tenths_from_mm, units_from_metres
 from usd_schemas.values import read_value
@@ -30,6 +32,19 @@ FOCUS_SETTINGS = {
     for item in fields(kind)
 }
 """What schemas bring, by the names of their fields: schema and property."""
+
+
+def _film_properties(kind: type = FilmData, group: str = "") -> Iterator[tuple[str, tuple[str, str]]]:
+    for item in fields(kind):
+        if "group" in item.metadata:
+            yield from _film_properties(item.metadata["group"], f"{item.name}_")
+        elif "usd" in item.metadata:
+            yield f"{group}{item.name}", ("FilmAPI", item.metadata["usd"])
+
+
+_FILM_API = dict(_film_properties())
+_EXPOSING = ("exposure_", "shutter_", "metering_")
+"""Prefixes of the settings of FilmAPI that are about exposure."""
 
 EXPOSURE_SETTINGS = {
     "exposure_time_s": ("", "exposure:time"),
@@ -46,24 +61,16 @@ EXPOSURE_SETTINGS = {
     "flare_ghosts": ("LensAPI", "lens:flare:ghosts"),
     "flare_star": ("LensAPI", "lens:flare:star"),
     "breathing": ("LensAPI", "lens:breathing"),
-}
-"""How much light falls on the film, and when, stray light too: schema, empty for what every USD camera has, and property."""
+} | {name: usd for name, usd in _FILM_API.items() if name.startswith(_EXPOSING)}
+"""Light on the film (stray light too), shutter and metering: schema, empty for what every USD camera has, and property."""
 
-
-def _film_properties(kind: type = FilmData, group: str = "") -> Iterator[tuple[str, tuple[str, str]]]:
-    for item in fields(kind):
-        if "group" in item.metadata:
-            yield from _film_properties(item.metadata["group"], f"{item.name}_")
-        elif "usd" in item.metadata:
-            yield f"{group}{item.name}", ("FilmAPI", item.metadata["usd"])
-
-
-FILM_SETTINGS = dict(_film_properties())
-"""FilmAPI by the names of `FilmData`'s fields, those of its groups after the group's: ``push``, ``grain_amount``."""
+FILM_SETTINGS = {name: usd for name, usd in _FILM_API.items() if name not in EXPOSURE_SETTINGS}
+"""The rest of FilmAPI by the names of `FilmData`'s fields, those of its groups after the group's: ``push``, ``grain_amount``."""
 
 _SETTINGS = (
     {name: ("", usd) for name, usd in LENS_SETTINGS.items()} | FOCUS_SETTINGS | EXPOSURE_SETTINGS | FILM_SETTINGS
 )
+_LABELS = {"f_stop": "f-number", "focal_length_mm": "focal length", "focus_distance_m": "focus distance"}
 _POSITIVE = ("exposure_time_s", "iso", "exposure_f_stop", "responsivity")
 
 
@@ -190,6 +197,47 @@ def author_settings(camera: LensCamera, values: Mapping[str, Any], time: float |
     """
     for name, value in values.items():
         CameraAttribute(camera, name).set(value, time)
+
+
+def read_settings(camera: LensCamera, settings: Mapping[str, tuple[str, str]], time: float) -> dict[str, Any]:
+    """Read some of a camera's settings; one whose schema is not applied has the schema's default.
+
+    Args:
+        camera: the camera.
+        settings: by name: schema, and property.
+        time: USD time code.
+
+    Raises:
+        SettingsError: a value has no meaning, or the time is not finite.
+    """
+    with schema_errors_as_settings():
+        schemas = dict(property_values(camera.film.read(check_time(time)))) | dict(
+            property_values(camera.lens.read(time))
+        )
+    return {
+        name: schemas[usd] if schema else CameraAttribute(camera, name).value(time)
+        for name, (schema, usd) in settings.items()
+    }
+
+
+def set_focus_mode(camera: LensCamera, mode: str) -> None:
+    """Author what decides the focus in the stage's edit target, unless the camera has that mode already.
+
+    Args:
+        camera: the camera.
+        mode: manual, points, tiltPlane or surface.
+
+    Raises:
+        SchemaError: it is none of these.
+    """
+    focus = camera.focus.read()
+    if mode != focus.mode:
+        camera.focus.author(replace(focus, mode=mode))  # type: ignore[arg-type]
+
+
+def setting_label(name: str) -> str:
+    """A setting's name as the labels of edits have it."""
+    return _LABELS.get(name, name.replace("_", " "))
 
 
 def _check_lens_setting(name: str, value: float) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast, get_args
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -25,12 +25,13 @@ from render.model.lens import Lens
 from render.near_names import hint
 from render.optics.distortion import seen_at, shown_at
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS, ExposureSettings
-from render.optics.photometry.metering import SPOT_ANGLE_RAD, MeterMode, Reading, meter, smoothed_keys
+from render.optics.photometry.metering import SPOT_ANGLE_RAD, MeterMode, meter, smoothed_keys
 from render.optics.view import PinholeView
+from render.shot.exposure.metering import Metered, Place, check_metering
 from render.shot.exposure.readout import ExposureReadout
-from render.shot.view import ShotView
-from render.stage import quiet_diagnostics, read_camera
-from usd_schemas import LensCamera, Metering, SchemaError
+from render.shot.shot import Shot
+from render.stage import read_camera
+from usd_schemas import Metering
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import FrameRenderer
@@ -39,7 +40,6 @@ PICTURE_PX = 96
 SPOT_PX = 12
 _QUICK = FrameSettings(PICTURE_PX, 1, engine="pinhole", rays=4, layers=1)
 _REACH = 4.0  # standard deviations of the bell, beyond which nothing counts
-Place = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -50,49 +50,13 @@ class _Spot:
     straight: Place
 
 
-@dataclass(frozen=True)
-class Metered:
-    """What the meter says at a time.
-
-    Attributes:
-        time: USD time code.
-        mode: what it looks at.
-        place: in the picture, of a spot: (0, 0) is its top left corner and (1, 1) the bottom right one; None where the
-            spot is not in it, and for the other modes.
-        reading: of that very time, with the exposure as it is set.
-        exposure: as it is set.
-        compensation_stops: in place of the present one: what makes the metered light middle grey, and as much brighter as is
-            asked for, smoothed over time. NaN where all is black.
-    """
-
-    time: float
-    mode: MeterMode
-    place: Place | None
-    reading: Reading
-    exposure: ExposureReadout
-    compensation_stops: float
-
-    @property
-    def lux_on_film(self) -> float:
-        """Illuminance of the film by what was metered."""
-        return float(self.exposure.lux_on_film(self.reading.luminance_nits))
-
-    @property
-    def exposed(self) -> ExposureReadout:
-        """The exposure with the meter's compensation; as it is set where all is black."""
-        if math.isnan(self.compensation_stops):
-            return self.exposure
-        settings = replace(self.exposure.settings, compensation_stops=self.compensation_stops)
-        return replace(self.exposure, settings=settings)
-
-
 class LightMeter:
     """Meters one camera of a shot. What it has read is kept for as long as the scene stays as it is."""
 
     def __init__(
         self,
         renderer: FrameRenderer,
-        shot: ShotView,
+        shot: Shot,
         camera_path: str | None,
         shading: str = "lit",
         **asked: Any,
@@ -114,7 +78,7 @@ class LightMeter:
         path = choice.path if choice else camera_path
         if path is None:
             raise CameraError("a light meter needs a camera, and the stage has none to prefer", code="no_camera")
-        _check(Metering(**asked))
+        check_metering(Metering(**asked))
         self._renderer, self._shot, self._path, self._changes = renderer, shot, path, asked
         self._settings = replace(_QUICK, shading=shading)
 
@@ -124,7 +88,7 @@ class LightMeter:
         Raises:
             CameraError: the shot asks what has no meaning.
         """
-        return replace(metering_of(self._shot, self._path, time), **self._changes)
+        return replace(self._shot.exposure.metering(self._path, time), **self._changes)
 
     def metered(self, time: float) -> Metered:
         """What the meter says at a time.
@@ -140,7 +104,7 @@ class LightMeter:
         asked = self.asked(time)
         if asked.mode == "manual":
             raise SettingsError("a meter looks at a spot, the center or the average of the picture, got manual")
-        exposure = self._shot.exposure(self._path, time)
+        exposure = self._shot.exposure.read(self._path, time)
         seen = self._luminance(time)
         spot = self._spot(time, asked)
         return Metered(
@@ -186,7 +150,7 @@ class LightMeter:
             camera, width = _towards(camera, spot.straight), SPOT_PX
         height = max(1, round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm))
         settings = replace(self._settings, width=width, height=height)
-        kept, key = self._shot.readings, (time, asked.mode, settings, _eye(camera))
+        kept, key = self._shot.exposure.meter_cache, (time, asked.mode, settings, _eye(camera))
         if key not in kept:
             picture = self._renderer.render(self._shot.scene_at(time), camera, settings).color
             kept[key] = _mean(picture, mode)
@@ -206,7 +170,7 @@ class LightMeter:
         return _Spot((shown[0], shown[1]), straight) if all(0 <= side <= 1 for side in shown) else None
 
     def _point(self, time: float, name: str, view: PinholeView) -> Place:
-        points = {placed.point.name: placed for placed in self._shot.focus_points(self._path, time)}
+        points = {placed.point.name: placed for placed in self._shot.focus.points(self._path, time)}
         if name not in points:
             raise SettingsError(f"no focus point to meter is named {name!r}: {hint(name, points)}", code="bad_meter")
         position_m = points[name].position_m
@@ -214,31 +178,7 @@ class LightMeter:
         return float(places[0, 0]), float(places[0, 1])
 
 
-def metering_of(shot: ShotView, camera_path: str, time: float) -> Metering:
-    """What a camera asks of a meter.
-
-    Args:
-        shot: the shot.
-        camera_path: of the camera.
-        time: USD time code.
-
-    Raises:
-        CameraError: it is no camera, or says what has no meaning.
-    """
-    prim = shot.stage.GetPrimAtPath(camera_path)
-    try:
-        with quiet_diagnostics():
-            asked = LensCamera(prim).film.read(time).metering
-    except SchemaError as error:
-        raise CameraError(str(error), path=camera_path) from error
-    try:
-        _check(asked)
-    except SettingsError as error:  # the numbers are the shot's, not the caller's
-        raise CameraError(f"camera {camera_path}: {error.detail}", code=error.code, path=camera_path) from error
-    return asked
-
-
-def auto_exposed(renderer: FrameRenderer, shot: ShotView, camera: Camera, time: float, shading: str = "lit") -> Camera:
+def auto_exposed(renderer: FrameRenderer, shot: Shot, camera: Camera, time: float, shading: str = "lit") -> Camera:
     """A camera whose exposure is the meter's, where it asks for one; else as it is.
 
     Args:
@@ -254,7 +194,7 @@ def auto_exposed(renderer: FrameRenderer, shot: ShotView, camera: Camera, time: 
     """
     if not camera.path:
         return camera
-    asked = metering_of(shot, camera.path, time)
+    asked = shot.exposure.metering(camera.path, time)
     if asked.mode == "manual":
         return camera
     try:
@@ -262,23 +202,6 @@ def auto_exposed(renderer: FrameRenderer, shot: ShotView, camera: Camera, time: 
     except SettingsError as error:  # what is asked is the shot's fault, not the caller's
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
     return replace(camera, exposure_scale=said.exposed.exposure_scale)
-
-
-def _check(asked: Metering) -> None:
-    """Raise `SettingsError` for what no meter can do."""
-    if asked.mode not in ("manual", *get_args(MeterMode)):
-        raise SettingsError(
-            f"metering must be one of manual, {', '.join(get_args(MeterMode))}, got {asked.mode}", code="bad_meter"
-        )
-    if not (asked.smoothing > 0 and math.isfinite(asked.smoothing)):
-        raise SettingsError(f"the smoothing of metering must be above 0 s, got {asked.smoothing:g}", code="bad_meter")
-    if not abs(asked.compensation) <= MAX_COMPENSATION_STOPS:
-        limits = f"from -{MAX_COMPENSATION_STOPS} to {MAX_COMPENSATION_STOPS} stops"
-        raise SettingsError(
-            f"the compensation of metering must be {limits}, got {asked.compensation:g}", code="bad_meter"
-        )
-    if not all(map(math.isfinite, asked.spot)):
-        raise SettingsError(f"the spot to meter must be two finite numbers, got {asked.spot}", code="bad_meter")
 
 
 def _mean(picture: FloatArray, mode: MeterMode) -> float:

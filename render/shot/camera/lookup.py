@@ -1,0 +1,96 @@
+"""Cameras and focus points of a stage, found by prim path and name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pxr import Sdf, Usd
+
+from render.errors import CameraError, NotFoundError
+from render.stage import CameraChoice, default_camera, list_cameras
+from usd_schemas import FocusPointView, LensCamera, SchemaError
+
+
+class CameraLookup:
+    """Finds the cameras of one stage.
+
+    Args:
+        stage: the stage.
+        file: the file that was opened, named in errors.
+    """
+
+    def __init__(self, stage: Usd.Stage, file: Path) -> None:
+        self._stage = stage
+        self._file = file
+
+    def paths(self) -> list[str]:
+        """Prim paths of all cameras."""
+        return list_cameras(self._stage)
+
+    def default(self) -> CameraChoice:
+        """The camera that is used when none is named, and why."""
+        return default_camera(self._stage)
+
+    def path(self, camera_path: str | None) -> str:
+        """Return a prim path, that of the default camera for None.
+
+        Raises:
+            CameraError: no camera is named, and there is none to prefer.
+        """
+        path = self.default().path if camera_path is None else camera_path
+        if path is None:
+            known = self.paths()
+            what = f"{len(known)} cameras: name one of {', '.join(known)}" if known else "no camera: add one in a layer"
+            raise CameraError(f"{self._file.name} has {what}", code="no_camera", path=str(self._file))
+        return path
+
+    def camera(self, camera_path: str | None) -> LensCamera:
+        """Return the schema view of a camera. Its numbers are not checked, so that a camera with bad ones can be edited.
+
+        Raises:
+            CameraError: there is no such camera.
+        """
+        path = self.path(camera_path)
+        try:
+            return LensCamera(self._stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else Usd.Prim())
+        except SchemaError as error:
+            known = ", ".join(self.paths()) or "none"
+            raise CameraError(f"there is no camera at {path!r}, the cameras are: {known}", path=path) from error
+
+    def editable(self, camera_path: str | None) -> LensCamera:
+        """Return the schema view of a camera that USD can edit.
+
+        Raises:
+            CameraError: there is no such camera, or it lies in an instance.
+        """
+        camera = self.camera(camera_path)
+        if camera.prim.IsInstanceProxy():
+            path = str(camera.prim.GetPath())
+            raise CameraError(f"camera {path} lies in an instance, which USD lets nobody edit", path=path)
+        return camera
+
+    def point(self, camera_path: str | None, name: str) -> FocusPointView:
+        """Return the schema view of a focus point.
+
+        Raises:
+            CameraError: there is no such camera.
+            NotFoundError: the camera has no such point.
+        """
+        camera = self.camera(camera_path)
+        names = [view.name for view in camera.focus_points()]
+        if name not in names:
+            path = str(camera.prim.GetPath())
+            raise NotFoundError(
+                f"camera {path} has no focus point named {name!r}, it has: {', '.join(names) or 'none'}", path=path
+            )
+        return camera.focus_point(name)
+
+    def editable_point(self, camera_path: str | None, name: str) -> FocusPointView:
+        """Return the schema view of a focus point that USD can edit.
+
+        Raises:
+            CameraError: there is no such camera, or it lies in an instance.
+            NotFoundError: the camera has no such point.
+        """
+        self.editable(camera_path)
+        return self.point(camera_path, name)

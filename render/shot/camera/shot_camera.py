@@ -1,0 +1,152 @@
+"""The camera part of a shot: attributes and keys of cameras, and the lens and body that they have."""
+
+from __future__ import annotations
+
+from render.shot.camera.attributes import CameraAttribute, author_settings, set_focus_mode, setting_label
+from render.shot.camera.lookup import CameraLookup
+from render.shot.edits.edit_layer import Edits
+from render.shot.lens.lens_choice import LensChoice
+from render.shot.times import check_time
+from usd_schemas import Key, LibraryBody, Mounted, mount_body, mount_lens
+
+
+class ShotCamera:
+    """Cameras of one shot, their focus points aside.
+
+    Args:
+        edits: where edits go.
+        cameras: finds cameras by path.
+    """
+
+    def __init__(self, edits: Edits, cameras: CameraLookup) -> None:
+        self._edits = edits
+        self._cameras = cameras
+
+    def set(
+        self,
+        camera_path: str | None,
+        *,
+        f_stop: float | None = None,
+        focal_length_mm: float | None = None,
+        focus_distance_m: float | None = None,
+        focus_mode: str | None = None,
+        time: float | None = None,
+    ) -> None:
+        """Change the lens. What is None stays as it is.
+
+        A hand on the focus ring wins: with a focus distance and no mode, the mode becomes manual.
+
+        Args:
+            camera_path: of a camera.
+            f_stop: f-number; 0 is a pinhole.
+            focal_length_mm: focal length.
+            focus_distance_m: depth of the plane of focus; infinite is authored as 100 km, since tools disagree on what 0
+                means and a curve through infinity has no middle.
+            focus_mode: manual, points, tiltPlane or surface; it is the same at all times.
+            time: USD time code of the keys; None drops the keys there are and holds the values for all time.
+
+        Raises:
+            SettingsError: a value is out of range, or the time is not finite.
+        """
+        camera = self._cameras.editable(camera_path)
+        mode = focus_mode or ("manual" if focus_distance_m is not None else None)
+        numbers = {"f_stop": f_stop, "focal_length_mm": focal_length_mm, "focus_distance_m": focus_distance_m}
+        given = {name: value for name, value in (numbers | {"focus_mode": focus_mode}).items() if value is not None}
+        with self._edits.transaction(f"set {' and '.join(map(setting_label, given))} of {camera.prim.GetName()}"):
+            author_settings(camera, {name: value for name, value in numbers.items() if value is not None}, time)
+            if mode is not None:
+                set_focus_mode(camera, mode)
+
+    def keys(self, camera_path: str | None, name: str) -> list[Key]:
+        """Keys of one setting of a camera, in order of time.
+
+        Args:
+            camera_path: of a camera.
+            name: such as ``focus_distance_m`` or ``expressive`` (`render.shot.camera.attributes`).
+
+        Raises:
+            SettingsError: there is no such setting.
+        """
+        return CameraAttribute(self._cameras.camera(camera_path), name).keys()
+
+    def set_key(self, camera_path: str | None, name: str, key: Key) -> None:
+        """Set, or replace, a key of one setting of a camera. One of the focus distance makes the focus mode manual.
+
+        Args:
+            camera_path: of a camera.
+            name: such as ``focus_distance_m`` or ``expressive`` (`render.shot.camera.attributes`).
+            key: in this package's units.
+
+        Raises:
+            SettingsError: there is no such setting, or it takes no such key.
+        """
+        camera = self._cameras.editable(camera_path)
+        attribute = CameraAttribute(camera, name)
+        check_time(key.time)
+        with self._edits.transaction(f"key {setting_label(name)} of {camera.prim.GetName()} at {key.time:g}"):
+            attribute.set_key(key)
+            if name == "focus_distance_m":
+                set_focus_mode(camera, "manual")
+
+    def remove_key(self, camera_path: str | None, name: str, time: float) -> None:
+        """Remove a key of one setting of a camera; after the last one its value stays for all time.
+
+        Args:
+            camera_path: of a camera.
+            name: of the setting.
+            time: USD time code.
+
+        Raises:
+            NotFoundError: it has no key at that time.
+            SettingsError: there is no such setting.
+        """
+        camera = self._cameras.editable(camera_path)
+        attribute = CameraAttribute(camera, name)
+        with self._edits.transaction(f"remove the key of {setting_label(name)} of {camera.prim.GetName()} at {time:g}"):
+            attribute.remove_key(time)
+
+    def mount_lens(self, camera_path: str | None, choice: LensChoice) -> Mounted:
+        """Put another lens on a camera, for all time: its glass, its focal length, and no wider an f-number than it has.
+
+        Args:
+            camera_path: of a camera.
+            choice: as `render.shot.lens.lens_choice` gives it.
+
+        Returns:
+            What changed of the camera's own numbers.
+
+        Raises:
+            SettingsError: the lens has a value that USD does not allow.
+        """
+        camera = self._cameras.editable(camera_path)
+        with self._edits.transaction(f"mount a lens on {camera.prim.GetName()}"):
+            return mount_lens(
+                camera,
+                choice.lens,
+                focal_length_mm=choice.focal_length_mm,
+                f_stop=choice.f_stop,
+                aperture=choice.aperture,
+            )
+
+    def mount_body(self, camera_path: str | None, body: LibraryBody) -> None:
+        """Give a camera another body, for all time: its gate, its photosites and its name.
+
+        Args:
+            camera_path: of a camera.
+            body: of the library.
+        """
+        camera = self._cameras.editable(camera_path)
+        with self._edits.transaction(f"put the {body.title} on {camera.prim.GetName()}"):
+            mount_body(camera, body)
+
+    def edited_properties(self, camera_path: str | None) -> tuple[str, ...]:
+        """Edited properties of a camera, its focus points aside, as usda text: the same strings until an edit changes them.
+
+        Args:
+            camera_path: of a camera.
+
+        Raises:
+            CameraError: there is no such camera.
+        """
+        path = self._cameras.camera(camera_path).prim.GetPath()
+        return (str(path), *self._edits.properties(path, lambda name: not name.startswith("focusPoint:")))

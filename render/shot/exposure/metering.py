@@ -1,0 +1,101 @@
+"""Metering settings of a camera, and what a light meter returns (`render.shot.light_meter` takes the readings)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import get_args
+
+from pxr import Usd
+
+from render.errors import CameraError, SettingsError
+from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
+from render.optics.photometry.metering import MeterMode, Reading
+from render.shot.exposure.readout import ExposureReadout
+from render.stage import quiet_diagnostics
+from usd_schemas import LensCamera, Metering, SchemaError
+
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Metered:
+    """What the meter says at a time.
+
+    Attributes:
+        time: USD time code.
+        mode: what it looks at.
+        place: in the picture, of a spot: (0, 0) is its top left corner and (1, 1) the bottom right one; None where the
+            spot is not in it, and for the other modes.
+        reading: of that very time, with the exposure as it is set.
+        exposure: as it is set.
+        compensation_stops: in place of the present one: what makes the metered light middle grey, and as much brighter as is
+            asked for, smoothed over time. NaN where all is black.
+    """
+
+    time: float
+    mode: MeterMode
+    place: Place | None
+    reading: Reading
+    exposure: ExposureReadout
+    compensation_stops: float
+
+    @property
+    def lux_on_film(self) -> float:
+        """Illuminance of the film by what was metered."""
+        return float(self.exposure.lux_on_film(self.reading.luminance_nits))
+
+    @property
+    def exposed(self) -> ExposureReadout:
+        """The exposure with the meter's compensation; as it is set where all is black."""
+        if math.isnan(self.compensation_stops):
+            return self.exposure
+        settings = replace(self.exposure.settings, compensation_stops=self.compensation_stops)
+        return replace(self.exposure, settings=settings)
+
+
+def read_metering(stage: Usd.Stage, camera_path: str, time: float) -> Metering:
+    """Read the metering settings of a camera.
+
+    Args:
+        stage: the shot.
+        camera_path: of the camera.
+        time: USD time code.
+
+    Raises:
+        CameraError: it is no camera, or says what has no meaning.
+    """
+    prim = stage.GetPrimAtPath(camera_path)
+    try:
+        with quiet_diagnostics():
+            metering = LensCamera(prim).film.read(time).metering
+    except SchemaError as error:
+        raise CameraError(str(error), path=camera_path) from error
+    try:
+        check_metering(metering)
+    except SettingsError as error:  # the numbers are the shot's, not the caller's
+        raise CameraError(f"camera {camera_path}: {error.detail}", code=error.code, path=camera_path) from error
+    return metering
+
+
+def check_metering(metering: Metering) -> None:
+    """Check metering settings.
+
+    Raises:
+        SettingsError: a value has no meaning.
+    """
+    if metering.mode not in ("manual", *get_args(MeterMode)):
+        raise SettingsError(
+            f"metering must be one of manual, {', '.join(get_args(MeterMode))}, got {metering.mode}", code="bad_meter"
+        )
+    if not (metering.smoothing > 0 and math.isfinite(metering.smoothing)):
+        raise SettingsError(
+            f"the smoothing of metering must be above 0 s, got {metering.smoothing:g}", code="bad_meter"
+        )
+    if not abs(metering.compensation) <= MAX_COMPENSATION_STOPS:
+        limits = f"from -{MAX_COMPENSATION_STOPS} to {MAX_COMPENSATION_STOPS} stops"
+        raise SettingsError(
+            f"the compensation of metering must be {limits}, got {metering.compensation:g}", code="bad_meter"
+        )
+    if not all(map(math.isfinite, metering.spot)):
+        raise SettingsError(f"the spot to meter must be two finite numbers, got {metering.spot}", code="bad_meter")

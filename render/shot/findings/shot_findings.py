@@ -1,0 +1,60 @@
+"""Findings that reading and focusing a shot have brought up so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pxr import Usd
+
+from render.model.scene import Light
+from render.shot.camera.lookup import CameraLookup
+from render.shot.edits.edit_layer import Edits
+from render.shot.findings.camera_findings import (
+    camera_findings,
+    close_focus_findings,
+    light_findings,
+    lost_point_findings,
+    unmet_findings,
+)
+from render.shot.focus.focused import Focused
+from render.stage import Finding, StageReader
+
+
+class ShotFindings:
+    """Collects what one shot asks for that is not honoured or cannot be used. It is a `FocusObserver`.
+
+    Args:
+        stage: the shot.
+        edits: findings of the focus hold until the next edit.
+        cameras: finds the stage's cameras.
+        reader: has the findings of the scene.
+    """
+
+    def __init__(self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup, reader: StageReader) -> None:
+        self._stage = stage
+        self._edits = edits
+        self._cameras = cameras
+        self._reader = reader
+        self._lights: tuple[Light, ...] = ()
+        self._focus: dict[Finding, int] = {}  # with the revision of the edits at which each was found
+
+    def all(self) -> list[Finding]:
+        """Every finding so far that still holds."""
+        cameras = camera_findings(self._stage, self._cameras.paths())
+        focus = [finding for finding, revision in self._focus.items() if revision == self._edits.revision]
+        return [*self._reader.findings, *cameras, *light_findings(self._lights), *focus]
+
+    def note_lights(self, lights: tuple[Light, ...]) -> None:
+        """Keep the lights of the scene that was read last."""
+        self._lights = lights
+
+    def note_close_focus(self, focused: Focused) -> None:
+        """Note a camera that is focused nearer than its lens is marked for."""
+        self._note(close_focus_findings(focused))
+
+    def note_points(self, focused: Focused) -> None:
+        """Note focus points that are lost, and a focus that the lens cannot meet."""
+        self._note([*lost_point_findings(focused), *unmet_findings(focused)])
+
+    def _note(self, findings: Iterable[Finding]) -> None:
+        self._focus.update(dict.fromkeys(findings, self._edits.revision))

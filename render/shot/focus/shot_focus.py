@@ -1,0 +1,365 @@
+"""The focus part of a shot: focus points and their keys, racks, focus settings, readouts and focus curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from pxr import Usd
+
+from render.errors import NotFoundError, SettingsError
+from render.focus import FocusCurve
+from render.focus.files import ReadCurve
+from render.focus.racks import Rack
+from render.shot.camera.attributes import FOCUS_SETTINGS, author_settings, set_focus_mode, setting_label
+from render.shot.camera.lookup import CameraLookup
+from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
+from render.shot.focus.anchor import Picked, anchored
+from render.shot.focus.curve_layer import author_curve
+from render.shot.focus.focus_curve import focus_layer, solve_curve
+from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
+from render.shot.focus.rack import pull_rack
+from render.shot.focus.readout import PlacedPoint, Readout, place_points, read_out
+from render.shot.focus.solver import FocusSolver
+from render.shot.times import check_time
+from render.stage import AnchorReader
+from usd_schemas import FocusData, FocusPoint, FocusPointView, Interpolation, Key, Tangents, TiltShiftData
+from usd_schemas.curves import EXACT
+from usd_schemas.racks import WeightRack
+from usd_schemas.topology import topology_under
+
+FOCUS_POINTS = "focusPoint:"
+"""Prefix of the names of all properties of focus points."""
+
+
+class ShotFocus:
+    """Focus of the cameras of one shot.
+
+    Args:
+        stage: the shot.
+        edits: where edits go.
+        cameras: finds cameras by path.
+        anchors: finds focus points on the stage.
+        solver: solves the focus.
+    """
+
+    def __init__(
+        self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup, anchors: AnchorReader, solver: FocusSolver
+    ) -> None:
+        self._stage = stage
+        self._edits = edits
+        self._cameras = cameras
+        self._anchors = anchors
+        self._solver = solver
+
+    def read(self, camera_path: str | None, time: float) -> Readout:
+        """Read focus, f-number, focal length and depth of field.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+        """
+        return read_out(self._solver.solve(camera_path, time))
+
+    def read_at(
+        self,
+        camera_path: str | None,
+        time: float,
+        screen: tuple[float, float],
+        depth_m: float,
+        *,
+        aspect: float | None = None,
+    ) -> PlaceReadout:
+        """Read the depth of field at a place of the picture, and the circle of confusion of a thing there.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            screen: the place: (0, 0) is the top left corner of the picture and (1, 1) the bottom right one.
+            depth_m: of the thing, along the view axis; may be infinite.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+
+        Raises:
+            SettingsError: the place is no number, or the depth is not in front of the camera.
+        """
+        focused = self._solver.solve(camera_path, time)
+        return read_place(focused, self._solver.fit_to_picture(focused, time, aspect), screen, depth_m)
+
+    def read_at_point(
+        self, camera_path: str | None, time: float, name: str, *, aspect: float | None = None
+    ) -> PlaceReadout:
+        """Read the depth of field at a focus point, and its circle of confusion.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            name: of the point.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            InputError: the point has no place, or none in front of the camera.
+        """
+        focused = self._solver.solve(camera_path, time)
+        return read_point(focused, self._solver.fit_to_picture(focused, time, aspect), name)
+
+    def points(self, camera_path: str | None, time: float, *, aspect: float | None = None) -> list[PlacedPoint]:
+        """A camera's focus points as they stand in its picture.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+            aspect: width over height of the picture; None takes the camera's own film gate.
+        """
+        focused = self._solver.solve(camera_path, time)
+        return place_points(focused, self._solver.fit_to_picture(focused, time, aspect))
+
+    def add_point(self, camera_path: str | None, name: str, anchor: Picked | FocusPoint) -> FocusPoint:
+        """Add a focus point; a camera that was focused by hand is focused by its points from then on.
+
+        The faces of the target are noted with the point (`usd_schemas.topology`), so that a re-export with other faces can be
+        detected.
+
+        Args:
+            camera_path: of a camera.
+            name: an identifier (letters, digits and ``_``, no digit first) that no other focus point of the camera has.
+            anchor: what was clicked on, or all of a focus point (its own name does not matter).
+
+        Returns:
+            The point as it was authored.
+
+        Raises:
+            SettingsError: the name is not legal or taken, or a value is not allowed.
+        """
+        camera = self._cameras.editable(camera_path)
+        point = anchor if isinstance(anchor, FocusPoint) else anchored(name, anchor)
+        if any(view.name == name for view in camera.focus_points()):
+            path = str(camera.prim.GetPath())
+            raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)
+        with self._edits.transaction(f"add focus point {name}"):
+            view = camera.add_focus_point(name, replace(point, name=name))
+            if not point.topology:
+                _note_topology(view, None)
+            if camera.focus.read().mode == "manual":
+                set_focus_mode(camera, "points")
+        return view.read()
+
+    def update_point(
+        self, camera_path: str | None, name: str, *, time: float | None = None, **changes: Any
+    ) -> FocusPoint:
+        """Change some fields of a focus point.
+
+        A field that has keys gets one at the time; a field that has none is changed for all time. Where the target or its face
+        changes and no topology is given, the faces of the new target are noted.
+
+        Args:
+            camera_path: of a camera.
+            name: of the focus point.
+            time: USD time code, needed where a field has keys.
+            changes: new values by the names of `FocusPoint`'s fields.
+
+        Returns:
+            The point as it is afterwards, at the time.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: a value or a field is not allowed, or a field has keys and no time is given.
+        """
+        view = self._cameras.editable_point(camera_path, name)
+        unknown = set(changes) - (set(FocusPoint.__dataclass_fields__) - {"name"})
+        if unknown:
+            raise SettingsError(f"focus points have no {', '.join(sorted(unknown))} to change", code="bad_field")
+        keyed = {field for field in changes if time is not None and field != "target" and view.keys(field)}
+        with self._edits.transaction(f"set {', '.join(changes)} of focus point {name}"):
+            if keyed:
+                view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
+            view.author(replace(view.read(), **{field: v for field, v in changes.items() if field not in keyed}))
+            if changes.keys() & {"target", "face", "fan_triangle"} and "topology" not in changes:
+                _note_topology(view, time)
+        return view.read(time)
+
+    def remove_point(self, camera_path: str | None, name: str) -> None:
+        """Remove a focus point.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+        """
+        self._cameras.editable_point(camera_path, name)
+        with self._edits.transaction(f"remove focus point {name}"):
+            self._cameras.editable(camera_path).remove_focus_point(name)
+
+    def keys(self, camera_path: str | None, name: str, attribute: str) -> list[Key]:
+        """Keys of one attribute of a focus point, such as ``weight`` or ``enabled``, in order of time.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: a focus point has no such attribute.
+        """
+        with schema_errors_as_settings():
+            return self._cameras.point(camera_path, name).keys(attribute)
+
+    def set_key(
+        self,
+        camera_path: str | None,
+        name: str,
+        attribute: str,
+        time: float,
+        value: Any,
+        interpolation: Interpolation | None = None,
+        tangents: Tangents | None = None,
+    ) -> None:
+        """Set, or replace, a key of one attribute of a focus point.
+
+        Args:
+            camera_path: of a camera.
+            name: of the focus point.
+            attribute: such as ``weight`` or ``enabled``; target, kind and topology take no keys.
+            time: USD time code.
+            value: in the attribute's own unit.
+            interpolation: how the value goes on to the next key: linear, held, bezier or auto; None suits the attribute.
+            tangents: of a bezier key; None gives it those that an auto key would have now.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: the attribute takes no such key, value or interpolation, or the time is not finite.
+        """
+        view = self._cameras.editable_point(camera_path, name)
+        with self._edits.transaction(f"key {attribute} of focus point {name} at {time:g}"):
+            view.set_key(attribute, check_time(time), value, interpolation or "linear", tangents)
+
+    def remove_key(self, camera_path: str | None, name: str, attribute: str, time: float) -> None:
+        """Remove a key; after the last one its value stays for all time.
+
+        Raises:
+            NotFoundError: the camera has no such point, or the attribute no key at that time.
+            SettingsError: a focus point has no such attribute.
+        """
+        view = self._cameras.editable_point(camera_path, name)
+        times = [key.time for key in self.keys(camera_path, name, attribute)]
+        if time not in times:
+            known = ", ".join(f"{t:g}" for t in times) or "none"
+            raise NotFoundError(
+                f"{attribute} of focus point {name!r} has no key at time {time:g}, its keys are: {known}"
+            )
+        with self._edits.transaction(f"remove the key of {attribute} of focus point {name} at {time:g}"):
+            view.remove_key(attribute, time)
+
+    def rack(self, camera_path: str | None, rack: WeightRack) -> tuple[WeightRack, Rack]:
+        """Take the focus from one focus point to another, by keys of their weights.
+
+        Args:
+            camera_path: of a camera.
+            rack: from which to which, when, and how.
+
+        Returns:
+            The rack as authored, which ends later where the hand cannot turn the ring that fast, and what the lens does.
+
+        Raises:
+            NotFoundError: the camera has no such point.
+            SettingsError: the rack makes no sense, or contradicts keys that are there.
+            InputError: the target of a point is missing.
+        """
+        for name in (rack.from_point, rack.to_point):
+            self._cameras.editable_point(camera_path, name)
+        with self._edits.transaction(f"rack from {rack.from_point} to {rack.to_point}"):
+            return pull_rack(self._stage, self._anchors, self._cameras.path(camera_path), rack)
+
+    def settings(self, camera_path: str | None, time: float) -> tuple[FocusData, TiltShiftData]:
+        """How a camera's focus is found, and how its lens is tilted.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+        """
+        camera = self._cameras.camera(camera_path)
+        with schema_errors_as_settings():
+            return camera.focus.read(check_time(time)), camera.tilt_shift.read(time)
+
+    def set(self, camera_path: str | None, *, time: float | None = None, **settings: Any) -> None:
+        """Change how a camera's focus is found, or how its lens is tilted.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code of the keys; None drops the keys there are and holds the values for all time. Modes and other
+                words hold for all time either way.
+            settings: by the names of the fields of `FocusData` and `TiltShiftData`.
+
+        Raises:
+            SettingsError: there is no such setting, a value is out of range, or the time is not finite.
+        """
+        camera = self._cameras.editable(camera_path)
+        unknown = set(settings) - set(FOCUS_SETTINGS)
+        if unknown:
+            raise SettingsError(f"the focus has no {', '.join(sorted(unknown))} to set", code="bad_field")
+        labels = ", ".join(map(setting_label, settings))
+        with self._edits.transaction(f"set {labels} of {camera.prim.GetName()}"):
+            author_settings(camera, settings, time)
+
+    def curve(self, camera_path: str | None, frames: Sequence[float]) -> FocusCurve:
+        """Solve the focus curve: the lens over some frames.
+
+        Args:
+            camera_path: of a camera.
+            frames: rising USD time codes.
+
+        Raises:
+            SettingsError: there are no frames, too many, or they do not rise.
+        """
+        path = self._cameras.path(camera_path)
+        return solve_curve(self._stage, path, frames, lambda times: self._solver.solve_over(path, times))
+
+    def layer(
+        self, camera_path: str | None, frames: Sequence[float], baked: bool = False, tolerance: float = EXACT
+    ) -> str:
+        """Write the focus curve as a USD layer for other tools (usda text), to be sublayered over the shot.
+
+        Args:
+            camera_path: of a camera.
+            frames: rising USD time codes.
+            baked: time samples, for tools that read no splines, in place of native splines.
+            tolerance: how far a spline may be off, relative to the value; more makes fewer knots.
+
+        Raises:
+            SettingsError: there are no frames, too many, or they do not rise; or the tolerance is no share.
+        """
+        return focus_layer(self._stage, self.curve(camera_path, frames), baked=baked, tolerance=tolerance)
+
+    def import_curve(self, camera_path: str | None, read: ReadCurve, *, baked: bool = False) -> None:
+        """Give a camera the focus curve of a file, and let it be focused by hand.
+
+        Args:
+            camera_path: of a camera.
+            read: as `render.shot.focus.curve_import.read_for_shot` reads it.
+            baked: time samples in place of native splines.
+
+        Raises:
+            SettingsError: a value is beyond what the camera's attribute allows.
+        """
+        camera = self._cameras.editable(camera_path)
+        with self._edits.transaction("import a focus curve"):
+            author_curve(camera, read.curve, read.said, baked=baked)
+
+    def edited_properties(self, camera_path: str | None, name: str | None = None) -> tuple[str, ...]:
+        """Edited properties of focus points as usda text: the same strings until an edit changes them.
+
+        Args:
+            camera_path: of a camera.
+            name: of a focus point; None for all of them, and which there are.
+
+        Raises:
+            CameraError: there is no such camera.
+            NotFoundError: it has no such point.
+        """
+        camera = self._cameras.camera(camera_path)
+        path = camera.prim.GetPath()
+        if name is None:
+            names = [view.name for view in camera.focus_points()]
+            return (str(path), *names, *self._edits.properties(path, lambda name: name.startswith(FOCUS_POINTS)))
+        prefix = f"{FOCUS_POINTS}{self._cameras.point(camera_path, name).name}:"
+        return (str(path), name, *self._edits.properties(path, lambda name: name.startswith(prefix)))
+
+
+def _note_topology(view: FocusPointView, time: float | None) -> None:
+    """Note with a focus point the faces of the mesh that it is on at a time."""
+    view.author(replace(view.read(), topology=topology_under(view.prim.GetStage(), view.read(time))))

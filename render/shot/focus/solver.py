@@ -1,0 +1,101 @@
+"""Cameras of a shot with their focus solved: what the parts of `Shot` read, and what pictures are taken with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from pxr import Usd
+
+from render.model.scene import Camera
+from render.shot.camera.lookup import CameraLookup
+from render.shot.edits.edit_layer import Edits
+from render.shot.focus.camera_focus import CameraFocus
+from render.shot.focus.focused import Focused, without_points
+from render.shot.times import check_time
+from render.stage import conformed, read_camera
+
+
+class FocusObserver(Protocol):
+    """Receives each solved camera, such as to collect findings."""
+
+    def note_close_focus(self, focused: Focused) -> None:
+        """Receive a camera that was solved at one time."""
+
+    def note_points(self, focused: Focused) -> None:
+        """Receive a camera that was solved at one time, or at one of many."""
+
+
+class FocusSolver:
+    """Solves the focus of the cameras of one shot.
+
+    Args:
+        stage: the shot.
+        edits: their revision tells which earlier solutions still hold.
+        cameras: finds cameras by path.
+        focus: focuses the stage's cameras.
+        observer: receives each solved camera.
+    """
+
+    def __init__(
+        self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup, focus: CameraFocus, observer: FocusObserver
+    ) -> None:
+        self._stage = stage
+        self._edits = edits
+        self._cameras = cameras
+        self._focus = focus
+        self._observer = observer
+
+    def solve(self, camera_path: str | None, time: float) -> Focused:
+        """Solve the focus of a camera at one time. Where the default camera is a framing camera, it has no focus points.
+
+        Args:
+            camera_path: of a camera.
+            time: USD time code.
+
+        Raises:
+            CameraError: there is no such camera, or its numbers are impossible.
+            SettingsError: the time is not finite.
+        """
+        check_time(time)
+        choice = self._cameras.default() if camera_path is None else None
+        if choice is not None and choice.framing is not None:
+            return without_points(choice.framing)
+        focused = self._focus.at(self._cameras.path(camera_path), time, self._edits.revision)
+        self._observer.note_close_focus(focused)
+        self._observer.note_points(focused)
+        return focused
+
+    def solve_over(self, camera_path: str, times: Sequence[float]) -> list[Focused]:
+        """Solve the focus of a camera at rising times.
+
+        Args:
+            camera_path: of a camera.
+            times: rising USD time codes.
+
+        Raises:
+            CameraError: there is no such camera, or its numbers are impossible.
+        """
+        over = self._focus.over(camera_path, times, self._edits.revision)
+        for focused in over:
+            self._observer.note_points(focused)
+        return over
+
+    def fit_to_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:
+        """Return a solved camera with its film gate conformed to a picture.
+
+        Args:
+            focused: the solved camera.
+            time: USD time code at which it was solved.
+            aspect: width over height of the picture; None keeps the camera's own film gate.
+        """
+        if aspect is None:
+            return focused.camera
+        if not focused.camera.path:
+            return conformed(focused.camera, aspect)
+        picture = read_camera(self._stage, focused.camera.path, time, aspect=aspect)
+        own = focused.camera
+        return replace(
+            picture, focus_distance_m=own.focus_distance_m, f_stop=own.f_stop, focal_surface=own.focal_surface
+        )

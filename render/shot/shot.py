@@ -10,7 +10,8 @@ from typing import Self
 from pxr import Usd
 
 from render.errors import PullfocusError, SettingsError
-from render.model.scene import Camera, Scene
+from render.model.camera import Camera
+from render.model.scene import Scene
 from render.model.shutter import moments
 from render.shot.camera.lookup import CameraLookup
 from render.shot.camera.shot_camera import ShotCamera

@@ -11,7 +11,7 @@ from pxr import Usd
 from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.film.stock import camera_stock
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.shot.camera.attributes import FILM_SETTINGS, author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits

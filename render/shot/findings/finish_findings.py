@@ -8,7 +8,7 @@ from dataclasses import replace
 from pxr import Usd
 
 from render.errors import PullfocusError
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.shot.film.finish import finish_of
 from render.stage import Finding
 from usd_schemas.keys import keys

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from pxr import Usd
 
-from render.model.scene import Camera
+from render.model.camera import Camera
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
 from render.shot.focus.camera_focus import CameraFocus

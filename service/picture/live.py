@@ -67,7 +67,7 @@ def stream_pictures(
         for shown in state.progressive(request.record.id, shot).pictures(preview, is_stale=is_stale):
             yield _encode(shown, settings.width)
             if is_first and unsaved is not None:
-                yield as_readout(shot.readout(request.camera, request.time), request.time)
+                yield as_readout(shot.focus.read(request.camera, request.time), request.time)
             is_first = False
 
 
@@ -78,7 +78,7 @@ def _apply_unsaved(
     camera, time_code = request.camera, request.time
     # Picked before anything is edited: the position is one of the picture that the user sees.
     placed = {name: _pick_anchor(state, shot, request, screen, settings) for name, screen in edit.places.items()}
-    with shot.one_edit("try"):
+    with shot.edits.transaction("try"):
         if edit.camera is not None:
             apply_to_camera(shot, camera, edit.camera)
         if edit.focus is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from render.shot.exposure.light_meter import LightMeter
+from render.shot.light_meter import LightMeter
 from service.models.metering import MeterMode, MeterReading
 from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord

@@ -27,10 +27,10 @@ from service.stage.read_shot import point_fields
 def apply_to_camera(shot: Shot, camera: str | None, edit: CameraEdit) -> None:
     """Set the lens, or put another one or another body on."""
     if "lens" in edit.model_fields_set:
-        shot.mount_lens(camera, lens_to_mount(edit.lens))
+        shot.camera.mount_lens(camera, lens_to_mount(edit.lens))
     if edit.body is not None:
-        shot.mount_body(camera, body_to_mount(edit.body))
-    shot.set_camera(
+        shot.camera.mount_body(camera, body_to_mount(edit.body))
+    shot.camera.set(
         camera,
         f_stop=edit.f_stop,
         focal_length_mm=edit.focal_length_mm,
@@ -42,7 +42,7 @@ def apply_to_camera(shot: Shot, camera: str | None, edit: CameraEdit) -> None:
 
 def apply_to_focus(shot: Shot, camera: str | None, edit: FocusSettingsEdit) -> None:
     """Change how the focus is found."""
-    shot.set_focus(camera, time=edit.time, **_said(edit, FOCUS_OF_FIELD))
+    shot.focus.set(camera, time=edit.time, **_said(edit, FOCUS_OF_FIELD))
 
 
 def apply_to_exposure(shot: Shot, camera: str | None, edit: ExposureSettingsEdit) -> None:
@@ -56,7 +56,7 @@ def apply_to_exposure(shot: Shot, camera: str | None, edit: ExposureSettingsEdit
     if angle_deg is not None:
         time = shot.frame_range.start if edit.time is None else edit.time
         said["shutter_close"] = shutter_closes(shot, camera, time, angle_deg, said.get("shutter_open"))
-    shot.set_photography(camera, time=edit.time, **said)
+    shot.exposure.set(camera, time=edit.time, **said)
 
 
 def apply_to_film(shot: Shot, camera: str | None, edit: FilmSettingsEdit) -> None:
@@ -64,20 +64,20 @@ def apply_to_film(shot: Shot, camera: str | None, edit: FilmSettingsEdit) -> Non
     said = _said(edit, PHOTOGRAPHY_OF_FIELD)
     name = said.pop("stock", None)
     if "stock" in edit.model_fields_set:
-        shot.mount_film(camera, film_to_mount(name))
+        shot.film.mount_stock(camera, film_to_mount(name))
     if said:
-        shot.set_photography(camera, time=edit.time, **said)
+        shot.film.set(camera, time=edit.time, **said)
 
 
 def apply_to_point(shot: Shot, camera: str | None, time: float, name: str, edit: FocusPointEdit) -> None:
     """Change a focus point: a value that has keys gets one at the time."""
-    shot.update_focus_point(camera, name, time=time, **point_fields(edit))
+    shot.focus.update_point(camera, name, time=time, **point_fields(edit))
 
 
 def apply_key(shot: Shot, camera: str | None, name: str, attribute: KeyedAttribute, key: KeyEdit) -> None:
     """Set a key of a focus point."""
     made = authored_key(key, attribute, is_switch=attribute == "enabled")
-    shot.set_key(camera, name, attribute, made.time, made.value, made.interpolation, made.tangents)
+    shot.focus.set_key(camera, name, attribute, made.time, made.value, made.interpolation, made.tangents)
 
 
 def _said(

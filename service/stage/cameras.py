@@ -39,7 +39,7 @@ def edit_camera(
 def read_lens(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> Readout:
     """Compute the readout of the lens at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
-        return as_readout(shot.readout(camera, time), time)
+        return as_readout(shot.focus.read(camera, time), time)
 
 
 @stage_function
@@ -69,8 +69,8 @@ def read_place(
     with opened.use(record) as shot:
         path = camera or shot.default_camera().path
         if isinstance(place, str):
-            at = shot.readout_at_point(camera, time, place, aspect=aspect)
+            at = shot.focus.read_at_point(camera, time, place, aspect=aspect)
             return as_place_readout(at, path, time, place)
         screen, depth_m = place
-        at = shot.readout_at(camera, time, screen, depth_m, aspect=aspect)
+        at = shot.focus.read_at(camera, time, screen, depth_m, aspect=aspect)
         return as_place_readout(at, path, time, None)

@@ -6,7 +6,7 @@ from typing import Literal
 
 from render.errors import SettingsError
 from render.focus.files import curve_to_text
-from render.shot.edits.curve_import import read_for_shot
+from render.shot.focus.curve_import import read_for_shot
 from service.models.curve import CurveFileFormat, CurveFinding, ImportedCurve
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import camera_tag, curve_frames, read_camera_state
@@ -36,8 +36,8 @@ def compute_curve(
     with opened.use(record) as shot:
         times = curve_frames(shot, frames, max_frames)
         if format == "usda":
-            return shot.focus_layer(camera, times, baked)
-        return curve_to_text(shot.focus_curve(camera, times), format)
+            return shot.focus.layer(camera, times, baked)
+        return curve_to_text(shot.focus.curve(camera, times), format)
 
 
 @stage_function
@@ -66,7 +66,7 @@ def import_curve(
             raise SettingsError(
                 f"the file has {len(times):,} frames; at most {max_frames:,} are taken", code="bad_frames"
             )
-        shot.import_focus_curve(camera, read, baked=baked)
+        shot.focus.import_curve(camera, read, baked=baked)
         return ImportedCurve(
             camera=read_camera_state(shot, camera, float(times[0])),
             first_time=float(times[0]),

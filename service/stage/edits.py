@@ -18,19 +18,19 @@ from service.terms import Terms, edits_tag
 def read_history(opened: OpenedShots, record: ShotRecord) -> EditHistory:
     """Read the edit history of a shot."""
     with opened.use(record) as shot:
-        return _history_model(shot.history)
+        return _history_model(shot.edits.history)
 
 
 @stage_function
 def walk_history(opened: OpenedShots, record: ShotRecord, step: Literal["undo", "redo"], terms: Terms) -> EditHistory:
     """Undo or redo one step. Raises `EndOfHistoryError`."""
     with opened.change(record) as shot:
-        terms.check(edits_tag(shot.history.present.revision), "the edit layer")
+        terms.check(edits_tag(shot.edits.history.present.revision), "the edit layer")
         if step == "undo":
-            shot.undo()
+            shot.edits.undo()
         else:
-            shot.redo()
-        return _history_model(shot.history)
+            shot.edits.redo()
+        return _history_model(shot.edits.history)
 
 
 @stage_function
@@ -41,15 +41,15 @@ def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, terms:
         NotFoundError: the revision is no longer kept.
     """
     with opened.edit(record, terms, f"go back to revision {revision}") as shot:
-        terms.check(edits_tag(shot.history.present.revision), "the edit layer")
-        state = shot.history.find(revision)
+        terms.check(edits_tag(shot.edits.history.present.revision), "the edit layer")
+        state = shot.edits.history.find(revision)
         if state is None:
             raise NotFoundError(
                 f"The edits of shot {record.id!r} at revision {revision!r} are not kept any more.",
                 code="revision_not_found",
                 path=revision,
             )
-        shot.replace_edits(state.text)
+        shot.edits.replace(state.text)
     with opened.use(record) as shot:
         return describe(record, shot)
 

@@ -13,7 +13,7 @@ from service.storage.store import ShotRecord
 def read_exposure(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> ExposureReadout:
     """Compute EV, T-stop, bellows factor and equivalents of a camera's exposure at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
-        exposure = shot.exposure(camera, time)
+        exposure = shot.exposure.read(camera, time)
         frames_per_second = shot.stage.GetFramesPerSecond()
     transmittance = 1.0 if exposure.is_t_stop else exposure.glass
     t_stop = exposure.settings.f_stop / math.sqrt(transmittance) if transmittance > 0 else math.inf

@@ -42,7 +42,7 @@ def add_focus_point(
     with opened.edit(record, terms) as shot:
         terms.check(points_tag(shot, camera), "the list of focus points")
         name = point.name or free_name(shot, camera, time)
-        shot.add_focus_point(camera, name, new_point(name, point))
+        shot.focus.add_point(camera, name, new_point(name, point))
         return read_point(shot, camera, time, name)
 
 
@@ -68,7 +68,7 @@ def remove_focus_point(opened: OpenedShots, record: ShotRecord, camera: str | No
     """Remove a focus point. Raises `NotFoundError`."""
     with opened.edit(record, terms) as shot:
         terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
-        shot.remove_focus_point(camera, name)
+        shot.focus.remove_point(camera, name)
 
 
 @stage_function
@@ -95,5 +95,5 @@ def remove_key(
     """Remove a key of a focus point, and read the point at that time. Raises `NotFoundError`."""
     with opened.edit(record, terms) as shot:
         terms.check(point_tag(shot, camera, name), f"focus point {name!r}")
-        shot.remove_key(camera, name, attribute, time)
+        shot.focus.remove_key(camera, name, attribute, time)
         return read_point(shot, camera, time, name)

@@ -81,7 +81,7 @@ def mount_lens_file(
     choice = file_choice(data, name)
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
-        shot.mount_lens(camera, choice)
+        shot.camera.mount_lens(camera, choice)
         return read_camera_state(shot, camera, shot.frame_range.start)
 
 

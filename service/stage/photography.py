@@ -51,7 +51,7 @@ def edit_exposure_settings(
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
         time = shot.frame_range.start if edit.time is None else edit.time
-        with shot.kept_usable(camera, time):
+        with shot.keep_usable(camera, time):
             apply_to_exposure(shot, camera, edit)
         return read_photography.read_exposure_settings(shot, camera, time)
 
@@ -64,7 +64,7 @@ def edit_film_settings(
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
         time = shot.frame_range.start if edit.time is None else edit.time
-        with shot.kept_usable(camera, time):
+        with shot.keep_usable(camera, time):
             apply_to_film(shot, camera, edit)
         return read_photography.read_film_settings(shot, camera, time)
 
@@ -116,8 +116,8 @@ def _set_key(
     authored = authored_key(key, attribute, is_switch=False)
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
-        with shot.kept_usable(camera, key.time):
-            shot.set_camera_key(camera, photography_setting(attribute), authored)
+        with shot.keep_usable(camera, key.time):
+            shot.camera.set_key(camera, photography_setting(attribute), authored)
 
 
 def _remove_key(
@@ -130,4 +130,4 @@ def _remove_key(
 ) -> None:
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
-        shot.remove_camera_key(camera, photography_setting(attribute), time)
+        shot.camera.remove_key(camera, photography_setting(attribute), time)

@@ -26,7 +26,7 @@ def read_exposure_settings(shot: Shot, camera: str | None, time: float) -> Expos
     Raises:
         CameraError: it is no camera, or a number of it is none.
     """
-    said = dict(shot.photography(camera, time))
+    said = dict(shot.exposure.settings(camera, time))
     open_for = said["shutter_close"] - said["shutter_open"]
     said["shutter_angle_deg"] = 360 * max(open_for, 0.0) / _time_codes_in_a_frame(shot)
     return _told(ExposureSettings, shot, camera, time, said, get_args(ExposureKeyed))
@@ -38,7 +38,7 @@ def read_film_settings(shot: Shot, camera: str | None, time: float) -> FilmSetti
     Raises:
         CameraError: it is no camera, or a number of it is none.
     """
-    said = dict(shot.photography(camera, time))
+    said = dict(shot.film.settings(camera, time))
     usd = UsdGeom.Camera.Get(shot.stage, _path(shot, camera))
     sides = usd.GetHorizontalApertureAttr(), usd.GetVerticalApertureAttr()
     said["gate_mm"] = tuple(mm_from_tenths(float(side.Get(time)), shot.stage) for side in sides)
@@ -53,7 +53,7 @@ def read_grade_choices(shot: Shot, camera: str | None, time: float) -> GradeChoi
         SettingsError: the shot's own configuration cannot be read.
         InputError: it is missing.
     """
-    config = config_file(shot.photography(camera, time)["grade_config"], confinement(shot.stage))
+    config = config_file(shot.film.settings(camera, time)["grade_config"], confinement(shot.stage))
     displays = [
         DisplayChoice(name=name, views=list(views), default_view=working_config(config).getDefaultView(name))
         for name, views in list_displays(config).items()
@@ -72,7 +72,7 @@ def shutter_closes(shot: Shot, camera: str | None, time: float, angle_deg: float
         opens: when it opens; None leaves that as it is.
     """
     if opens is None:
-        opens = float(shot.photography(camera, time)["shutter_open"])
+        opens = float(shot.exposure.settings(camera, time)["shutter_open"])
     return opens + angle_deg / 360 * _time_codes_in_a_frame(shot)
 
 
@@ -89,7 +89,7 @@ def _told(
 ) -> Told:
     """A model of settings, with the keys of those that take any."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
-    keys = {name: shot.camera_keys(camera, photography_setting(name)) for name in keyed}
+    keys = {name: shot.camera.keys(camera, photography_setting(name)) for name in keyed}
     values = {field: said[PHOTOGRAPHY_OF_FIELD.get(field, field)] for field in fields}
     path = _path(shot, camera)
     return told_of_camera(

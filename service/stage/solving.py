@@ -36,7 +36,7 @@ def edit_focus_settings(
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
         looked_at = shot.frame_range.start if time is None else time
-        with shot.kept_usable(camera, looked_at):
+        with shot.keep_usable(camera, looked_at):
             apply_to_focus(shot, camera, edit)
         return _settings(shot, camera, looked_at)
 
@@ -49,7 +49,7 @@ def set_camera_key(
     authored = authored_key(key, attribute, is_switch=attribute in SWITCHES)
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
-        shot.set_camera_key(camera, setting_of(attribute), authored)
+        shot.camera.set_key(camera, setting_of(attribute), authored)
         return _settings(shot, camera, key.time)
 
 
@@ -60,7 +60,7 @@ def remove_camera_key(
     """Remove a key of a camera, and read the settings at that time. Raises `NotFoundError`."""
     with opened.edit(record, terms) as shot:
         terms.check(camera_tag(shot, camera), "the camera")
-        shot.remove_camera_key(camera, setting_of(attribute), time)
+        shot.camera.remove_key(camera, setting_of(attribute), time)
         return _settings(shot, camera, time)
 
 
@@ -70,7 +70,7 @@ def make_rack(opened: OpenedShots, record: ShotRecord, camera: str | None, rack:
     asked = WeightRack(**rack.model_dump())
     with opened.edit(record, terms) as shot:
         terms.check(points_tag(shot, camera), "the list of focus points")
-        made, lens = shot.rack(camera, asked)
+        made, lens = shot.focus.rack(camera, asked)
         return Rack.model_validate(
             {
                 **vars(made),
@@ -95,11 +95,11 @@ def setting_of(attribute: CameraKeyed) -> str:
 
 
 def _settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
-    focus, tilt_shift = shot.focus_settings(camera, time)
+    focus, tilt_shift = shot.focus.settings(camera, time)
     said = vars(focus) | vars(tilt_shift)
     fields = set(FocusSettings.model_fields) - {"camera", "time", "keys", "etag"}
     names: tuple[CameraKeyed, ...] = get_args(CameraKeyed)
-    keys = {name: shot.camera_keys(camera, setting_of(name)) for name in names}
+    keys = {name: shot.camera.keys(camera, setting_of(name)) for name in names}
     return told_of_camera(
         FocusSettings,
         {field: said[FOCUS_OF_FIELD.get(field, field)] for field in fields}

@@ -22,6 +22,7 @@ from render.cli import (
 )
 from render.cli.camera_options import Viewed
 from render.cli.report import FrameProgress, camel_case_keys, print_json, warn_of
+from render.engines import all_engines, check_settings
 from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
 from render.film import GradeChoice
@@ -87,13 +88,14 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--engine",
-        default="lens",
+        default=FrameSettings.engine,
         metavar="NAME",
-        help="lens, flag (a quick preview without noise), scatter (likewise, with the iris and spherical aberration), "
-        "gather (flag's slowly), linear (a blur pixel by pixel), importance (the same by what has changed since the "
-        "frame before), accumulation (the slow reference) or pinhole (all sharp)",
+        help="; ".join(f"{engine.name} {engine.summary}" for engine in all_engines()),
     )
-    group.add_argument("--rays", type=int, default=100, metavar="N", help="lens rays for each pixel")
+    with_rays = ", ".join(engine.name for engine in all_engines() if engine.has_rays)
+    group.add_argument(
+        "--rays", type=int, default=100, metavar="N", help=f"lens rays for each pixel, of the engines {with_rays}"
+    )
     group.add_argument("--layers", type=int, default=4, metavar="N", help="depth layers at most")
     group.add_argument(
         "--supersample", type=float, default=2, metavar="N", help="layer pixels for each pixel, along each axis"
@@ -241,7 +243,7 @@ def _is_prim_path(text: str) -> bool:
 
 def _settings(arguments: argparse.Namespace) -> FrameSettings:
     """All but the height, which the camera's film gate decides."""
-    return FrameSettings(
+    settings = FrameSettings(
         width=arguments.imageWidth,
         height=1,
         engine=arguments.engine,
@@ -255,6 +257,8 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),
     )
+    check_settings(settings)
+    return settings
 
 
 def _moments(arguments: argparse.Namespace) -> int:

@@ -1,0 +1,31 @@
+"""Engines: one module each, with its manual page; `base.Engine` says what an engine is, `registry` which there are.
+
+Importing this package loads no OpenGL. What the engines of one context share, and needs it, is in `shared`.
+"""
+
+from render.engines import registry
+from render.engines.base import ALL_RAYS, DrawRequest, Engine
+from render.engines.registry import (
+    all_engines,
+    check_settings,
+    engine_names,
+    engine_of,
+    register,
+    sharp_engine,
+    unregister,
+)
+
+__all__ = [
+    "ALL_RAYS",
+    "DrawRequest",
+    "Engine",
+    "all_engines",
+    "check_settings",
+    "engine_names",
+    "engine_of",
+    "register",
+    "sharp_engine",
+    "unregister",
+]
+
+registry.discover(__path__)

@@ -1,4 +1,4 @@
-"""How a frame is rendered. Imports no OpenGL, so that wrong settings are told before anything slow is done."""
+"""Settings of a frame. They are checked when they are made, before anything slow is done."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from render.errors import SettingsError
 from render.model.limits import MAX_LAYERS, MAX_RAYS, MAX_WAVELENGTHS, check_picture_size
 
-POST_BLUR_ENGINES = ("flag", "scatter", "gather", "linear", "importance")
-"""Those that blur one picture."""
-ENGINES = ("lens", *POST_BLUR_ENGINES, "accumulation", "pinhole")
 AOVS = ("color", "depth", "coc", "defocus", "focus_depth", "albedo", "prim_id", "face_id")
 SHADINGS = ("lit", "unlit")
 MOTIONS = ("moments", "velocities")
@@ -19,27 +16,23 @@ MAX_MOTION = 256
 
 @dataclass(frozen=True)
 class FrameSettings:
-    """How a frame is rendered.
+    """Settings of a frame.
 
     Attributes:
         width: pixels.
         height: pixels.
-        engine: one of `ENGINES`: ``lens`` traces peeled layers, ``flag`` blurs one picture in linear time (a preview, of an ideal
-            lens or one by its data sheet), ``scatter`` draws each point as the iris with the lens's spherical aberration,
-            ``gather`` is ``flag`` point by point (a baseline, slow), ``linear`` pixel by pixel
-            (another), ``importance`` the same by what has changed since the frame before, ``accumulation`` renders once per ray
-            (the reference), ``pinhole`` has everything sharp.
+        engine: name of an engine of `render.engines`, which checks that there is one (`check_settings`).
         rays: lens rays per pixel.
         layers: peeled layers at most.
         supersample: layer pixels per picture pixel along each axis, 1 or more and not whole if need be.
         shading: ``lit``, or ``unlit``: base colour (or displayColor) for radiance and no lights, which isolates the optics.
-        seed: of the sampling pattern.
-        tiled: give neighbouring pixels different ray patterns (noise instead of ghosts); ``accumulation`` cannot.
+        seed: seed of the sampling pattern.
+        tiled: give neighbouring pixels different ray patterns: noise instead of ghosts.
         wavelengths: traced through a lens with colour errors: 3 is one for each channel, more a smoother spectrum.
-        motion: moments of the shutter's opening at which the scene is looked at; 1 stops all motion at the frame's own time.
+        motion: moments of the shutter's opening that are sampled; 1 stops all motion at the frame's own time.
         motion_by: one of `MOTIONS`: ``moments`` peels the scene at each of them, which is exact; ``velocities`` peels it once and
-            carries what moves along straight ways, which is many times faster.
-        aovs: of `AOVS`; ``color`` is always there.
+            moves surfaces along straight paths, which is many times faster.
+        aovs: names from `AOVS`; ``color`` is always there.
     """
 
     width: int = 960
@@ -58,7 +51,6 @@ class FrameSettings:
 
     def __post_init__(self) -> None:
         check_picture_size(self.width, self.height)
-        _check_choice("engine", self.engine, ENGINES)
         _check_choice("shading", self.shading, SHADINGS)
         _check_range("rays", self.rays, 1, MAX_RAYS)
         _check_range("layers", self.layers, 1, MAX_LAYERS)
@@ -66,8 +58,6 @@ class FrameSettings:
         _check_range("wavelengths", self.wavelengths, 1, MAX_WAVELENGTHS)
         _check_range("motion", self.motion, 1, MAX_MOTION)
         _check_choice("motion_by", self.motion_by, MOTIONS)
-        if self.motion > 1 and self.motion_by == "velocities" and self.engine in ("accumulation", *POST_BLUR_ENGINES):
-            raise SettingsError(f"the {self.engine} engine draws every moment by itself: ask for motion by moments")
         _check_range("seed", self.seed, 0, 2**31 - 1)
         for aov in self.aovs:
             _check_choice("aov", aov, AOVS)

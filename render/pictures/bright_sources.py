@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from render.engines import sharp_engine
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import THIN_LENS
@@ -60,7 +61,7 @@ def bright_sources(renderer: FrameRenderer, scene: Scene, camera: Camera, settin
         settings,
         width=_WIDTH_PX,
         height=height,
-        engine="pinhole",
+        engine=sharp_engine(),
         rays=_RAYS,
         layers=1,
         motion=1,

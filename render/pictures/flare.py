@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from render.engines import engine_of
 from render.gl.resources import Resources
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -42,7 +43,7 @@ def flared(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: Fram
     Raises:
         GraphicsError: the device refuses.
     """
-    if settings.engine == "pinhole" or camera.f_stop <= 0 or camera.lens.model == "pinhole":
+    if engine_of(settings).is_sharp or camera.f_stop <= 0 or camera.lens.model == "pinhole":
         return frame
     ghosts = _ghosts(renderer, scene, camera, settings) if camera.lens.ghosts > 0 and has_surfaces(camera) else None
     if ghosts is None and camera.lens.star == 0:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from render.engines import engine_of
 from render.model.camera import Camera
-from render.model.frame_settings import POST_BLUR_ENGINES, FrameSettings
+from render.model.frame_settings import FrameSettings
 from render.model.moment import Moment
 from render.optics.view import PinholeView
 from render.postblur.picture_errors import PictureErrors, picture_errors
@@ -18,14 +19,11 @@ from render.postblur.picture_errors import PictureErrors, picture_errors
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer
 
-SINGLE_IMAGE_ENGINES = ("pinhole", *POST_BLUR_ENGINES)
-"""Engines that trace no rays through the lens."""
-
 
 def renders_in_image_space(camera: Camera, settings: FrameSettings) -> bool:
     """Whether the camera's lens is put on the finished picture: the engine's rays do not pass it."""
     has_sheet = camera.lens.model == "dataSheet" and camera.lens.data_sheet is not None
-    return settings.engine in SINGLE_IMAGE_ENGINES and has_sheet and camera.f_stop > 0
+    return engine_of(settings).uses_image_space and has_sheet and camera.f_stop > 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +62,7 @@ class ImageSpace:
                 last_slope=float(np.hypot(x, y)),
                 squeeze=camera.lens.squeeze,
                 colours=settings.wavelengths > 1,
-                axis_is_drawn=settings.engine == "scatter",
+                axis_is_drawn=engine_of(settings).draws_axis_aberrations,
             )
 
         margin = errors(view).margin(view)

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
+from render.engines import check_settings, engine_of
 from render.film import Grade, GradeChoice
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.frame_settings import POST_BLUR_ENGINES
 from render.optics.photometry.illuminance import light_over_picture
 from render.output import FrameMetadata
 from render.pictures.flare import flared
@@ -98,6 +98,7 @@ def prepare_camera(
 
     The arguments and errors are those of `make_picture`.
     """
+    check_settings(settings)
     lens = shot.camera_at(camera, time, settings.width, settings.height)
     check_shutter(lens)
     finish = shot.film.finish(lens, time, grade, stock, choice)
@@ -228,10 +229,11 @@ def apply_vignetting(radiance: FloatArray, lens: Camera, settings: FrameSettings
         settings: whose engine made it.
     """
     height, width, _ = radiance.shape
-    light = light_over_picture(lens, width, height, is_pinhole=settings.engine == "pinhole")
+    engine = engine_of(settings)
+    light = light_over_picture(lens, width, height, is_pinhole=engine.is_sharp)
     if light is not None:
         radiance[..., :3] *= light[..., None]
-    if settings.engine in ("accumulation", *POST_BLUR_ENGINES):  # which know the pupil alone
+    if not engine.traces_lens:
         radiance[..., :3] *= np.float32(lens.lens.transmittance)
 
 

@@ -1,7 +1,7 @@
-"""Small pictures for who waits for them: from layers that are peeled once for a view, whatever the focus and the stop become.
+"""Previews: small pictures from layers that are peeled once for a view and serve every focus and stop.
 
-The quickest true picture that there is comes from the lens tracer with few rays: layers and N-buffers are there already, so that
-a change of focus or stop costs its rays alone. Engines that blur one picture are previewed by the quickest of them, FLAG.
+The lens tracer makes them with few rays. Layers and N-buffers are kept, so that a change of focus or stop costs its rays alone.
+Engines that blur a single image are previewed by FLAG.
 """
 
 from __future__ import annotations
@@ -18,43 +18,44 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
-from render.postblur.engine import PostBlurEngine
-from render.trace.lens import LensEngine
+from render.postblur.flag_blur import FlagBlur
+from render.postblur.single_image import SingleImageBlur, largest_radius_px
+from render.trace.lens import LensTracer
 from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern
 
 LAYERS = 2
-"""What is seen, and what it hides from the middle of the pupil alone."""
+"""Layers that are peeled: what the pupil's centre sees, and what that hides."""
 WIDE_OPEN = 1.4
-"""The f-number for which they are peeled: with a smaller one, a little of what is hidden is taken for what hides it."""
+"""F-number that the layers are peeled for. At a smaller one, a little of what is hidden is taken for what hides it."""
 SKETCH_SHARE = 2 / 3
-"""Of the largest preview, along a side: what is peeled of a view that was not there before, and may change at once again."""
+"""Scale of the coarse peel used for a view seen for the first time, which may change at once again."""
 Sketch = Literal["never", "new", "always"]
 _MARGIN = 1 / 16  # of the longer side
 
 
-class PreviewEngine:
-    """Draws small pictures, with the programs of one context."""
+class Previewer:
+    """Draws previews, with the programs of one context."""
 
-    def __init__(self, graphics: GraphicsContext, programs: ProgramCache, post_blur: PostBlurEngine) -> None:
-        self._lens = LensEngine(graphics.ctx, programs, graphics.cancellation)
-        self._post_blur = post_blur
+    def __init__(self, graphics: GraphicsContext, programs: ProgramCache, blur: SingleImageBlur) -> None:
+        self._tracer = LensTracer(graphics.ctx, programs, graphics.cancellation)
+        self._blur, self._flag = blur, FlagBlur(graphics.ctx, programs, graphics.cancellation)
 
-    def peeled(
+    def peel(
         self, peeler: Peeler, camera: Camera, view: PinholeView, *, unlit: bool, sketch: Sketch
     ) -> tuple[Layers, PinholeView]:
-        """The layers of the loaded scene; nothing is drawn where they are there.
+        """Peel the loaded scene, or take the layers that are kept of it.
 
         Args:
             peeler: with the scene loaded.
-            camera: whose focus and stop do not matter.
+            camera: its focus and stop do not matter.
             view: the largest preview.
             unlit: take base colour for radiance.
-            sketch: whether smaller layers will do: of what is ``new``; what is asked for again, and has other changes than
-                those that need new layers, is worth the whole size.
+            sketch: when to peel coarsely: ``new`` does so for a view seen for the first time. A view that is kept has
+                changed in something that needs no new layers, and is worth the whole size.
 
         Returns:
-            The layers, and what they are of: the view, or the same in fewer pixels.
+            The layers, and the view they show: the argument, or the same in fewer pixels.
         """
         width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
         small, wide = _widened(view.resized(width, height)), _widened(view)
@@ -62,22 +63,22 @@ class PreviewEngine:
             small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
-            return self._peeled(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
-        return self._peeled(peeler, camera, wide, unlit, PREVIEW), view
+            return self._peel(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
+        return self._peel(peeler, camera, wide, unlit, PREVIEW), view
 
-    def _peeled(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, place: str) -> Layers:
+    def _peel(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, cache_slot: str) -> Layers:
         pupil_m = camera.focal_length_mm / 2000 / WIDE_OPEN if camera.f_stop > 0 else 0.0
         umbra = umbra_reach(max(wide.fx, wide.fy) * pupil_m)
-        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, cache_slot=place)
+        return peeler.peel(wide, layers=LAYERS if pupil_m > 0 else 1, umbra=umbra, unlit=unlit, cache_slot=cache_slot)
 
-    def traced(
+    def trace(
         self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int
     ) -> FloatArray:
-        """The picture through the camera's lens, by few rays.
+        """Trace the camera's lens through kept layers, by few rays.
 
         Args:
-            peeler: that peeled.
-            peeled: of this view.
+            peeler: of the layers.
+            peeled: layers of this view.
             camera: its lens, focus and stop count.
             view: the picture.
             pattern: where its rays start.
@@ -86,16 +87,16 @@ class PreviewEngine:
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
-        return self._lens.through(
+        return self._tracer.through(
             peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=peeler.nearest_w(peeled.view)
         )
 
-    def blurred(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView) -> FloatArray:
-        """The picture by FLAG.
+    def blur(self, peeler: Peeler, peeled: Layers, camera: Camera, view: PinholeView) -> FloatArray:
+        """Blur kept layers by FLAG.
 
         Args:
-            peeler: that peeled.
-            peeled: of this view.
+            peeler: of the layers.
+            peeled: layers of this view.
             camera: its focus and stop count.
             view: the picture.
 
@@ -105,16 +106,15 @@ class PreviewEngine:
         wide = peeled.view
         focus = picture_focus(camera, wide)
         pupil_px = max(wide.fx, wide.fy) * pupil_radius_m(camera)
-        w_f, pupil = focus.over_picture()
-        nearest_w = peeler.nearest_w(wide)
-        most_px = float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
-        picture = self._post_blur.of_layers(peeled, camera, focus, pupil_px, most_px, "flag")
+        most_px = largest_radius_px(focus, pupil_px, peeler.nearest_w(wide))
+        picture = self._blur.blur_layers(peeled, camera, focus, pupil_px, most_px, self._flag)
         left, top = round(wide.cx - view.cx), round(wide.cy - view.cy)
         return np.ascontiguousarray(picture[top : top + view.height, left : left + view.width])
 
     def release(self) -> None:
         """Give the memory back."""
-        self._lens.release()
+        self._flag.release()
+        self._tracer.release()
 
 
 def _widened(view: PinholeView) -> PinholeView:

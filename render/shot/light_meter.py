@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from render.engines import sharp_engine
 from render.errors import CameraError, SettingsError
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -38,7 +39,7 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 
 PICTURE_PX = 96
 SPOT_PX = 12
-_QUICK = FrameSettings(PICTURE_PX, 1, engine="pinhole", rays=4, layers=1)
+_QUICK = FrameSettings(PICTURE_PX, 1, engine=sharp_engine(), rays=4, layers=1)
 _REACH = 4.0  # standard deviations of the bell, beyond which nothing counts
 
 

@@ -1,4 +1,4 @@
-"""The lens engine: how large the layers must be, peel, bound, trace."""
+"""The lens tracer: how large the layers must be, peel, bound, trace."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class TracedPicture:
     nbuffers: NBuffers
 
 
-class LensEngine:
+class LensTracer:
     """Traces lens pictures of a peeler's scene."""
 
     def __init__(

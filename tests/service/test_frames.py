@@ -12,7 +12,8 @@ import pytest
 from PIL import Image
 
 from render.cli.main import main
-from render.frame import ENGINES, SHADINGS
+from render.engines import engine_names
+from render.model.frame_settings import SHADINGS
 from service.http.routes.frames import MEDIA_TYPES, FrameQuery
 from service.models import base
 from tests.service.conftest import until
@@ -133,7 +134,7 @@ def test_the_height_follows_the_film_gate(client, room):
 
 def test_the_query_knows_what_the_renderer_knows():
     fields = FrameQuery.model_fields
-    assert set(fields["engine"].annotation.__args__) == set(ENGINES)
+    assert set(fields["engine"].annotation.__args__) == set(engine_names())
     assert set(fields["shading"].annotation.__args__) == set(SHADINGS)
     assert issubclass(FrameQuery, base.Model)
 

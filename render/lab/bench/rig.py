@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from types import TracebackType
 
-from render.engines.accumulator import Accumulator, accumulated_rays, accumulated_sampling
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
@@ -19,7 +18,8 @@ from render.model.frame_settings import FrameSettings
 from render.model.scene import Scene
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
-from render.trace.lens import STAGES, LensEngine, Stage, TracedPicture
+from render.trace.accumulator import Accumulator, accumulated_rays, accumulated_sampling
+from render.trace.lens import STAGES, LensTracer, Stage, TracedPicture
 from render.trace.rays import ray_pattern
 
 
@@ -50,7 +50,7 @@ class LensRig:
         self.graphics = GraphicsContext()
         programs = ProgramCache(self.graphics.ctx)
         self._peeler = Peeler(self.graphics, programs)
-        self._lens = LensEngine(self.graphics.ctx, programs)
+        self._lens = LensTracer(self.graphics.ctx, programs)
         self._accumulator = Accumulator(self.graphics.ctx, programs)
         self._nbuffers = NBufferBuilder(self.graphics.ctx, programs)
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 
+from render.engines import engine_of
 from render.frame import Frame, FrameRenderer
 from render.gl.cancellation import Cancelled
 from render.model.arrays import FloatArray
@@ -169,7 +170,7 @@ class Progressive:
     ) -> Generator[Shown, None, Frame]:
         """The light on the film, and what it looks like on the way."""
         settings = asked.settings
-        if settings.engine != "lens" or moves(lens, settings):
+        if not engine_of(settings).draws_in_steps or moves(lens, settings):
             frame = expose_frame(self._renderer, self._shot, asked.camera, lens, asked.time, settings)
             clock.note("blur")
             return frame
@@ -186,7 +187,7 @@ class Progressive:
                 break
             if share < 1 and 1000 * (perf_counter() - last) > REFRESH_MS:
                 clock.note("blur")
-                whole = self._frames.so_far(light)
+                whole = self._frames.so_far(settings, light)
                 yield self._on_the_way("refining", whole, lens, finish, asked, clock, settings.rays, share)
                 last = perf_counter()
         clock.note("blur")

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from render.engines import DrawRequest, engine_of
 from render.frame import Frame, FrameRenderer
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -56,21 +57,21 @@ class LiveFrames:
             CameraError: the camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
-        renderer, engines = self._renderer, self._renderer.engines
+        renderer, device = self._renderer, self._renderer.device
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         largest = view.resized(*self.pace.largest(view.width, view.height))
         with renderer.on_device():
-            looks = renderer.loaded(scene, camera, settings, is_preview=True)
-            is_blurred = settings.engine in engines.post_blur.engines and looks.f_stop > 0
+            looks = renderer.load(scene, camera, settings, is_preview=True)
+            is_blurred = engine_of(settings).preview == "blur" and looks.f_stop > 0
             sketch: Sketch = "never" if rays is not None else "new"
             if is_blurred and not self.pace.can_blur(*largest.size, budget_ms):
                 sketch = "always"
             unlit = settings.shading == "unlit"
-            peeled, largest = engines.preview.peeled(engines.peeler, looks, largest, unlit=unlit, sketch=sketch)
+            peeled, largest = device.previewer.peel(device.peeler, looks, largest, unlit=unlit, sketch=sketch)
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if is_blurred:
-                picture = engines.preview.blurred(engines.peeler, peeled, looks, largest)
+                picture = device.previewer.blur(device.peeler, peeled, looks, largest)
                 self.pace.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
             left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
@@ -81,7 +82,7 @@ class LiveFrames:
             pattern = ray_pattern(plan.rays, looks.iris, seed=settings.seed, tiled=settings.tiled)
             wavelengths = 1 if rays is None else min(settings.wavelengths, 3)
             small = view.resized(plan.width, plan.height)
-            picture = engines.preview.traced(engines.peeler, peeled, looks, small, pattern, wavelengths)
+            picture = device.previewer.trace(device.peeler, peeled, looks, small, pattern, wavelengths)
         self.pace.learn(plan, clock.note("blur"))
         return picture, plan.rays
 
@@ -103,30 +104,23 @@ class LiveFrames:
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            looks = renderer.loaded(scene, camera, settings)
-            traced = yield from renderer.engines.lens.tracing(
-                renderer.engines.peeler,
-                looks,
-                view,
-                ray_pattern(settings.rays, looks.iris, seed=settings.seed, tiled=settings.tiled),
-                wavelengths=settings.wavelengths,
-                layers=settings.layers,
-                supersample=settings.supersample,
-                unlit=settings.shading == "unlit",
-            )
-            return renderer.frame_of(traced.color, view, looks, scene, settings)
+            looks = renderer.load(scene, camera, settings)
+            request = DrawRequest(view, looks, settings)
+            color = yield from renderer.device.engine(settings).draw_in_steps(request)
+            return renderer.measure(color, scene, request)
 
-    def so_far(self, under: FloatArray) -> FloatArray:
+    def so_far(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
         """The picture that is being traced, where there are rays of it, over one that is there everywhere.
 
         Args:
+            settings: of the picture that is being drawn.
             under: ``(h, w, 4)`` of any size.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
         with self._renderer.on_device():
-            picture, shares = self._renderer.engines.lens.so_far()
+            picture, shares = self._renderer.device.engine(settings).unfinished()
         return np.where(shares > 0, picture, enlarged(under, picture.shape[1], picture.shape[0]))
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from render.engines import engine_names
 from render.lab.bench.clock import Spent
 from render.lab.bench.postblur.plan import QUICK
 from render.lab.bench.postblur.speed import crossover, exponent, judged
-from render.model.frame_settings import POST_BLUR_ENGINES
 from render.postblur.flag import BAND_BYTES
 from tests.render.kits.cli_shots import Command
 
@@ -55,7 +55,7 @@ def test_everything_is_measured_drawn_and_written(tmp_path: Path, capsys: pytest
     assert found["mixed"]["naive_exponent"] > 1
     assert "<svg" in plot.read_text()
     rows = {(row["scene"], row["engine"]): row for row in found["quality"]}
-    assert {engine for _, engine in rows} == {"lens", "accumulation", "pinhole", *POST_BLUR_ENGINES}
+    assert {engine for _, engine in rows} == set(engine_names())
     for scene in ("spheres", "posts"):
         flag, gather, sharp = (rows[scene, engine] for engine in ("flag", "gather", "pinhole"))
         assert flag["lens_psnr_db"] > sharp["lens_psnr_db"] + 3

@@ -87,9 +87,7 @@ def test_a_pick_casts_no_shadow_of_the_scene_that_is_loaded(monkeypatch: pytest.
         before = renderer.render(scene, camera, SETTINGS).color
         with monkeypatch.context() as patched:
             patched.setattr(LayerRenderer, "draw_shadow", lambda *_: pytest.fail("a pick sees no shadow"))
-            patched.setattr(
-                renderer.engines.peeler._lighting._maps, "_draw", lambda *_: pytest.fail("nor does it here")
-            )
+            patched.setattr(renderer.device.peeler._lighting._maps, "_draw", lambda *_: pytest.fail("nor does it here"))
             assert renderer.pick(scene, later, 64, 48, 32, 40) is not None
         np.testing.assert_array_equal(renderer.render(scene, camera, SETTINGS).color, before)
 
@@ -110,7 +108,7 @@ def test_shadows_that_were_left_half_way_are_cast_anew(monkeypatch: pytest.Monke
                 raise Cancelled
             plain(self, side_px, view, draws)
 
-        peeler = renderer.engines.peeler
+        peeler = renderer.device.peeler
         with monkeypatch.context() as patched:
             patched.setattr(peeler._lighting._maps, "_draw", partial(left, peeler._renderer))
             with pytest.raises(Cancelled):

@@ -10,6 +10,7 @@ import pytest
 from pxr import Gf, UsdGeom
 
 from render.demo.shot import write_demo
+from render.engines import check_settings
 from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
@@ -292,7 +293,7 @@ def test_a_camera_that_turns_sees_its_rays_from_where_it_was() -> None:
 
 def test_the_reference_has_no_velocities() -> None:
     with pytest.raises(SettingsError, match="motion by moments"):
-        FrameSettings(engine="accumulation", motion=4, motion_by="velocities")
+        check_settings(FrameSettings(engine="accumulation", motion=4, motion_by="velocities"))
     with pytest.raises(SettingsError, match="motion_by must be one of moments, velocities"):
         FrameSettings(motion=4, motion_by="guess")
 

@@ -70,8 +70,8 @@ def test_both_ways_to_bound_a_footprint_give_the_same_picture(renderer: FrameRen
     view = PinholeView.from_camera(camera, 160, 120)
     renderer.render(scene, camera, FrameSettings(160, 120, rays=1))  # loads the scene
     pictures = [
-        renderer._lens.picture(
-            renderer._peeler, camera, view, ray_pattern(32, iris), layers=4, supersample=2, bound_by_rays=by_rays
+        renderer.device.tracer.picture(
+            renderer.device.peeler, camera, view, ray_pattern(32, iris), layers=4, supersample=2, bound_by_rays=by_rays
         ).color
         for by_rays in (False, True)
     ]

@@ -29,8 +29,8 @@ def test_rays_are_looked_for_where_an_anamorphic_lens_sends_them(renderer: Frame
     view = PinholeView.from_camera(camera, 320, 240)
     renderer.render(scene, camera, FrameSettings(32, 24, rays=1))  # loads the scene
     pictures = [
-        renderer._lens.picture(
-            renderer._peeler,
+        renderer.device.tracer.picture(
+            renderer.device.peeler,
             camera,
             view,
             ray_pattern(32, IrisShape()),

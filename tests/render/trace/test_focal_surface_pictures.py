@@ -43,7 +43,7 @@ def test_the_device_evaluates_the_same_surface(renderer: FrameRenderer, surface:
     camera = replace(CAMERA, focal_surface=surface)
     view = PinholeView.from_camera(camera, 320, 240)
     renderer.graphics.make_current()
-    maps = FocalMaps(renderer.graphics.ctx, renderer._lens._tracer._programs)
+    maps = FocalMaps(renderer.graphics.ctx, renderer.device.tracer._tracer._programs)
     made = np.frombuffer(maps.made(picture_focus(camera, view)).read(), np.float32).reshape(240, 320, 2)
     maps.release()
     x, y = np.meshgrid(np.arange(320) + 0.5, np.arange(240) + 0.5)

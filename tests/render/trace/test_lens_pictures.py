@@ -58,8 +58,8 @@ def test_both_ways_to_bound_a_footprint_give_the_same_picture(renderer: FrameRen
     renderer.render(scene, camera, SMALL)  # loads the scene
     for glass in (Lens(), lens):
         pictures = [
-            renderer._lens.picture(
-                renderer._peeler,
+            renderer.device.tracer.picture(
+                renderer.device.peeler,
                 replace(camera, lens=glass),
                 view,
                 ray_pattern(32, IrisShape()),

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from render.demo.shot import write_demo
+from render.engines import engine_names
 from render.frame import FrameRenderer
 from render.lab.bench.clock import Repeats, Spent, timed
 from render.lab.bench.postblur.plan import F_STOP, FRAME, PostBlurPlan
@@ -16,7 +17,7 @@ from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.frame_settings import POST_BLUR_ENGINES, FrameSettings
+from render.model.frame_settings import FrameSettings
 from render.model.scene import Scene
 from render.shot import Shot
 
@@ -66,7 +67,7 @@ def _scene_rows(
     renderer: FrameRenderer, name: str, scene: Scene, camera: Camera, settings: FrameSettings
 ) -> Iterator[QualityRow]:
     made: dict[str, tuple[FloatArray, Spent]] = {}
-    for engine in ("lens", "accumulation", "pinhole", *POST_BLUR_ENGINES):
+    for engine in sorted(engine_names(), key=_rank):
         pictures: list[FloatArray] = []
         take = partial(_take, renderer, scene, camera, replace(settings, engine=engine), pictures)
         if engine not in ("lens", "accumulation"):
@@ -86,3 +87,9 @@ def _take(
     renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings, pictures: list[FloatArray]
 ) -> None:
     pictures.append(renderer.render(scene, camera, settings).color * camera.exposure_scale)
+
+
+def _rank(engine: str) -> int:
+    """Place in the table: the two references, the picture without blur, then the others as they are listed."""
+    first = ("lens", "accumulation", "pinhole")
+    return first.index(engine) if engine in first else len(first)

@@ -20,6 +20,7 @@ from time import perf_counter
 import numpy as np
 from pxr import Gf, UsdGeom
 
+from render.engines import engine_names
 from render.errors import PullfocusError, SettingsError
 from render.film import GradeChoice
 from render.frame import FrameRenderer
@@ -27,7 +28,7 @@ from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.bench.soak.plan import SoakPlan, asked_plan
 from render.lab.bench.soak.shot import BALLS, CAMERA, FRAMES, write_soak_shot
-from render.model.frame_settings import ENGINES, FrameSettings
+from render.model.frame_settings import FrameSettings
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
 from render.pictures.progressive import PreviewRequest
@@ -185,7 +186,7 @@ class _Soak:
         self.asked = replace(self.asked, settings=replace(self.asked.settings, width=width, height=width * 9 // 16))
 
     def _other_engine(self) -> None:
-        engine = self._random.choice(("lens", *ENGINES, "importance"))
+        engine = self._random.choice(("lens", *engine_names(), "importance"))
         self.asked = replace(self.asked, settings=replace(self.asked.settings, engine=engine))
 
     def _undo(self) -> None:

@@ -1,8 +1,8 @@
-"""The accumulation buffer: one rendering of the scene for each lens sample. Slow and right (Haeberli & Akeley 1990).
+"""The accumulation buffer: the mean of pinhole views through points of the pupil (Haeberli & Akeley 1990).
 
-Every sample's picture is drawn from its own point of the pupil, so visibility is exact at pixel centres, through up to
-`render.layers.peel.MAX_PINHOLE_LAYERS` surfaces that are partly transparent; the sensor offset of each sample anti-aliases.
-All pixels share one pattern, as the method demands.
+Each view is drawn from its own point of the pupil, so visibility is exact at pixel centres, through up to
+`render.layers.peel.MAX_PINHOLE_LAYERS` surfaces that are partly transparent. The sensor offset of each view anti-aliases. All
+pixels share one pattern.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
-from render.errors import SettingsError
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.peel import LayerGroup, Peeler
@@ -27,14 +26,14 @@ from render.optics.view import PinholeView
 
 
 def accumulated_rays(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
-    """The rays that the lens engine traces where its pattern is not tiled, as `Accumulator.accumulate` takes them."""
+    """Make the lens points of `Accumulator.accumulate`: the rays that the lens tracer has where its pattern is not tiled."""
     samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
     pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
     return np.concatenate([pupil, samples.pixel[0]], axis=1)
 
 
 def accumulated_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
-    """How finely the views sample surfaces, as the layers do that they are compared with: the views' offsets sample between the
+    """Give the texture filter of the views. It is that of layers of the same supersample: the views' offsets sample between the
     pixels, and each view stands for its share of the pupil."""
     patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
     return SurfaceSampling(supersample, 1.0, patch, view.across(focal_surface(camera).plane))
@@ -58,7 +57,7 @@ class Accumulator:
         sampling: SurfaceSampling = PLAIN,
         on_progress: Callable[[float], None] | None = None,
     ) -> FloatArray:
-        """Mean of the views through the lens points.
+        """Average the views through the lens points.
 
         Args:
             peeler: with the scene loaded.
@@ -84,7 +83,7 @@ class Accumulator:
             return np.frombuffer(total.read(), np.float32).reshape(view.height, view.width, 4).copy()
 
     def _composite(self, group: LayerGroup, seen: moderngl.Texture, total: moderngl.Texture, weight: float) -> None:
-        """Put a group behind what is seen of the view; behind the last, the background, and the view into the total."""
+        """Composite a group behind the view so far. After the last group add the background, and the view to the total."""
         program, targets = self._program, group.targets
         textures: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[group.slot // LAYERS_PER_PACK],
@@ -101,17 +100,3 @@ class Accumulator:
         seen.bind_to_image(1, read=True, write=True)
         program.run(-(-total.width // 8), -(-total.height // 8))
         self._ctx.memory_barrier()
-
-
-def check_thin(camera: Camera) -> None:
-    """Raise `SettingsError` where the accumulation buffer, which moves a pinhole about the pupil, cannot show the lens."""
-    if camera.lens.model not in ("thin", "pinhole") and camera.f_stop > 0:
-        raise SettingsError(
-            f"engine accumulation can show a thin lens alone, and camera {camera.path} has a lens of model "
-            f"{camera.lens.model}: use engine lens"
-        )
-    if not focal_surface(camera).is_plane:
-        raise SettingsError(
-            f"engine accumulation can show a plane of focus alone, and camera {camera.path} has a focal surface that is none: "
-            "use engine lens"
-        )

@@ -1,0 +1,71 @@
+"""Engine ``lens``: rays of the camera's lens traced through peeled layers.
+
+Computes: the scene is drawn once from the centre of the entrance pupil as layers of surfaces, each pixel's surfaces with what
+they hide. Every lens ray is a line ``s(w) = a + b·w`` on those layers, with w the inverse depth in 1/m (see
+``docs/conventions``); the tracer bounds where it can meet a surface by N-buffers, walks it there, and takes the surface's
+radiance. The picture is the mean over the rays of each pixel. It has depth of field, tilted and bent focal surfaces,
+vignetting, distortion and every error that a lens model or prescription has.
+
+Settings:
+    rays        lens rays per pixel, 1 to 4096 (100). Noise falls with their square root.
+    layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
+    supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
+    wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
+    tiled       True gives neighbouring pixels different rays: noise in place of ghosts (True).
+    motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
+
+Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 3.4 s on two CPU cores under llvmpipe; it is
+proportional to rays, not to the number of lens surfaces. Accumulation takes 64 s for the same picture.
+
+Limits: surfaces seen by no layer are missing: 44 to 53 dB from a converged path tracer on generated scenes at supersample 4, 40
+to 46 at 2. Shading is that of the view from the pupil's centre, so that glints do not change over the pupil.
+
+Source: Lee, Eisemann & Seidel 2010, "Real-Time Lens Blur Effects and Focus Control", section 3.1; lens tables:
+`render.trace.bundles`.
+
+Example::
+
+    pullfocus record demo/night_street.usda lens.png --frames 40 --engine lens --lens planar_50 --rays 144
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from render.engines.base import DrawRequest, Engine
+from render.model.arrays import FloatArray
+
+if TYPE_CHECKING:  # they need OpenGL
+    from render.layers.movement import Movement
+    from render.trace.swept import ShutterSample
+
+
+class LensEngine(Engine):
+    """Traces the camera's lens."""
+
+    name = "lens"
+    summary = "traces rays of the lens through peeled layers"
+    rank = 0
+    has_rays = True
+    traces_lens = True
+    takes_velocities = True
+    draws_in_steps = True
+
+    def draw(self, request: DrawRequest) -> FloatArray:
+        """Trace the request's part of the rays."""
+        return self._device.trace(request)
+
+    def draw_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
+        """Trace all rays, piece by piece."""
+        return self._device.trace_in_steps(request)
+
+    def unfinished(self) -> tuple[FloatArray, FloatArray]:
+        """Read the picture by the rays that are traced."""
+        return self._device.tracer.so_far()
+
+    def draw_swept(
+        self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]
+    ) -> Generator[FloatArray, None, None]:
+        """Carry what moves along straight ways through layers that are peeled once."""
+        return self._device.trace_swept(request, samples, movements)

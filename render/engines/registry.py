@@ -1,0 +1,87 @@
+"""The engines that there are, by name.
+
+Every module of `render.engines` but this one and `base` holds an engine and is found by listing the package: a new engine is
+a new file. An engine defined elsewhere, as in a test, is added by `register`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from render.engines.base import Engine
+from render.errors import SettingsError
+from render.model.frame_settings import FrameSettings
+
+_NOT_ENGINES = ("base", "registry")
+_engines: dict[str, type[Engine]] = {}
+
+
+def register(engine: type[Engine]) -> None:
+    """Add an engine.
+
+    Raises:
+        ValueError: another engine has its name.
+    """
+    if _engines.setdefault(engine.name, engine) is not engine:
+        raise ValueError(f"there are two engines of the name {engine.name}")
+
+
+def unregister(engine: type[Engine]) -> None:
+    """Take an engine out again."""
+    del _engines[engine.name]
+
+
+def all_engines() -> tuple[type[Engine], ...]:
+    """The engines in the order of lists."""
+    return tuple(sorted(_engines.values(), key=lambda engine: (engine.rank, engine.name)))
+
+
+def engine_names() -> tuple[str, ...]:
+    """Their names, in the order of lists."""
+    return tuple(engine.name for engine in all_engines())
+
+
+def engine_of(settings: FrameSettings) -> type[Engine]:
+    """The engine that settings name.
+
+    Raises:
+        SettingsError: there is none of that name.
+    """
+    engine = _engines.get(settings.engine)
+    if engine is None:
+        raise SettingsError(f"engine must be one of {', '.join(engine_names())}, got {settings.engine!r}")
+    return engine
+
+
+def check_settings(settings: FrameSettings) -> None:
+    """See that there is an engine that can do what settings say. Loads no OpenGL: call it before anything slow.
+
+    Raises:
+        SettingsError: there is none of that name, or it draws no motion from velocities.
+    """
+    engine = engine_of(settings)
+    if settings.motion > 1 and settings.motion_by == "velocities" and not engine.takes_velocities:
+        raise SettingsError(f"the {engine.name} engine draws every moment by itself: ask for motion by moments")
+
+
+def sharp_engine() -> str:
+    """Name of the engine that has everything sharp: the quickest picture to measure light and highlights by."""
+    return next(engine.name for engine in all_engines() if engine.is_sharp)
+
+
+def discover(path: list[str]) -> None:
+    """Register the engines of a package's modules.
+
+    Args:
+        path: folders of the package, ``__path__``.
+    """
+    for module in iter_modules(path):
+        if not module.ispkg and module.name not in _NOT_ENGINES:
+            _register_module(f"render.engines.{module.name}")
+
+
+def _register_module(name: str) -> None:
+    for value in vars(import_module(name)).values():
+        if isinstance(value, type) and issubclass(value, Engine) and value.__module__ == name:
+            register(value)

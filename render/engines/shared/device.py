@@ -1,0 +1,145 @@
+"""`Device`: what the engines of one OpenGL context share, and the engines that were opened on it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+
+from render.engines.base import DrawRequest, Engine
+from render.engines.registry import engine_of
+from render.gl.context import GraphicsContext
+from render.gl.shaders import ProgramCache
+from render.layers.movement import Movement
+from render.layers.peel import Peeler
+from render.model.arrays import FloatArray
+from render.model.frame_settings import FrameSettings
+from render.postblur.preview import Previewer
+from render.postblur.sides import Blur
+from render.postblur.single_image import SingleImageBlur
+from render.trace.lens import LensTracer
+from render.trace.rays import RayPattern, ray_pattern
+from render.trace.swept import ShutterSample
+
+
+class Device:
+    """The drawing parts of one context.
+
+    Args:
+        graphics: the context; the device lives no longer.
+
+    Attributes:
+        graphics: the context.
+        programs: its compiled shaders.
+        peeler: holds the loaded scene and its layers.
+        tracer: traces lens rays through layers.
+        previewer: draws previews from layers of its own.
+    """
+
+    def __init__(self, graphics: GraphicsContext) -> None:
+        self.graphics = graphics
+        self.programs = ProgramCache(graphics.ctx)
+        self.peeler = Peeler(graphics, self.programs)
+        self.tracer = LensTracer(graphics.ctx, self.programs, graphics.cancellation)
+        self._blur = SingleImageBlur(graphics.ctx, self.programs)
+        self.previewer = Previewer(graphics, self.programs, self._blur)
+        self._engines: dict[type[Engine], Engine] = {}
+
+    def engine(self, settings: FrameSettings) -> Engine:
+        """Give the engine that settings name, opened on this device.
+
+        Raises:
+            SettingsError: there is none of that name.
+        """
+        kind = engine_of(settings)
+        if kind not in self._engines:
+            self._engines[kind] = kind(self)
+        return self._engines[kind]
+
+    def trace(self, request: DrawRequest) -> FloatArray:
+        """Trace the request's part of the camera's rays; as `Engine.draw`."""
+        settings = request.settings
+        return self.tracer.picture(
+            self.peeler,
+            request.camera,
+            request.view,
+            _pattern(request),
+            wavelengths=settings.wavelengths,
+            layers=settings.layers,
+            supersample=settings.supersample,
+            unlit=request.is_unlit,
+            on_progress=request.on_progress,
+        ).color
+
+    def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
+        """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
+        settings = request.settings
+        traced = yield from self.tracer.tracing(
+            self.peeler,
+            request.camera,
+            request.view,
+            _pattern(request),
+            wavelengths=settings.wavelengths,
+            layers=settings.layers,
+            supersample=settings.supersample,
+            unlit=request.is_unlit,
+        )
+        return traced.color
+
+    def trace_swept(
+        self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]
+    ) -> Generator[FloatArray, None, None]:
+        """Trace the moments of a moving scene; as `Engine.draw_swept`."""
+        settings = request.settings
+        return self.tracer.swept.pictures(
+            self.peeler,
+            request.view,
+            samples,
+            movements,
+            wavelengths=settings.wavelengths,
+            layers=settings.layers,
+            supersample=settings.supersample,
+            unlit=request.is_unlit,
+            on_progress=request.on_progress,
+        )
+
+    def blur(
+        self, request: DrawRequest, blur: Blur, *, margin_step: int = 1, with_axis_errors: bool = False
+    ) -> FloatArray:
+        """Blur the view from the pupil's centre; as `Engine.draw`. With a closed iris it is traced.
+
+        Args:
+            request: the picture.
+            blur: spreads each point over its circle of confusion.
+            margin_step: pixels of the picture by which the margin around it grows.
+            with_axis_errors: give the blur the lens's errors on its axis.
+        """
+        if request.camera.f_stop <= 0:
+            return self.trace(request)
+        picture = self._blur.draw(
+            self.peeler,
+            request.camera,
+            request.view,
+            blur,
+            layers=request.settings.layers,
+            supersample=request.settings.supersample,
+            unlit=request.is_unlit,
+            margin_step=margin_step,
+            with_axis_errors=with_axis_errors,
+        )
+        if request.on_progress is not None:
+            request.on_progress(1.0)
+        return picture
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for engine in self._engines.values():
+            engine.release()
+        self.previewer.release()
+        self._blur.release()
+        self.tracer.release()
+        self.peeler.release()
+
+
+def _pattern(request: DrawRequest) -> RayPattern:
+    settings = request.settings
+    pattern = ray_pattern(settings.rays, request.camera.iris, seed=settings.seed, tiled=settings.tiled)
+    return pattern.part(*request.part)

@@ -1,0 +1,153 @@
+"""Blurs of a single image: one peeling from the pupil's centre, and a blur of what it shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+
+from render.gl.resources import Resources
+from render.gl.shaders import ProgramCache
+from render.layers.peel import Layers, Peeler
+from render.layers.surface_sampling import sampling_of_layers
+from render.layers.umbra import layers_needed, umbra_reach
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.lens import IrisShape
+from render.optics.thin_lens import pupil_radius_m
+from render.optics.view import PinholeView
+from render.postblur.sides import Blur, Collector
+from render.trace.axis_rays import LensErrors
+from render.trace.bundles import BundleMaker
+from render.trace.picture_focus import PictureFocus, picture_focus
+from render.trace.rays import ray_pattern
+
+MAX_MARGIN = 0.125
+"""Largest margin peeled around the picture for the light that is blurred into it, as a share of the longer side."""
+_RAYS_ALIKE = 100
+"""Rays of the lens tracer whose texture filter a blur's layers have."""
+
+
+class SingleImageBlur:
+    """Peels the loaded scene and blurs it, with the programs of one context."""
+
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
+        self._collector = Collector(ctx, programs)
+        self._bundles = BundleMaker(ctx, programs)
+
+    def draw(
+        self,
+        peeler: Peeler,
+        camera: Camera,
+        view: PinholeView,
+        blur: Blur,
+        *,
+        layers: int,
+        supersample: float = 1.0,
+        unlit: bool = False,
+        margin_step: int = 1,
+        with_axis_errors: bool = False,
+    ) -> FloatArray:
+        """Peel the loaded scene and blur it.
+
+        Args:
+            peeler: with the scene loaded.
+            camera: its iris, stop, squeeze and focus count; its lens is taken for ideal, but for errors on its axis.
+            view: the picture, from the pupil's centre.
+            blur: spreads each point over its circle of confusion.
+            layers: at most this many layers.
+            supersample: pixels that are blurred to one of the picture's along each axis, rounded up to whole ones.
+            unlit: take base colour for radiance.
+            margin_step: pixels of the picture by which the margin around it grows.
+            with_axis_errors: give the blur the lens's errors on its axis.
+
+        Returns:
+            ``(height, width, 4)`` float32, premultiplied.
+        """
+        fine = int(np.ceil(supersample))
+        scaled = view.resized(view.width * fine, view.height * fine)
+        pupil_px = max(scaled.fx, scaled.fy) * pupil_radius_m(camera)
+        nearest_w = peeler.nearest_w(scaled)
+        inside = picture_focus(camera, scaled)
+        most_px = largest_radius_px(inside, pupil_px, nearest_w)
+        step = fine * margin_step
+        margin = step * int(np.ceil(min(most_px, fine * MAX_MARGIN * max(view.width, view.height)) / step))
+        focus = picture_focus(camera, scaled.widened(margin))
+        reach = pupil_px * float(inside.over_picture()[1].max())
+        peeled = _peel(peeler, scaled, focus, reach, nearest_w, layers, unlit)
+        picture = self.blur_layers(peeled, camera, focus, pupil_px, most_px, blur, with_axis_errors=with_axis_errors)
+        inner = picture[margin : margin + scaled.height, margin : margin + scaled.width]
+        return np.ascontiguousarray(inner.reshape(view.height, fine, view.width, fine, 4).mean(axis=(1, 3)))
+
+    def blur_layers(
+        self,
+        peeled: Layers,
+        camera: Camera,
+        focus: PictureFocus,
+        pupil_px: float,
+        most_px: float,
+        blur: Blur,
+        *,
+        with_axis_errors: bool = False,
+    ) -> FloatArray:
+        """Blur peeled layers.
+
+        Args:
+            peeled: from the pupil's centre.
+            camera: its iris and squeeze count.
+            focus: of the layers' view.
+            pupil_px: the pupil's radius times the focal length, px·m of that view.
+            most_px: larger circles of confusion are taken for as large.
+            blur: spreads each point over its circle of confusion.
+            with_axis_errors: give the blur the lens's errors on its axis.
+
+        Returns:
+            ``(height, width, 4)`` float32 of the layers' view, premultiplied.
+        """
+        with Resources() as held:
+            sides = self._collector.sides(peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, held)
+            if with_axis_errors:
+                sides = replace(sides, errors=self._axis_errors(camera, focus.view))
+            blurred = blur.blurred(sides, held)
+            return np.frombuffer(blurred.read(), np.float32).reshape(*sides.size[::-1], 4).copy()
+
+    def _axis_errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
+        table = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+        return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
+
+    def release(self) -> None:
+        """Give the memory back."""
+        self._collector.release()
+
+
+def largest_radius_px(focus: PictureFocus, pupil_px: float, nearest_w: float) -> float:
+    """Bound the circles of confusion of a picture.
+
+    Args:
+        focus: where each pixel is focused.
+        pupil_px: the pupil's radius times the focal length, px·m.
+        nearest_w: the largest inverse depth of anything in view, 1/m; what is farthest has 0.
+
+    Returns:
+        A radius in pixels.
+    """
+    w_f, pupil = focus.over_picture()
+    return float((pupil_px * pupil * np.maximum(w_f, np.abs(nearest_w - w_f))).max())
+
+
+def _peel(
+    peeler: Peeler,
+    picture: PinholeView,
+    focus: PictureFocus,
+    reach: float,
+    nearest_w: float,
+    layers: int,
+    unlit: bool,
+) -> Layers:
+    """Peel the focus's view, which is the picture with a margin; ``reach`` is the pupil's radius in px·m."""
+    wide = focus.view
+    if peeler.is_opaque:
+        layers = min(layers, layers_needed(reach, nearest_w))
+    sampling = sampling_of_layers(wide, picture, focus.affine or (0.0, 0.0, 0.0), reach / wide.fx, _RAYS_ALIKE)
+    return peeler.peel(wide, layers=layers, umbra=umbra_reach(reach), unlit=unlit, sampling=sampling)

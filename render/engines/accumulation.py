@@ -41,7 +41,7 @@ class AccumulationEngine(Engine):
     """Accumulates pinhole views through the pupil."""
 
     name = "accumulation"
-    summary = "renders the scene once for each ray, the slow reference"
+    summary = "renders the scene once for each ray, as a slow reference"
     rank = 60
     has_rays = True
 

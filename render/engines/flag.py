@@ -39,7 +39,7 @@ class FlagEngine(Engine):
     """Blurs one picture in linear time."""
 
     name = "flag"
-    summary = "blurs one picture in linear time, a preview without noise"
+    summary = "blurs one picture in linear time, without noise"
     rank = 10
     uses_image_space = True
     preview = "blur"

@@ -34,7 +34,7 @@ class GatherEngine(Engine):
     """Blurs one picture point by point."""
 
     name = "gather"
-    summary = "blurs one picture point by point, slowly, to hold flag to"
+    summary = "blurs one picture point by point, the slow definition of flag"
     rank = 30
     uses_image_space = True
     preview = "blur"

@@ -7,9 +7,10 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from render.model.frame_settings import MAX_MOTION
+from render.model.frame_settings import MAX_MOTION, FrameSettings
 from render.model.shutter_intervals import MAX_ND_STOPS
 from service.models.base import Model, PrimPath, TimeCode, shown_as
+from service.models.engines import EngineName
 
 BEGIN_EXAMPLE: JsonDict = {"first": 40.0, "last": 88.0, "step": 2.0, "width": 480, "rays": 16}
 STATE_EXAMPLE: JsonDict = {
@@ -46,9 +47,7 @@ class LongExposureBegin(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
-    engine: Literal["lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
-        default="lens", description="As for a frame."
-    )
+    engine: EngineName = Field(default=FrameSettings.engine, description="As for a frame.")
     rays: int = Field(default=16, ge=1, description="Lens rays for each pixel, in each interval.")
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")

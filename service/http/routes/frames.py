@@ -8,11 +8,12 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import Field
 
 from render.model.edit_history import revision_of
-from render.model.frame_settings import MAX_MOTION
+from render.model.frame_settings import MAX_MOTION, FrameSettings
 from service.http.frame_cache import frame_tag, matches
 from service.http.hub import Hub, HubDep
 from service.http.routes.parameters import ShotId, problems
 from service.models.base import Model, PrimPath, TimeCode
+from service.models.engines import ENGINE_HELP, EngineName
 from service.models.focus import Pick
 from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
@@ -39,14 +40,7 @@ class PictureQuery(Model):
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out.", examples=[540]
     )
-    engine: Literal["lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole"] = Field(
-        default="lens",
-        description="`lens` traces peeled layers, `flag` blurs one picture in linear time, `gather` the same point by point, "
-        "`scatter` draws each point of one as the iris, `linear` and `importance` blur it pixel by pixel, "
-        "the latter by what has changed since the frame before; `accumulation` renders once for each ray, "
-        "`pinhole` has all sharp.",
-        examples=["lens"],
-    )
+    engine: EngineName = Field(default=FrameSettings.engine, description=ENGINE_HELP, examples=[FrameSettings.engine])
     rays: int = Field(default=100, ge=1, description="Lens rays for each pixel.", examples=[100])
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.", examples=[4])
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.", examples=[2])

@@ -20,10 +20,10 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.engines import DrawRequest, check_settings, engine_of
-from render.engines.base import Progress
+from render.engines import DrawRequest, Engine, check_settings, engine_of
 from render.engines.shared.aovs import measure_aovs
 from render.engines.shared.device import Device
+from render.engines.shared.request import Progress
 from render.engines.shared.shutter_samples import shutter_samples
 from render.errors import GraphicsError, InputError, SettingsError
 from render.gl.cancellation import Cancelled
@@ -80,6 +80,7 @@ class FrameRenderer:
     def _open(self) -> None:
         self.graphics = GraphicsContext()
         self.device = Device(self.graphics)
+        self._engines: dict[type[Engine], Engine] = {}
 
     def render(
         self, scene: Scene, camera: Camera, settings: FrameSettings, on_progress: Progress | None = None
@@ -102,7 +103,7 @@ class FrameRenderer:
         with self.on_device():
             camera = self.load(scene, camera, settings)
             request = DrawRequest(view, camera, settings, on_progress=on_progress)
-            return self.measure(self.device.engine(settings).draw(request), scene, request)
+            return self.measure(self.engine(settings).draw(request), scene, request)
 
     def render_moving(
         self,
@@ -142,7 +143,7 @@ class FrameRenderer:
             with self.on_device():
                 camera = self.load(moment.scene, moment.camera, settings)
                 request = DrawRequest(view, camera, settings, part=(i % apart, apart))
-                total += moment.share * self.device.engine(settings).draw(request)
+                total += moment.share * self.engine(settings).draw(request)
                 if i == count // 2:
                     frame = self.measure(total, moment.scene, request)
             if on_progress is not None:
@@ -185,7 +186,7 @@ class FrameRenderer:
         with self.on_device():
             camera = self.load(opening.middle, middle, settings)
             request = DrawRequest(view, camera, settings, on_progress=on_progress)
-            with closing(self.device.engine(settings).draw_swept(request, samples, moves)) as pictures:
+            with closing(self.engine(settings).draw_swept(request, samples, moves)) as pictures:
                 for moment, picture in zip(moments, pictures, strict=True):
                     total += moment.share * picture
             return self.measure(total, opening.middle, request)
@@ -217,7 +218,19 @@ class FrameRenderer:
             scene: the scene that is loaded.
             request: what was drawn.
         """
-        return Frame(color, measure_aovs(self.device, request), scene.prim_paths)
+        draw = self.engine(request.settings).draw
+        return Frame(color, measure_aovs(self.device, draw, request), scene.prim_paths)
+
+    def engine(self, settings: FrameSettings) -> Engine:
+        """Give the engine that settings name, opened on the device.
+
+        Raises:
+            SettingsError: there is none of that name.
+        """
+        kind = engine_of(settings)
+        if kind not in self._engines:
+            self._engines[kind] = kind(self.device)
+        return self._engines[kind]
 
     def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:
         """Find the surface at a place of the picture, seen from the pupil's centre.
@@ -253,6 +266,8 @@ class FrameRenderer:
     def close(self) -> None:
         """Give the device's memory and the context back."""
         self.graphics.make_current()
+        for engine in self._engines.values():
+            engine.release()
         self.device.release()
         self.graphics.close()
 

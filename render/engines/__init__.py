@@ -4,7 +4,7 @@ Importing this package loads no OpenGL. What the engines of one context share, a
 """
 
 from render.engines import registry
-from render.engines.base import ALL_RAYS, DrawRequest, Engine
+from render.engines.base import Engine
 from render.engines.registry import (
     all_engines,
     check_settings,
@@ -14,6 +14,7 @@ from render.engines.registry import (
     sharp_engine,
     unregister,
 )
+from render.engines.shared.request import ALL_RAYS, DrawRequest
 
 __all__ = [
     "ALL_RAYS",

@@ -10,49 +10,19 @@ runs on the device, and not at its top.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
-from render.model.frame_settings import FrameSettings
-from render.optics.view import PinholeView
 
 if TYPE_CHECKING:  # a device needs OpenGL
     from render.engines.shared.device import Device
     from render.layers.movement import Movement
     from render.trace.swept import ShutterSample
 
-Part = tuple[int, int]
-"""Part of a picture's rays: the number of the part, and how many parts there are."""
-ALL_RAYS: Part = (0, 1)
-Progress = Callable[[float], None]
 Preview = Literal["rays", "blur"]
-
-
-@dataclass(frozen=True, eq=False)
-class DrawRequest:
-    """A picture of the loaded scene.
-
-    Attributes:
-        view: projection of the picture, from the centre of the entrance pupil.
-        camera: lens, iris, focus; its aperture is closed where the engine is sharp (`Engine.is_sharp`).
-        settings: resolution of rays and layers, shading and seed.
-        part: rays to draw, for an engine that has rays. An engine without rays draws the whole picture each time.
-        on_progress: called with the share that is done, from 0 to 1.
-    """
-
-    view: PinholeView
-    camera: Camera
-    settings: FrameSettings
-    part: Part = ALL_RAYS
-    on_progress: Progress | None = None
-
-    @property
-    def is_unlit(self) -> bool:
-        """True where base colour is taken for radiance."""
-        return self.settings.shading == "unlit"
 
 
 class Engine:

@@ -23,7 +23,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from render.engines.base import DrawRequest, Engine
+from render.engines.base import Engine
+from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
 if TYPE_CHECKING:  # it needs OpenGL

@@ -22,7 +22,8 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from render.engines.base import DrawRequest, Engine
+from render.engines.base import Engine
+from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
 if TYPE_CHECKING:  # they need OpenGL

@@ -1,17 +1,15 @@
-"""`Device`: what the engines of one OpenGL context share, and the engines that were opened on it."""
+"""`Device`: what the engines of one OpenGL context share."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
 
-from render.engines.base import DrawRequest, Engine
-from render.engines.registry import engine_of
+from render.engines.shared.request import DrawRequest
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement
 from render.layers.peel import Peeler
 from render.model.arrays import FloatArray
-from render.model.frame_settings import FrameSettings
 from render.postblur.preview import Previewer
 from render.postblur.sides import Blur
 from render.postblur.single_image import SingleImageBlur
@@ -41,18 +39,6 @@ class Device:
         self.tracer = LensTracer(graphics.ctx, self.programs, graphics.cancellation)
         self._blur = SingleImageBlur(graphics.ctx, self.programs)
         self.previewer = Previewer(graphics, self.programs, self._blur)
-        self._engines: dict[type[Engine], Engine] = {}
-
-    def engine(self, settings: FrameSettings) -> Engine:
-        """Give the engine that settings name, opened on this device.
-
-        Raises:
-            SettingsError: there is none of that name.
-        """
-        kind = engine_of(settings)
-        if kind not in self._engines:
-            self._engines[kind] = kind(self)
-        return self._engines[kind]
 
     def trace(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the camera's rays; as `Engine.draw`."""
@@ -131,8 +117,6 @@ class Device:
 
     def release(self) -> None:
         """Give the memory back."""
-        for engine in self._engines.values():
-            engine.release()
         self.previewer.release()
         self._blur.release()
         self.tracer.release()

@@ -106,7 +106,7 @@ class LiveFrames:
         with renderer.on_device():
             looks = renderer.load(scene, camera, settings)
             request = DrawRequest(view, looks, settings)
-            color = yield from renderer.device.engine(settings).draw_in_steps(request)
+            color = yield from renderer.engine(settings).draw_in_steps(request)
             return renderer.measure(color, scene, request)
 
     def so_far(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
@@ -120,7 +120,7 @@ class LiveFrames:
             ``(height, width, 4)`` float32, premultiplied.
         """
         with self._renderer.on_device():
-            picture, shares = self._renderer.device.engine(settings).unfinished()
+            picture, shares = self._renderer.engine(settings).unfinished()
         return np.where(shares > 0, picture, enlarged(under, picture.shape[1], picture.shape[0]))
 
 

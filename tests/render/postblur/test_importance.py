@@ -209,7 +209,7 @@ def test_frames_of_a_renderer_are_those_of_the_linear_engine(renderer: FrameRend
         pulled = replace(camera, focus_distance_m=camera.focus_distance_m * distance)
         asked = replace(settings, width=size[0], height=size[1])
         made = renderer.render(scene, pulled, asked).color
-        done = renderer.device.engine(asked)._blur.done  # type: ignore[attr-defined]
+        done = renderer.engine(asked)._blur.done  # type: ignore[attr-defined]
         wanted = renderer.render(scene, pulled, replace(asked, engine="linear")).color
         np.testing.assert_allclose(made, wanted, rtol=1e-5, atol=1e-6)
         assert (distance == 1.02) == (not any(field.was_afresh for field in done))

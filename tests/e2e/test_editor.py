@@ -165,7 +165,7 @@ def test_a_drag_on_a_slider_is_one_edit(page: Page, service: str) -> None:
     assert httpx.get(f"{service}/v1/shots/demo").json()["revision"] == before
 
 
-def test_each_mode_shows_what_it_uses_and_why_the_focus_is_where_it_is(page: Page, service: str) -> None:
+def test_each_focus_mode_shows_its_settings_and_its_reason(page: Page, service: str) -> None:
     wait_settled(page)
     modes = {"By hand": "manual", "Tilt plane": "tiltPlane", "Surface": "surface", "Points": "points"}
     uses = {"By hand": (), "Tilt plane": ("Largest angle",), "Surface": ("Expressive", "Locality"), "Points": ()}

@@ -47,7 +47,7 @@ def wait_for_pictures(page: Page, count: int) -> None:
     page.wait_for_function("n => window.seen.filter(shown => shown.tried === 'true').length >= n", arg=count)
 
 
-def test_a_drag_of_the_focus_is_seen_while_it_goes_and_is_exact_when_it_rests(page: Page, service: str) -> None:
+def test_a_drag_of_the_focus_is_live_and_exact_at_its_end(page: Page, service: str) -> None:
     untouched(service)
     page.goto("/?shot=demo&time=40")
     wait_settled(page, time=40)

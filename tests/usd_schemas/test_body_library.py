@@ -75,7 +75,7 @@ def test_film_gates_are_what_the_standards_say_in_inches(name: str, gate_mm: tup
     assert body.gate_mm[0] * body.squeeze / body.gate_mm[1] == pytest.approx(shape, abs=0.01)
 
 
-def test_a_body_is_found_by_name_and_title_and_a_wrong_name_has_neighbours() -> None:
+def test_a_body_is_found_by_name_and_title_or_a_hint_is_given() -> None:
     assert library_body("Super35-4Perf") == library_body("super 35 4-perf") == library_body("super35_4perf")
     with pytest.raises(SchemaError, match=r"no camera body named 'alexa' in the library: did you mean alexa_"):
         library_body("alexa")

@@ -60,7 +60,7 @@ def test_a_broken_source_is_refused_with_its_place() -> None:
 
 
 @pytest.mark.parametrize(("schema", "name"), EVERY_PROPERTY)
-def test_each_property_says_what_it_is_in_which_unit_and_where_it_is_shown(schema: str, name: str) -> None:
+def test_each_property_has_documentation_unit_and_display_group(schema: str, name: str) -> None:
     says = definition(schema).GetPropertyMetadata
     doc = says(name, "documentation")
     assert doc.splitlines()[-1].startswith("Unit: ")

@@ -42,7 +42,7 @@ def test_each_stock_says_what_a_list_of_stocks_shows(entry: LibraryFilm) -> None
 
 
 @pytest.mark.parametrize("entry", [film for film in library_films() if film.kind == "camera"], ids=lambda f: f.name)
-def test_metered_grey_is_where_speed_puts_it_and_near_the_laboratory_s_aim(entry: LibraryFilm) -> None:
+def test_metered_grey_is_at_the_speed_point_near_the_labs_aim(entry: LibraryFilm) -> None:
     film = entry.film
     if not entry.relative_exposure:
         assert film.curve.middle_gray == pytest.approx(math.log10(10 / film.speed), abs=1e-4)
@@ -64,7 +64,7 @@ def test_granularity_is_read_at_densities_that_the_stock_has(entry: LibraryFilm)
         assert densities.min() + base < curve.mean() < densities.max() + base
 
 
-def test_a_stock_is_found_by_name_and_by_number_and_a_wrong_name_has_neighbours() -> None:
+def test_a_stock_is_found_by_name_and_number_or_a_hint_is_given() -> None:
     assert library_film("Vision3-500T 5219").name == "vision3_500t_5219"
     assert library_film("5219").name == "vision3_500t_5219"
     assert library_film("2383").kind == "print"

@@ -79,7 +79,7 @@ def test_bezier_keys_keep_their_tangents(point: FocusPointView) -> None:
     assert point.keys("weight")[0] == Key(10, 0.0, "bezier", tangents)
 
 
-def test_bezier_keys_without_tangents_ease_to_neighbours_that_come_later(point: FocusPointView) -> None:
+def test_bezier_keys_without_tangents_ease_to_later_neighbours(point: FocusPointView) -> None:
     point.set_key("weight", 10, 0.0, "bezier")
     point.set_key("weight", 20, 1.0, "bezier")
     eased = weights(point, np.array([11.0, 15.0, 19.0]))

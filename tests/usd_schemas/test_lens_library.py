@@ -51,7 +51,7 @@ def test_each_lens_says_what_a_list_of_lenses_shows(entry: usd_schemas.LibraryLe
     assert (entry.lens.f_stop_range[0], entry.f_stop > 0) == (entry.f_stop, entry.lens.model != "pinhole")
 
 
-def test_a_lens_is_found_in_small_and_capital_letters_and_a_wrong_name_has_neighbours() -> None:
+def test_a_lens_is_found_in_any_letter_case_or_a_hint_is_given() -> None:
     assert library_lens("Planar-50").name == "planar_50"
     with pytest.raises(SchemaError, match=r"no lens named 'planar' in the library: did you mean planar_50"):
         library_lens("planar")
@@ -83,7 +83,7 @@ def test_only_those_keys_of_the_iris_are_raised_that_the_lens_has_not(camera: Le
     assert [key.value for key in camera.keys("fStop")] == pytest.approx([2.0, 2.8])
 
 
-def test_another_lens_leaves_nothing_of_the_one_before_but_what_the_photographer_set(camera: LensCamera) -> None:
+def test_another_lens_keeps_only_the_photographers_settings(camera: LensCamera) -> None:
     before = library_lens("planar_50")
     mount_lens(camera, before.lens, focal_length_mm=50)
     set_by_hand = replace(
@@ -114,9 +114,7 @@ def test_the_iris_of_a_camera_stays_where_the_lens_has_none(camera: LensCamera) 
     assert camera.aperture.read().blades == 7
 
 
-def test_the_iris_of_a_lens_goes_with_it_and_the_camera_s_own_is_there_again(
-    stage: Usd.Stage, camera: LensCamera
-) -> None:
+def test_a_lenss_iris_goes_with_it_and_the_cameras_own_returns(stage: Usd.Stage, camera: LensCamera) -> None:
     camera.aperture.author(ApertureData(blades=7))
     mirror, planar = library_lens("mirror_500"), library_lens("planar_50")
     with Usd.EditContext(stage, stage.GetSessionLayer()):

@@ -57,7 +57,7 @@ def test_a_tool_without_our_python_knows_the_schemas(tmp_path: Path) -> None:
     assert done.stdout.splitlines() == ["True thin 1.0", "Unit: none, a ratio. Focus Point"], done.stderr
 
 
-def test_import_after_the_first_schema_query_is_an_error_that_says_what_to_do() -> None:
+def test_import_after_the_first_schema_query_is_a_helpful_error() -> None:
     done = run_python(
         "from pxr import Usd\nstage = Usd.Stage.CreateInMemory()\nstage.DefinePrim('/a', 'Camera').IsA('Camera')\n"
         "import usd_schemas\n",
@@ -73,7 +73,7 @@ def test_import_works_where_the_environment_names_the_same_plugin() -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_declarations_are_read_without_loading_usd_which_then_finds_the_plugin() -> None:
+def test_settings_load_without_usd_which_then_finds_the_plugin() -> None:
     done = run_python(
         "import sys, usd_schemas.settings.schemas\n"
         "print(any(name in sys.modules for name in ('pxr', 'numpy')))\n"
@@ -99,7 +99,7 @@ def test_another_version_that_usd_took_first_is_an_error(tmp_path: Path) -> None
     assert str(other) in done.stderr
 
 
-def test_a_missing_generated_file_is_an_error_that_names_it_and_its_maker_still_runs(tmp_path: Path) -> None:
+def test_a_missing_generated_file_is_named_and_can_be_generated(tmp_path: Path) -> None:
     package = copy_package(tmp_path)
     (package / "generatedSchema.usda").unlink()
     done = run_python("import usd_schemas\nusd_schemas.LensCamera", path=tmp_path)

@@ -63,7 +63,7 @@ def test_a_rack_makes_the_points_decide(camera: LensCamera) -> None:
     assert camera.focus.read().mode == "points"
 
 
-def test_a_rack_can_start_where_another_ends_and_leaves_its_ease_alone(camera: LensCamera) -> None:
+def test_a_rack_can_start_where_another_ends_and_keeps_its_ease(camera: LensCamera) -> None:
     author_rack(camera, WeightRack("a", "b", 1, 25, "in"))
     first = weight(camera, "b", TIMES[TIMES <= 25])
     author_rack(camera, WeightRack("b", "c", 25, 49, "out"))

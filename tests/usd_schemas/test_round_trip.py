@@ -168,7 +168,7 @@ def test_an_exported_file_names_its_files_from_where_it_stands(shot: Usd.Stage, 
     assert str(tmp_path) not in text
 
 
-def test_an_exported_camera_says_its_fallbacks_to_readers_without_the_plugin(shot: Usd.Stage) -> None:
+def test_an_exported_camera_authors_fallbacks_for_other_readers(shot: Usd.Stage) -> None:
     layer = portable_layer(shot)
     camera = layer.GetPrimAtPath("/shot/cam")
     assert camera.attributes["lens:model"].default == "thin"

@@ -160,7 +160,7 @@ def test_a_focus_point_is_what_was_added(camera: LensCamera) -> None:
     assert [point.name for point in camera.focus_points()] == ["hero"]
 
 
-def test_a_new_focus_point_says_everything_for_readers_without_the_plugin(camera: LensCamera) -> None:
+def test_a_new_focus_point_authors_every_value_for_other_readers(camera: LensCamera) -> None:
     view = camera.add_focus_point("hero", FocusPoint("hero", ("/subject",)))
     assert all(attribute.HasAuthoredValue() for attribute in view.attributes())
 

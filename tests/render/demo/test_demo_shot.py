@@ -148,7 +148,7 @@ def test_the_near_and_the_far_subject_move_at_their_depths(shot: Shot) -> None:
         assert np.linalg.norm(np.diff(track[:, 1:], axis=0), axis=1).max() > 0.03
 
 
-def test_something_hangs_close_before_the_camera_and_leaves_the_picture(shot: Shot) -> None:
+def test_foreground_leaves_move_out_of_the_picture(shot: Shot) -> None:
     """Leaves well in front of the near subject, fewer of them in the picture at the end."""
     leaves = UsdGeom.PointInstancer(shot.stage.GetPrimAtPath("/World/Set/Foreground/Leaves"))
     places = np.array(leaves.GetPositionsAttr().Get(), float) / 100

@@ -53,7 +53,7 @@ def test_every_colour_space_that_usd_names_is_known() -> None:
             np.testing.assert_allclose(to_working(white, name), white, atol=2e-4, err_msg=name)
 
 
-def test_a_configuration_without_usds_names_is_joined_to_the_built_in_one(tmp_path: Path) -> None:
+def test_a_configuration_without_usd_names_joins_the_built_in_one(tmp_path: Path) -> None:
     (tmp_path / "own.ocio").write_text(OWN_CONFIG)
     own = working_config(tmp_path / "own.ocio")
 
@@ -78,7 +78,7 @@ def test_a_configuration_without_a_working_space_is_refused(tmp_path: Path) -> N
         working_config(config)
 
 
-def test_a_space_of_the_configuration_is_found_by_name_alias_and_input_role() -> None:
+def test_a_colour_space_is_found_by_name_alias_and_input_role() -> None:
     texel = np.array([[0.2, 0.5, 0.8]], np.float32)
 
     # The role texture_paint of OpenColorIO's default configuration is the same space as USD's sRGB.
@@ -86,7 +86,7 @@ def test_a_space_of_the_configuration_is_found_by_name_alias_and_input_role() ->
     np.testing.assert_array_equal(to_working(texel, "lin_ap1"), texel)
 
 
-def test_usds_words_keep_their_meaning_in_any_configuration_and_its_own_names_have_theirs(tmp_path: Path) -> None:
+def test_usd_colour_space_names_mean_the_same_in_any_configuration(tmp_path: Path) -> None:
     plain = "  - !<ColorSpace> {name: Numbers, isdata: true}\n"
     halved = "!<MatrixTransform> {matrix: [.5, 0, 0, 0, 0, .5, 0, 0, 0, 0, .5, 0, 0, 0, 0, 1]}"
     stops = f"  - !<ColorSpace> {{name: Half, to_scene_reference: {halved}}}\n"

@@ -23,7 +23,7 @@ def test_a_curve_goes_through_its_knots_and_is_level_beyond_them() -> None:
 
 
 @pytest.mark.parametrize("film", library_films(), ids=lambda film: film.name)
-def test_the_cubic_is_the_monotone_one_of_the_field_and_the_table_is_as_good(film: object) -> None:
+def test_the_cubic_is_scipys_pchip_and_the_table_is_as_accurate(film: object) -> None:
     for curves in (film.film.curve, film.film.print_curve):  # type: ignore[attr-defined]
         for knots in (curves.red, curves.green, curves.blue):
             if knots:
@@ -80,7 +80,7 @@ def test_curves_that_go_backwards_are_refused(knots: Knots, words: str) -> None:
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_parametric_curve_has_the_slope_the_ends_and_the_aim_that_it_says(sign: int) -> None:
+def test_a_parametric_curve_has_the_given_slope_ends_and_aim(sign: int) -> None:
     curve = Curve(parametric_knots(0.1, 2.5, sign * 0.6, 0.5, 0.8, aim=0.75))
     assert (curve.base, curve.greatest) == pytest.approx((0.1, 2.5))
     assert curve.density(0.0) == pytest.approx(0.85, abs=1e-5)

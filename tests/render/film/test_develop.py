@@ -25,7 +25,7 @@ def srgb_encoded(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(linear, 1 / 2.4) - 0.055)
 
 
-def test_without_tone_mapping_the_default_display_encodes_neutral_light_as_srgb() -> None:
+def test_without_tone_mapping_neutral_light_is_encoded_as_srgb() -> None:
     linear = np.array([0.0, 0.001, 0.01, 0.18, 0.5, 1.0])
 
     picture = develop(grey(*linear), 1.0, UNTONED)
@@ -113,9 +113,7 @@ def test_the_default_grade_names_what_it_is() -> None:
         ({"config": "ocio://nope"}, "cannot read the OpenColorIO configuration ocio://nope: "),
     ],
 )
-def test_a_name_that_the_configuration_lacks_is_refused_with_those_that_it_has(
-    setting: dict[str, str], expected: str
-) -> None:
+def test_an_unknown_name_is_refused_with_the_names_that_exist(setting: dict[str, str], expected: str) -> None:
     with pytest.raises(SettingsError) as caught:
         Grade(**setting)
 

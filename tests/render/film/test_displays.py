@@ -39,9 +39,7 @@ def test_a_picture_is_what_openimageio_makes_of_the_chart(config: str, display: 
 
 
 @pytest.mark.parametrize(("config", "display", "view"), DISPLAYS)
-def test_a_graded_picture_is_what_openocolorios_own_viewing_pipeline_makes(
-    config: str, display: str, view: str
-) -> None:
+def test_a_graded_picture_is_that_of_ocios_viewing_pipeline(config: str, display: str, view: str) -> None:
     cdl = Cdl((1.1, 0.95, 0.9), (0.02, 0.0, -0.01), (1.0, 1.05, 1.1), 0.8)
     looks = list_looks(config)[0]
 
@@ -138,7 +136,7 @@ def test_a_print_is_graded_where_its_light_stands_for_a_scene() -> None:
     np.testing.assert_allclose(project(dim, doubled, "lin_rec709"), project(2 * dim, Grade(), "lin_rec709"), atol=2e-5)
 
 
-def test_a_print_on_a_display_of_an_old_configuration_is_a_conversion_of_colour(tmp_path: Path) -> None:
+def test_a_print_on_an_old_configurations_display_converts_colour(tmp_path: Path) -> None:
     file = tmp_path / "own.ocio"
     file.write_text(OWN_CONFIG)
     light = np.array([[[0.1, 0.4, 0.7]]], np.float32)
@@ -157,7 +155,7 @@ def test_a_print_in_an_unknown_space_is_refused() -> None:
         project(np.ones((1, 1, 3), np.float32), Grade(), "technicolor")
 
 
-def test_light_is_in_the_space_that_was_rendered_in_whatever_configuration_grades_it(tmp_path: Path) -> None:
+def test_light_keeps_its_space_whichever_configuration_grades_it(tmp_path: Path) -> None:
     file = tmp_path / "own.ocio"
     file.write_text(OWN_CONFIG)
     texel = np.array([[[0.2, 0.4, 0.6]]], np.float32)
@@ -168,9 +166,7 @@ def test_light_is_in_the_space_that_was_rendered_in_whatever_configuration_grade
     np.testing.assert_allclose(develop(to_working(texel, "lin_rec709"), 1.0, grade), texel, atol=5e-5)
 
 
-def test_in_an_environment_with_a_configuration_all_is_in_its_working_space(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_with_ocio_set_everything_is_in_its_working_space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "own.ocio"
     file.write_text(OWN_CONFIG)
     monkeypatch.setenv("OCIO", str(file))
@@ -224,7 +220,7 @@ looks: [!<Look> {name: Dusk, process_space: Studio Linear, transform: !<FileTran
 """
 
 
-def test_a_look_whose_file_is_missing_is_told_before_anything_is_rendered(tmp_path: Path) -> None:
+def test_a_look_without_its_file_is_refused_before_rendering(tmp_path: Path) -> None:
     file = tmp_path / "own.ocio"
     file.write_text(OWN_CONFIG + LOOK_WITH_A_FILE.replace("FILE", "dusk.cube"))
 

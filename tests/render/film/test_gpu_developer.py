@@ -228,7 +228,7 @@ class SmallDevice:
         return getattr(self._ctx, name)
 
 
-def test_a_picture_that_the_device_has_no_room_for_is_finished_by_the_processor(
+def test_a_picture_too_large_for_the_gpu_is_finished_on_the_cpu(
     own_context: GraphicsContext,
 ) -> None:
     device = Device(own_context)

@@ -101,7 +101,7 @@ def test_noise_is_normal_and_white() -> None:
         assert abs(product.mean()) < 4.5 / np.sqrt(product.size)
 
 
-def test_grain_of_the_negative_comes_out_in_the_print_with_its_contrast() -> None:
+def test_grain_of_the_negative_is_printed_with_the_prints_contrast() -> None:
     film = film_settings(FilmData(grain=Grain(amount=1)), name="tri_x_400")
     flat = np.full((200, 200, 3), MIDDLE_GREY, np.float32)
     print_density = -np.log10(develop_on_film(flat, film, frame=1, gate_mm=(1.2, 1.2)))[..., 0]

@@ -47,7 +47,7 @@ def test_a_ring_is_round_on_the_film_though_pixels_are_not_square() -> None:
     assert kernel == pytest.approx(kernel[::-1, ::-1])
 
 
-def test_a_ring_within_a_pixel_changes_little_and_one_of_no_size_nothing() -> None:
+def test_halation_within_a_pixel_changes_little_and_radius_0_nothing() -> None:
     light = np.random.default_rng(3).random((20, 20, 3), np.float32)
     assert add_halation(light, 0.1, 0.001, RED, (1.0, 1.0)) == pytest.approx(light, abs=0.02)
     assert add_halation(light, 0.1, 0.0, RED, (1.0, 1.0)) is light

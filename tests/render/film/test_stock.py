@@ -40,7 +40,7 @@ def test_a_wedge_of_21_steps_has_the_stock_s_densities(film: LibraryFilm) -> Non
 
 
 @pytest.mark.parametrize("film", PRINTS, ids=lambda film: film.name)
-def test_the_printer_s_lights_put_grey_1_above_the_base_of_each_record(film: LibraryFilm) -> None:
+def test_the_printer_lights_put_grey_at_1_above_each_records_base(film: LibraryFilm) -> None:
     stock = print_stock(film.name)
     assert stock.middle_density == pytest.approx(tuple(base + 1.0 for base in stock.base), abs=1e-5)
 

@@ -39,7 +39,7 @@ def test_two_points_are_the_near_and_far_limit_of_depth_of_field(a_m, b_m, breat
     assert found.excess[0] == pytest.approx(1)
 
 
-def test_a_far_point_at_infinity_is_focused_at_the_hyperfocal_distance():
+def test_a_point_at_infinity_focuses_at_the_hyperfocal_distance():
     found = split_two(1 / 4.0, 0.0)
     field = depth_of_field(FOCAL_MM, found.f_stops[0], 8.0, LIMIT_MM)
     assert 1 / found.w[0] == pytest.approx(8.0)
@@ -95,7 +95,7 @@ def test_a_lens_that_does_not_reach_the_split_stops_down_for_it():
     assert found.f_stops[0] == pytest.approx(law.slope_at_f1_mm_m([1.0])[0] * 3 / LIMIT_MM)
 
 
-def test_sharp_points_keep_to_their_own_blur_or_the_limit_and_soft_ones_to_theirs():
+def test_each_point_keeps_to_its_own_blur_or_to_the_limit():
     targets = FocusTargets.of(
         ["hero", "friend", "veil"], [2.0, 3.0, 8.0], kinds=["sharp", "sharp", "soft"], blurs_mm=[0.0, 0.05, 0.5]
     )

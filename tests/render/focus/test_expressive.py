@@ -83,7 +83,7 @@ def test_a_soft_point_by_offset_has_the_focus_that_far_behind_it():
     assert 1 / w_at(made, made.slopes) == pytest.approx([2.5, 4.0], rel=1e-3)
 
 
-def test_the_focus_goes_before_a_soft_point_where_it_would_go_beyond_infinity():
+def test_the_focus_is_before_a_soft_point_instead_of_beyond_infinity():
     made = points([[0.0, 0.0]], [8.0], soft=[True], blurs_mm=[SLOPE_MM_M * 0.2])
     assert wanted_w(made, FocalPlane(0.05), SLOPE_MM_M) == pytest.approx([0.125 + 0.2])
 
@@ -128,7 +128,7 @@ def test_nearer_points_count_more_where_they_are_asked_to():
     assert near == pytest.approx((16 * 1 + 0.25) / 17)
 
 
-def test_soft_points_beside_sharp_ones_lose_influence_with_their_distance():
+def test_soft_points_near_sharp_ones_lose_influence_with_distance():
     overlap = OVERLAP_FRAME_WIDTHS * WIDTH
     slopes = np.array([[0, 0], [0, 0], [overlap / 2, 0], [overlap, 0], [math.nan, math.nan]])
     soft = np.array([False, True, True, True, False])
@@ -268,7 +268,7 @@ def test_half_lenses_lie_where_the_camera_says():
     assert beyond_edge(upper, np.array([[0.3, 0.1], [-0.3, -0.1]])) == pytest.approx([1, 0])
 
 
-def test_the_edge_of_a_half_lens_is_counted_from_the_middle_of_a_shifted_frame():
+def test_a_half_lenss_edge_is_measured_from_a_shifted_frames_middle():
     camera = Camera(np.eye(4), 50.0, 36.0, 20.0, horizontal_offset_mm=5.0)
     (half,) = half_lenses([(0.0, 0.1, 2.0)], 0.0, Frame.of(camera))
     assert half.offset == pytest.approx(0.1)

@@ -96,7 +96,7 @@ def test_a_steady_move_is_not_changed_by_smoothing():
     np.testing.assert_allclose(smoothed(SECONDS, 0.1 * SECONDS, 0.8), 0.1 * SECONDS, atol=1e-12)
 
 
-def test_smoothing_takes_out_wobble_and_turns_a_step_into_an_ease_as_long_as_asked():
+def test_smoothing_removes_wobble_and_eases_a_step_over_its_time():
     wobble = 0.5 + 0.01 * np.where(np.arange(121) % 2, 1.0, -1.0)
     inner = slice(24, -24)
     assert np.abs(smoothed(SECONDS, wobble, 1.0)[inner] - 0.5).max() < 1e-4

@@ -70,7 +70,7 @@ def test_a_soft_point_gets_its_blur_on_the_cameras_own_side():
     assert 1 / far.focus_distance_m == pytest.approx(0.5 - 0.2)
 
 
-def test_a_soft_point_that_wants_more_blur_than_infinity_gives_focuses_before_it():
+def test_a_soft_point_blurred_beyond_infinity_is_focused_before():
     soft = FocusTarget("veil", 2.0, kind="soft", blur_mm=1.25)  # wants 1 / m on either side of 0.5 / m
     solution = solve_focus([soft], math.inf, coc_slope_mm_m=SLOPE_MM_M)
     assert 1 / solution.focus_distance_m == pytest.approx(1.5)
@@ -88,7 +88,7 @@ def test_a_soft_point_that_wants_more_blur_than_infinity_gives_focuses_before_it
         (FocusTarget("p", 2.0, kind="soft", blur_mm=0.1), "pinhole"),
     ],
 )
-def test_a_point_that_cannot_count_leaves_focus_to_the_others_or_the_camera(point, state):
+def test_a_point_that_does_not_count_leaves_focus_to_the_others(point, state):
     alone = solve_focus([point], 4.0)
     assert (alone.focus_distance_m, alone.source, alone.states) == (4.0, "camera", (state,))
     assert alone.shares == (0.0,)
@@ -117,7 +117,7 @@ def test_a_point_that_asks_for_focus_behind_the_camera_does_not_count():
 
 
 @given(depths_m, depths_m, st.floats(0, 4))
-def test_near_priority_multiplies_weights_by_inverse_depth_to_its_power(a, b, power):
+def test_near_priority_weights_by_a_power_of_inverse_depth(a, b, power):
     solution = solve_focus([FocusTarget("a", a), FocusTarget("b", b)], near_priority=power)
     counts = np.array([a, b]) ** -power
     assert 1 / solution.focus_distance_m == pytest.approx(np.average([1 / a, 1 / b], weights=counts), rel=1e-9)

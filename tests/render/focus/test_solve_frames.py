@@ -156,7 +156,7 @@ def test_hidden_points_are_kept_left_out_or_faded():
     assert "hidden" in STATES
 
 
-def test_a_soft_point_on_top_of_a_sharp_one_has_no_say_and_one_beside_it_has():
+def test_a_soft_point_counts_beside_a_sharp_one_and_not_on_top():
     def focus(offset):
         slopes = [[[0.0, 0.0], [offset, 0.0]]]
         targets = FocusTargets.of("ab", [2.0, 4.0], kinds=["sharp", "soft"], blurs_mm=[0, 0.5], slopes=slopes)
@@ -212,7 +212,7 @@ def curved_law(near_w=4.0):
 @pytest.mark.parametrize("law", [LensLaw.thin(80.0, 1.0, breathing=True, near_w=4.0), curved_law()])
 @given(seed=seeds)
 @settings(max_examples=40)
-def test_through_a_lens_with_a_law_of_its_own_no_other_focus_is_better(law, seed):
+def test_no_other_focus_is_better_through_a_lens_with_its_own_law(law, seed):
     rng = np.random.default_rng(seed)
     kinds = rng.choice(["sharp", "soft"], 5).tolist()
     targets = FocusTargets.of(

@@ -99,7 +99,7 @@ def test_the_more_a_point_weighs_the_larger_its_region_is():
     assert regions[-1] == pytest.approx(ratio / (1 + ratio), abs=0.005)
 
 
-def test_the_larger_the_exponent_the_narrower_the_change_between_regions():
+def test_a_larger_exponent_narrows_the_change_between_regions():
     line = np.stack([np.linspace(-0.2, 0.2, 4001), np.zeros(4001)], axis=-1)
     widths = []
     for exponent in (1.0, 2.0, 3.0, 4.0, 12.0):

@@ -216,7 +216,7 @@ def test_limits_hold_and_no_plane_within_them_is_better(seed, degrees):
             assert found <= np.mean((w - w0 - tilt * along) ** 2) + 1e-9
 
 
-def test_a_plane_that_holds_the_view_axis_is_tilted_no_farther_than_the_lens_turns():
+def test_a_plane_along_the_view_axis_is_tilted_up_to_the_lenss_limit():
     slopes = np.array([[0.0, -1e-3], [0.0, 1e-3], [0.1, 0.0]])
     w = np.array([0.2, 2.0, 1.1])  # near and far points almost behind each other
     fit = plane_through(slopes, w)
@@ -262,7 +262,7 @@ def test_impossible_planes_and_numbers_are_refused():
         plane_through([[np.nan, 0]], [1.0])
 
 
-def test_a_lens_tilted_by_hand_is_focused_where_its_plane_serves_the_points():
+def test_a_lens_tilted_by_hand_is_focused_to_serve_the_points():
     tilted = plane_of(math.radians(-4), math.radians(2), 3.0, 50.0)
     slopes = np.array([[[0.1, -0.2], [-0.2, 0.05]]])
     targets = FocusTargets.of("ab", 1 / w_on(tilted, slopes), slopes=slopes)

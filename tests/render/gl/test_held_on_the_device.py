@@ -95,9 +95,7 @@ def lens_rays(ctx: Any, programs: ProgramCache) -> object:
     [(layers, 6), (surfaces, 2), (nbuffers, 2), (lens_rays, 6)],
     ids=["layers", "surfaces", "nbuffers", "lens rays"],
 )
-def test_objects_that_were_made_before_one_that_could_not_be_are_given_back(
-    make: Maker, needed: int, ctx: moderngl.Context
-) -> None:
+def test_objects_are_released_when_a_later_one_cannot_be_made(make: Maker, needed: int, ctx: moderngl.Context) -> None:
     programs = ProgramCache(ctx)
     with pytest.raises((moderngl.Error, GraphicsError)):
         make(Refusing(ctx, 0), programs)  # compiles what it needs
@@ -111,7 +109,7 @@ def test_objects_that_were_made_before_one_that_could_not_be_are_given_back(
 
 
 @pytest.mark.parametrize(("make", "framebuffers"), [(layers, 9), (surfaces, 2)], ids=["layers", "surfaces"])
-def test_framebuffers_that_were_made_before_one_that_is_refused_are_given_back(
+def test_framebuffers_are_released_when_a_later_one_is_refused(
     make: Maker, framebuffers: int, ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     programs, before = ProgramCache(ctx), living()

@@ -188,7 +188,7 @@ def test_what_is_no_number_is_null_and_the_rest_is_kept(
     assert (scene["psnr_db"], scene["ssim"], scene["cpu"]["ratio"]) == (None, 0.996, 6)
 
 
-def test_json_that_cannot_be_written_leaves_what_was_there_and_the_tables(
+def test_json_that_cannot_be_written_keeps_the_old_file_and_tables(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def full(descriptor: int) -> None:

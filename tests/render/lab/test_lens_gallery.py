@@ -46,7 +46,7 @@ def test_the_page_shows_the_pictures_and_they_are_there(tmp_path: Path) -> None:
     assert bright.mean() > 1.3 * plain.mean()
 
 
-def test_the_camera_has_three_stocks_stops_and_lenses_motion_and_long_exposures() -> None:
+def test_the_camera_section_shows_stocks_stops_lenses_and_motion() -> None:
     sections = chosen_sections(None, camera_alone=True)
     assert [section.title for section in sections] == [
         "Three stocks",
@@ -58,7 +58,7 @@ def test_the_camera_has_three_stocks_stops_and_lenses_motion_and_long_exposures(
     assert all(len(section.entries) >= 3 for section in sections)
 
 
-def test_a_folder_that_takes_no_files_is_named_before_anything_is_drawn(tmp_path: Path) -> None:
+def test_a_read_only_folder_is_refused_before_drawing(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(SystemExit, match=r"^scripts/gallery: cannot write the gallery to .*file/sub: "):
         main([str(tmp_path / "file" / "sub")])

@@ -68,7 +68,7 @@ def back_to(camera: Camera, rays: SceneRays, nm: float, last: int | None = None)
     ],
     ids=lambda value: value.prescription.name if isinstance(value, KnownLens) else "",
 )
-def test_a_pixels_ray_leads_through_its_stop_point_back_to_its_film_point(
+def test_a_ray_leads_from_its_film_point_through_its_stop_point(
     known: KnownLens, f_stop: float, pupil: tuple[float, float]
 ) -> None:
     """Whatever the aiming does: light on that ray from the scene lands where the pixel is, upside down, by way of the sample."""

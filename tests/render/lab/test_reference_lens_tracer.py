@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from rayoptics.elem.profiles import EvenPolynomial, Spherical
 from rayoptics.elem.surface import Surface as PublicSurface
@@ -116,6 +116,7 @@ def test_light_goes_back_the_way_it_came(known: KnownLens) -> None:
     st.floats(1.0, 2.0),
     st.floats(1.0, 2.0),
 )
+@example(1.0, 2.5, 1.5707963267948963, 1.0, 1.0)  # grazes the surface: rounding decides whether it passes
 def test_refraction_obeys_snells_law(tilt: float, turn: float, incidence: float, n_in: float, n_out: float) -> None:
     """n·sin θ stays, the ray stays in the plane of incidence and on its side; beyond the critical angle nothing passes."""
     normal = np.array([[np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]])
@@ -124,11 +125,12 @@ def test_refraction_obeys_snells_law(tilt: float, turn: float, incidence: float,
     ray = np.cos(incidence) * normal + np.sin(incidence) * side
     columns, reflected = refract(ray.T, normal.T, n_in / n_out)
     bent = columns.T
-    assert reflected[0] == (n_in * np.sin(incidence) > n_out)
+    beyond_critical = n_in * np.sin(incidence) - n_out
+    assert reflected[0] == (beyond_critical > 0) or abs(beyond_critical) < 1e-12
     if not reflected[0]:
         assert np.linalg.norm(bent) == pytest.approx(1, abs=1e-12)
         assert n_out * float((bent * side).sum()) == pytest.approx(n_in * np.sin(incidence), abs=1e-12)
-        assert (bent * normal).sum() >= 0
+        assert (bent * normal).sum() >= -1e-12
         assert float((bent * np.cross(normal, side)).sum()) == pytest.approx(0, abs=1e-12)
 
 
@@ -239,7 +241,7 @@ def test_a_height_map_of_a_paraboloid_is_the_paraboloid() -> None:
     np.testing.assert_allclose(found, wanted, atol=2e-4)
 
 
-def test_a_height_map_has_its_first_row_at_the_top_and_its_first_column_at_minus_x() -> None:
+def test_a_height_maps_first_row_is_the_top_and_first_column_minus_x() -> None:
     """Glass that grows thicker to one side is a prism: it bends rays to its base."""
     ramp = np.linspace(-0.5, 0.5, 65)
     prism = Surface(0, 0, AIR, 10)

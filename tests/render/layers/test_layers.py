@@ -53,7 +53,7 @@ def depths_of(layers: Layers, count: int) -> np.ndarray:
     return np.abs(np.concatenate(packs, axis=2)[..., :count].transpose(2, 0, 1))
 
 
-def test_layers_come_near_to_far_and_none_is_in_the_umbra_of_the_one_before(peeler: Peeler) -> None:
+def test_layers_run_near_to_far_and_skip_the_umbra_of_the_last(peeler: Peeler) -> None:
     scene, camera = posts_before_wall()
     peeler.load(scene)
     umbra = 0.05
@@ -66,9 +66,7 @@ def test_layers_come_near_to_far_and_none_is_in_the_umbra_of_the_one_before(peel
     assert not (filled & (w[:-1] == 0)).any(), "a pixel that is empty stays empty"
 
 
-def test_a_layer_is_drawn_before_anybody_asks_whether_it_holds_anything(
-    peeler: Peeler, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_layer_is_drawn_before_its_emptiness_is_queried(peeler: Peeler, monkeypatch: pytest.MonkeyPatch) -> None:
     """Mesa 22 answers an occlusion query, and frees it, while a large scene is still drawn into it: the process crashes later.
 
     Only some scenes and sizes do so; that the device had finished is seen with any.
@@ -180,7 +178,7 @@ def test_aovs_name_what_is_there(renderer: FrameRenderer) -> None:
     assert frame.aovs["coc"][left] == pytest.approx(f_px * pupil_m / 4, rel=1e-5)
 
 
-def test_single_sided_back_faces_are_not_seen_and_mirrored_instances_are_not_turned(renderer: FrameRenderer) -> None:
+def test_back_faces_are_culled_and_mirrored_instances_stay_front(renderer: FrameRenderer) -> None:
     wall = stacked([2.0]).batches[0]
     turned = np.diag([-1.0, 1, -1, 1])
     turned[2, 3] = -4.0  # half a turn about the wall's own axis: its back to the camera
@@ -259,7 +257,7 @@ def tiles_in_one_plane() -> Batch:
     return Batch(board, white, poses, double_sided=True, instance_prim_ids=np.array([1, 2, 3], np.int32))
 
 
-def test_work_that_is_watched_is_drawn_in_pieces_and_to_the_bit_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cancellable_work_is_split_and_bit_identical(monkeypatch: pytest.MonkeyPatch) -> None:
     """Depths, colours, ids and shadows of draws that are cut into shares of their triangles and instances."""
     scene, camera = spheres_over_checkerboard()
     scene = replace(scene, batches=(*scene.batches, tiles_in_one_plane()))

@@ -73,7 +73,7 @@ def test_a_floor_under_the_camera_begins_where_the_picture_does() -> None:
     assert nearest_depth_m(index_of(floor), VIEW) == pytest.approx(1 / tangent, rel=1e-6)
 
 
-def test_a_room_around_the_camera_is_as_near_as_its_nearest_side_in_view() -> None:
+def test_a_room_around_the_camera_is_as_near_as_its_nearest_wall() -> None:
     room = shell((1.5, 1.2, 4.0))
     assert nearest_depth_m(index_of(room), VIEW) == pytest.approx(min(1.5 / 0.5, 1.2 / (27 / 36 / 2)), rel=1e-6)
 

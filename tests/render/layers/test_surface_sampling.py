@@ -38,7 +38,7 @@ def middle(renderer: FrameRenderer, scene: Scene, rays: int) -> FloatArray:
     return renderer.render(scene, CAMERA, replace(SETTINGS, rays=rays)).color[30:90, 40:120]
 
 
-def test_few_rays_of_a_blurred_texture_are_near_to_what_many_converge_to(renderer: FrameRenderer) -> None:
+def test_few_rays_of_a_blurred_texture_are_near_the_converged_picture(renderer: FrameRenderer) -> None:
     """Points of a wall of black and white squares are black or white: the mean of 16 would be off by an eighth."""
     blurred = wall(12.0, lookups={"base_color": TextureLookup(squares(), wrap_s="repeat", wrap_t="repeat")})
     few = middle(renderer, blurred, 16)[..., 0]
@@ -58,7 +58,7 @@ def test_cut_outs_keep_their_edges(renderer: FrameRenderer) -> None:
     assert middle(renderer, holes, 256)[..., 3].mean() == pytest.approx(0.5, abs=0.05)
 
 
-def test_a_single_ray_stands_for_no_more_than_its_pixel_and_more_rays_for_less() -> None:
+def test_a_rays_footprint_is_at_most_a_pixel_and_shrinks_with_rays() -> None:
     assert patch_px_m(1000, 0.02, 1) == 0
     assert patch_px_m(1000, 0.02, 400) == pytest.approx(patch_px_m(1000, 0.02, 100) / 2)
 

@@ -80,7 +80,7 @@ def test_where_layers_run_out_panes_are_lost_and_never_what_is_solid(
     np.testing.assert_allclose(seen, [4 * through] * 3 + [1 - through], rtol=2e-3)
 
 
-def test_a_wall_behind_half_of_the_panes_is_seen_there_and_panes_are_seen_beside_it(renderer: FrameRenderer) -> None:
+def test_the_last_layer_holds_a_wall_here_and_a_pane_there(renderer: FrameRenderer) -> None:
     """Two layers for three panes: the last one holds the wall where it stands, and a second pane elsewhere."""
     half = pane(3.0, 1.0, radiance=2.0)
     right = replace(half, poses=np.eye(4)[None] + 27 * np.eye(4, k=3)[None])

@@ -147,7 +147,7 @@ def test_a_history_goes_on_from_the_layer_as_it_is_found(shot):
     assert stop_of(shot) == 6.0
 
 
-def test_what_failed_after_an_edit_leaves_edits_and_history_as_they_were(shot):
+def test_a_failed_edit_leaves_edits_and_history_unchanged(shot):
     shot.camera.set(CAMERA, f_stop=4.0)
     before = shot.edits.snapshot()
     shot.camera.set(CAMERA, f_stop=8.0)

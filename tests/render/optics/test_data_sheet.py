@@ -33,7 +33,7 @@ def random_disc(count: int = 200_000) -> DoubleArray:
     return np.sqrt(radius)[:, None] * np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)], axis=1)
 
 
-def test_light_of_a_point_spreads_as_the_sheet_says_and_as_much_passes() -> None:
+def test_a_points_light_spreads_and_passes_as_the_sheet_says() -> None:
     """Thrown rays, of which the rims stop some: an integral of its own."""
     errors, pupil = set_to(SHEET, 1.4), random_disc()
     lands = errors.landing_mm(pupil)
@@ -69,7 +69,7 @@ def test_blur_shrinks_with_the_third_power_of_the_iris(stops: int, blur: float) 
 
 
 @pytest.mark.parametrize(("share", "brighter"), [(0.8, "edge"), (-0.8, "middle"), (0.0, "neither")])
-def test_spherical_aberration_decides_where_the_disc_behind_the_focus_is_bright(share: float, brighter: str) -> None:
+def test_spherical_aberration_sets_where_a_disc_is_bright(share: float, brighter: str) -> None:
     blur = (0.02, 0.02)
     sheet = DataSheet((0.0, 10.0), sagittal_blur_mm=blur, tangential_blur_mm=blur, spherical=(share, share), f_stop=2.0)
     errors, pupil = set_to(sheet, 2.0), random_disc()

@@ -48,7 +48,7 @@ def test_a_breathing_lens_has_the_textbooks_limits(f, n, s, limit):
 
 
 @given(focal_lengths_mm, f_stops, limits_mm)
-def test_focus_at_the_hyperfocal_distance_is_sharp_from_half_of_it_to_infinity(f, n, limit):
+def test_hyperfocal_focus_is_sharp_from_half_of_it_to_infinity(f, n, limit):
     hyperfocal_m = depth_of_field(f, n, 5.0, limit).hyperfocal_m
     dof = depth_of_field(f, n, hyperfocal_m * (1 + 1e-9), limit)
     assert dof.near_m == pytest.approx(hyperfocal_m / 2, rel=1e-6)

@@ -89,7 +89,7 @@ def test_neighbours_have_patterns_far_apart() -> None:
     assert np.mean(np.array(distance) == 0) < 0.004
 
 
-def test_the_pattern_beats_random_points_at_integrating_a_smooth_pupil() -> None:
+def test_the_pattern_integrates_a_smooth_pupil_better_than_random() -> None:
     points = lens_samples(256, IrisShape(), tiled=False).pupil[0]
     error = abs(np.mean(np.cos(2 * points[:, 0]) * np.exp(points[:, 1])) - _disc_mean())
     assert error < 0.25 * 0.66 / np.sqrt(256)  # 0.66: the integrand's standard deviation, so random points err by 0.041

@@ -220,7 +220,7 @@ def test_the_matrices_put_a_point_where_the_renderer_does() -> None:
     assert camera_z == pytest.approx(depth[0], rel=1e-6), "OpenEXR's camera looks along +z"
 
 
-def test_right_in_the_picture_is_positive_x_and_up_is_positive_y_for_openexrs_camera() -> None:
+def test_openexrs_camera_has_x_to_the_right_and_y_up() -> None:
     header = raw_headers(exr(make_frame()))[0]
     ray_origin, right_of_axis = PinholeView.from_camera(CAMERA, WIDTH, HEIGHT).ray(WIDTH, HEIGHT / 2)
     _, above_axis = PinholeView.from_camera(CAMERA, WIDTH, HEIGHT).ray(WIDTH / 2, 0)

@@ -153,7 +153,7 @@ def test_a_frame_is_written_in_the_format_of_its_name(tmp_path: Path) -> None:
     assert sorted(os.listdir(tmp_path)) == ["a.exr", "a.jpg", "a.png"]
 
 
-def test_a_file_that_is_there_is_replaced_and_gets_the_usual_permissions(tmp_path: Path) -> None:
+def test_an_existing_file_is_replaced_with_the_usual_permissions(tmp_path: Path) -> None:
     target = tmp_path / "a.png"
     target.write_bytes(b"old")
     (tmp_path / "usual").touch()

@@ -120,9 +120,7 @@ def test_rows_that_are_held_in_turn_are_told_apart(ctx: moderngl.Context, monkey
     np.testing.assert_array_equal(blurred(ctx, light, radii, shape, 5), whole)
 
 
-def test_what_is_in_focus_is_sharp_and_what_is_not_is_as_blurred_as_by_the_lens(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_flag_is_sharp_in_focus_and_blurs_as_much_as_the_lens(renderer: FrameRenderer, tmp_path: Path) -> None:
     stage = write_posts_shot(tmp_path / "room.usda")
     card = add_card(stage, "/card", size=(0.7, 0.8), depth=3.0, colour=(1, 1, 0.2))
     key_move(card.AddTranslateOp(), Gf.Vec3d(0.4, 0, 0), Gf.Vec3d(0.4, 0, 0))
@@ -203,7 +201,7 @@ def profile(renderer: FrameRenderer, scene: Scene, camera: Camera, engine: str) 
     return renderer.render(scene, camera, settings).color[100:140, :, 0].mean(axis=0)
 
 
-def test_what_is_near_before_what_is_near_has_a_soft_edge_and_no_dark_seam(renderer: FrameRenderer) -> None:
+def test_near_over_near_has_a_soft_edge_and_no_dark_seam(renderer: FrameRenderer) -> None:
     scene, camera = before_wall(1.2, 2.2, 0.8)  # circles of 13 and 4.5 px, both before the focus
     lens, flag = (profile(renderer, scene, camera, engine) for engine in ("lens", "flag"))
     assert np.abs(flag - lens).max() < 0.08
@@ -211,7 +209,7 @@ def test_what_is_near_before_what_is_near_has_a_soft_edge_and_no_dark_seam(rende
     assert np.all(np.diff(flag[120:200]) > -0.02)
 
 
-def test_a_bright_wall_does_not_leak_over_what_is_little_blurred_before_it(renderer: FrameRenderer) -> None:
+def test_a_bright_wall_does_not_leak_over_little_blurred_objects(renderer: FrameRenderer) -> None:
     scene, camera = before_wall(4.6, 30.0, 0.8)  # circles of 0.8 and 5.3 px, both behind the focus
     lens, flag = (profile(renderer, scene, camera, engine) for engine in ("lens", "flag"))
     edge = 160

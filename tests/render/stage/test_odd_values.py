@@ -178,7 +178,7 @@ def test_cameras_in_nested_instances_are_listed() -> None:
     assert list_cameras(stage) == [f"/top/i{one}/i{two}/cam" for one in range(2) for two in range(2)]
 
 
-def test_nested_instancers_that_multiply_beyond_all_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nested_instancers_beyond_all_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(limits, "MAX_PLACES", 8)
     stage = new_stage()
     UsdGeom.Sphere.Define(stage, "/outer/inner/ball")
@@ -255,7 +255,7 @@ def test_a_place_out_of_range_is_a_finding_and_no_warning() -> None:
     assert "out of range" in findings["/bad"]
 
 
-def test_still_geometry_that_single_precision_cannot_place_is_drawn_and_named() -> None:
+def test_geometry_too_far_for_single_precision_is_drawn_and_named() -> None:
     stage = new_stage()
     add_mesh(stage, "/near").AddTranslateOp().Set((9e5, 0, 0))
     add_mesh(stage, "/far").AddTranslateOp().Set((4e6, 0, 0))

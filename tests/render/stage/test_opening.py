@@ -193,9 +193,7 @@ def test_nothing_may_lie_outside(tmp_path: Path, kind: str, way: str) -> None:
     assert target in error.detail
 
 
-def test_a_path_that_is_found_through_the_working_directory_is_outside(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_path_through_the_working_directory_is_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path / "work" / "props" / "secret.usda", 'def "A" {}')
     monkeypatch.chdir(tmp_path / "work")
     root = write(tmp_path / "shot" / "a.usda", 'def "A" (references = @props/secret.usda@) {}')
@@ -265,9 +263,7 @@ def test_real_assets_are_confined_to_their_folders(name: str) -> None:
     assert open_stage(file, confined_to=file.parent)
 
 
-def test_a_message_names_a_file_from_its_folder_however_that_was_given(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_message_names_a_file_relative_to_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "odd.usda").write_text("#usda 1.0\ndef Xform {")
     monkeypatch.chdir(tmp_path)
     for given in (Path("odd.usda"), tmp_path / "odd.usda"):

@@ -197,7 +197,7 @@ def test_lights_at_a_time() -> None:
 
 
 @pytest.mark.parametrize("where", ["static", "animated", "above", "instancer"])
-def test_a_transform_that_is_not_finite_is_an_error_that_names_the_prim(where: str) -> None:
+def test_a_transform_that_is_not_finite_is_an_error_with_its_prim(where: str) -> None:
     stage = new_stage()
     culprit = "/group"
     group = UsdGeom.Xform.Define(stage, "/group")

@@ -67,7 +67,7 @@ def energy(picture: FloatArray, view: PinholeView) -> DoubleArray:
     return np.asarray(picture.sum(axis=(0, 1), dtype=np.float64) / (view.fx * view.fy))
 
 
-def test_every_pair_of_surfaces_at_which_the_index_changes_makes_a_ghost() -> None:
+def test_every_pair_of_refracting_surfaces_makes_a_ghost() -> None:
     prescription = completed(DOUBLE_GAUSS.prescription)
     mirrors = len(prescription.surfaces) - 1  # all but the stop: the cemented surfaces reflect too
     paths = ghost_paths(prescription)

@@ -89,14 +89,14 @@ def size(error: DoubleArray) -> float:
     return float(np.sqrt(np.nanmean(error**2)))
 
 
-def test_without_errors_of_shape_every_ray_of_a_field_meets_in_one_point(make: Make) -> None:
+def test_without_shape_errors_all_rays_of_a_field_meet_in_a_point(make: Make) -> None:
     own = errors(make())
     none = errors(make(spherical=0, coma=0, astigmatism=0, field_curvature=0, distortion=0))
     assert size(none[0]) < 0.01 * size(own[0])
     assert size(none[1]) < 0.01 * size(own[1])
 
 
-def test_coma_and_distortion_are_the_even_part_and_the_others_the_odd_one(make: Make) -> None:
+def test_coma_and_distortion_are_even_and_the_other_errors_odd(make: Make) -> None:
     own = errors(make())
     symmetric = errors(make(coma=0, distortion=0))
     assert size(even_part(symmetric)) < 0.01 * size(even_part(own))
@@ -106,7 +106,7 @@ def test_coma_and_distortion_are_the_even_part_and_the_others_the_odd_one(make: 
     assert size(even_part(rest) - even_part(own)) < 0.001 * size(even_part(own))
 
 
-def test_spherical_aberration_is_what_the_middle_has_and_the_same_everywhere(make: Make) -> None:
+def test_spherical_aberration_is_the_same_over_the_whole_field(make: Make) -> None:
     change = errors(make(spherical=3)) - errors(make())
     own = errors(make())[:, MIDDLE]
     assert size(change[:, MIDDLE] - 2 * own) < 0.01 * size(own)

@@ -47,7 +47,7 @@ def seen_slopes(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
     return np.linspace(0, table.last_slope, len(rows)) + rows[:, SLOPE_T], rows[:, LIGHT]
 
 
-def test_what_is_further_from_the_middle_of_the_film_comes_from_further_out(bundle: RayBundle) -> None:
+def test_film_farther_from_the_middle_sees_farther_off_the_axis(bundle: RayBundle) -> None:
     """Also in the dark beyond the image circle, toward which pictures blend at its edge."""
     assert isinstance(bundle.table, PolynomialTable)
     seen, light = seen_slopes(bundle.table)

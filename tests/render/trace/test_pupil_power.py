@@ -151,7 +151,7 @@ def test_the_engine_agrees_with_every_ray_on_its_own(renderer: FrameRenderer, le
     assert psnr_db(renderer.render(scene, camera, settings).color, slow) >= 40
 
 
-def test_what_is_drawn_takes_the_place_of_the_lens_s_own_spherical_aberration() -> None:
+def test_drawn_pupil_power_replaces_the_lenss_spherical_aberration() -> None:
     drawn = Lens("seidel", seidel=SeidelErrors(w040=9), pupil_power=RISING, expressive_blend=0.75)
     assert own_scales(drawn).spherical == 0.25
     assert own_scales(replace(drawn, pupil_power=())).spherical == 1

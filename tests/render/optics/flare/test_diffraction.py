@@ -118,7 +118,7 @@ def test_an_iris_by_its_image_has_the_star_of_its_outline() -> None:
     assert np.abs(by_image - by_outline).max() < 0.01 * by_outline.max()
 
 
-def test_stopping_down_and_longer_waves_spread_the_light_in_proportion() -> None:
+def test_diffraction_grows_with_the_f_number_and_the_wavelength() -> None:
     # far out the light falls with the square of the distance along a spike: twice λ/D has twice the light there
     near, far = of_green(IrisShape(blades=4), 0.05), of_green(IrisShape(blades=4), 0.1)
     radii = np.arange(30.0, 80.0)

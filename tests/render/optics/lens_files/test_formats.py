@@ -109,7 +109,7 @@ def test_marks_of_the_designer_are_no_surfaces_of_the_lens() -> None:
     assert lens.surfaces[-1].thickness_mm == plain.surfaces[-1].thickness_mm + 7.5  # the film is as far away as before
 
 
-def test_the_distance_to_the_film_is_not_taken_from_a_file_that_looks_at_a_near_object() -> None:
+def test_a_near_objects_file_does_not_give_the_film_distance() -> None:
     lens = _read("triplet.zmx", TRIPLET_ZMX.replace("DISZ INFINITY", "DISZ 500"))
     assert lens.surfaces[-1].thickness_mm == 0
     assert any("object is near" in note for note in lens.notes)
@@ -121,7 +121,7 @@ def test_a_squared_term_on_a_plane_is_a_paraboloid() -> None:
     assert (surface.radius_mm, surface.conic) == pytest.approx((1 / 0.051, -1))
 
 
-def test_an_optical_bench_zoom_is_read_at_its_first_position_with_its_focus_group() -> None:
+def test_an_optical_bench_zoom_is_read_at_its_first_position() -> None:
     lens = _read("zoom.txt", ZOOM_TXT)
     assert lens.name == "An example"
     assert lens.f_stop == 2.8
@@ -136,7 +136,7 @@ def test_an_optical_bench_zoom_is_read_at_its_first_position_with_its_focus_grou
     assert any("4 positions" in note for note in lens.notes)
 
 
-def test_an_optical_bench_lens_that_moves_as_a_whole_has_no_focus_group() -> None:
+def test_an_optical_bench_lens_that_moves_whole_has_no_focus_group() -> None:
     unit = ZOOM_TXT.replace("8.15", "9.20").replace("1.65", "0.60")
     assert _read("zoom.txt", unit).focus_group is None
 

@@ -97,7 +97,7 @@ def test_solved_clear_diameters_are_like_the_published_ones(lens: KnownLens) -> 
 
 
 @pytest.mark.parametrize("lens", SIX_LENSES, ids=NAMES)
-def test_solved_clear_diameters_leave_the_beam_on_the_axis_to_the_stop(lens: KnownLens) -> None:
+def test_solved_clear_diameters_let_the_stop_limit_the_axial_beam(lens: KnownLens) -> None:
     whole = completed(without_diameters(lens), image_height_mm=lens.field_mm)
     assert any("clear diameters of all surfaces were solved for" in note for note in whole.notes)
     assert not any("cuts the beam" in note for note in whole.notes)
@@ -105,7 +105,7 @@ def test_solved_clear_diameters_leave_the_beam_on_the_axis_to_the_stop(lens: Kno
 
 # Photographic lenses vignette by about a stop at the corner, wide open; a telephoto of long back focus less.
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, PLANAR, DISTAGON, WIDE], ids=lambda lens: lens.prescription.name)
-def test_solved_clear_diameters_pass_about_half_of_the_light_at_the_corner(lens: KnownLens) -> None:
+def test_solved_clear_diameters_pass_about_half_the_light_at_a_corner(lens: KnownLens) -> None:
     whole = completed(without_diameters(lens), image_height_mm=lens.field_mm)
     assert 0.5 < share_past_rims(whole, lens.field_mm) < 0.65
 

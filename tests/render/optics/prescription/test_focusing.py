@@ -77,7 +77,7 @@ def test_only_the_focus_group_moves_where_the_file_names_one() -> None:
     assert rays_from_axis(near, 0.5, [1e-3]).at(near.film_mm)[0, 1] == pytest.approx(0, abs=1e-6)
 
 
-def test_the_f_number_is_that_of_the_lens_at_infinity_and_no_wider_than_it_opens() -> None:
+def test_the_f_number_is_that_at_infinity_up_to_wide_open() -> None:
     lens = completed(PLANAR.prescription)
     stopped_down = focused(lens, np.inf, 4.0, by="paraxial")
     assert 2 * stopped_down.entrance_pupil_radius_mm == pytest.approx(stopped_down.first.focal_length_mm / 4)
@@ -136,7 +136,7 @@ def test_a_lens_whose_film_stands_elsewhere_is_moved_to_infinity() -> None:
     )
 
 
-def test_a_stop_behind_the_film_side_of_a_moving_group_moves_the_pupil_that_distances_count_from() -> None:
+def test_a_group_moving_before_the_stop_moves_the_entrance_pupil() -> None:
     # a group before the stop moves: the stop's image moves, and the object stays as far from it as was asked
     lens = focused(replace(completed(DISTAGON.prescription), focus_group=(0, 3)), 0.4, 4.0, by="paraxial")
     far = focused(replace(completed(DISTAGON.prescription), focus_group=(0, 3)), np.inf, 4.0, by="paraxial")
@@ -145,7 +145,7 @@ def test_a_stop_behind_the_film_side_of_a_moving_group_moves_the_pupil_that_dist
 
 
 @pytest.mark.parametrize("distance_m", [np.inf, 2.0, 0.5])
-def test_the_image_scale_is_that_of_rays_through_the_middle_of_the_pupil(distance_m: float) -> None:
+def test_the_image_scale_is_that_of_rays_through_the_pupils_middle(distance_m: float) -> None:
     lens = focused(completed(PLANAR.prescription), distance_m, 4.0)
     slope = 1e-4
     point = np.array([[0.0, 0.0, lens.entrance_pupil_mm]])
@@ -167,7 +167,7 @@ def test_a_lens_that_lacks_something_is_not_focused(prescription: Prescription, 
 
 
 @given(distance_m=st.floats(0.3, 1e5), f_stop=st.floats(1.0, 32.0), scale=st.floats(0.2, 5.0))
-def test_a_scaled_lens_focused_at_a_scaled_distance_is_the_scaled_focused_lens(
+def test_scaling_a_lens_and_its_distance_scales_the_focused_lens(
     distance_m: float, f_stop: float, scale: float
 ) -> None:
     lens = whole_planar()

@@ -90,7 +90,7 @@ def test_spherical_aberration_depends_on_the_bending_as_theory_has_it() -> None:
     assert shapes[int(np.argmin(off_axis))] == pytest.approx(2 * (index**2 - 1) / (index + 2), abs=0.05)
 
 
-def test_coma_grows_with_the_square_of_the_aperture_and_with_the_field() -> None:
+def test_coma_grows_with_the_aperture_squared_and_with_the_field() -> None:
     lens = with_stop_before(30.0)
     radii, slopes = np.array([1.0, 2.0, 4.0]), np.array([0.002, 0.004, 0.008])
 
@@ -122,7 +122,7 @@ def test_coma_changes_its_sign_as_the_stop_moves_through_the_lens() -> None:
     assert comas[0] * comas[1] < 0
 
 
-def test_astigmatism_and_field_curvature_grow_with_the_square_of_the_field() -> None:
+def test_astigmatism_and_field_curvature_grow_with_the_field_squared() -> None:
     slopes = np.array([0.02, 0.04, 0.08])
     foci = np.array([focus_of_narrow_beam(BICONVEX, slope) for slope in slopes])
     assert growth(foci[:, 0] - foci[:, 1], slopes) == pytest.approx([2, 2], abs=0.03)
@@ -139,7 +139,7 @@ def test_blur_by_astigmatism_grows_with_the_aperture() -> None:
 
 
 @pytest.mark.parametrize("lens", [BICONVEX, with_stop_before(15.0), *(lens.prescription for lens in SIX_LENSES)])
-def test_the_lines_of_astigmatism_lie_three_to_one_about_the_petzval_surface(lens: Prescription) -> None:
+def test_astigmatic_lines_lie_3_to_1_about_the_petzval_surface(lens: Prescription) -> None:
     first, slope = first_order(lens), 0.01
     tangential, sagittal = focus_of_narrow_beam(lens, slope)
     height = slope * first.focal_length_mm
@@ -213,7 +213,7 @@ def landing_of_chief(lens: Prescription, slope: float, wavelength_nm: float) -> 
 
 
 @pytest.mark.parametrize("lens", SIX_LENSES[4:], ids=NAMES[4:])
-def test_colour_sums_predict_how_focus_and_scale_change_with_the_wavelength(lens: KnownLens) -> None:
+def test_colour_sums_predict_focus_and_scale_over_the_wavelength(lens: KnownLens) -> None:
     first, f_stop, height = first_order(lens.prescription), 2.0, 10.0
     sums = totals(seidel_sums(lens.prescription, f_stop, height))
     blue, red = (first_order(lens.prescription, line) for line in (F_LINE_NM, C_LINE_NM))

@@ -40,7 +40,7 @@ def axis_crossings(traced: TracedRays) -> DoubleArray:
 
 
 @pytest.mark.parametrize("radius", [20.0, -20.0])
-def test_one_spherical_surface_bends_parallel_light_as_trigonometry_says(radius: float) -> None:
+def test_one_spherical_surface_bends_parallel_light_by_trigonometry(radius: float) -> None:
     heights = np.array([0.5, 3.0, 7.0, 12.0])
     traced = trace_forward(lens_of(Surface(radius, 0.0, Glass(INDEX))), *rays(heights, 0.0))
     incidence = np.arcsin(heights / radius)

@@ -67,7 +67,7 @@ def test_curves_and_places_of_a_sheet_are_its_tables() -> None:
     assert not np.allclose(aside.landing_mm[0, 0], above.landing_mm[0, 0, ::-1])
 
 
-def test_the_three_lenses_of_the_paper_are_there_and_say_where_their_numbers_are_from() -> None:
+def test_the_papers_three_lenses_are_there_with_their_sources() -> None:
     names = [entry.name for entry in library_lenses() if entry.lens.model == "dataSheet"]
     assert names == ["zeiss_distagon_15", "zeiss_planar_50", "zeiss_planar_85"]
     text = Path(__file__).parents[4].joinpath("usd_schemas/libraries/lenses.usda").read_text()

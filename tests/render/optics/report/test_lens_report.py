@@ -103,7 +103,7 @@ def test_a_parabola_images_its_axis_to_a_point_and_a_sphere_does_not() -> None:
         assert least <= axis.rms_um < most
 
 
-def test_a_thin_lens_is_without_fault_and_its_bokeh_is_the_circle_of_confusion() -> None:
+def test_a_thin_lens_has_no_errors_and_round_bokeh_of_the_coc() -> None:
     report = lens_report(thin(focus_distance_m=2.0))
     assert max(spot.rms_um for spot in report.spots) < 1e-9
     assert np.abs(report.curves.distortion).max() < 1e-12
@@ -160,7 +160,7 @@ def test_squeeze_narrows_the_distortion_from_side_to_side(w311: float) -> None:
     assert any("18 mm wide on the film" in note for note in anamorphic.notes)
 
 
-def test_rims_make_a_cats_eye_that_is_narrow_toward_the_middle_of_the_frame() -> None:
+def test_rims_make_a_cats_eye_that_is_narrow_along_the_radius() -> None:
     sheet = lens_bokeh(known(DOUBLE_GAUSS))
     assert sheet is not None
     centre, mid, _, corner, opposite = sheet.places
@@ -184,7 +184,7 @@ def test_near_the_axis_the_foci_part_as_the_seidel_sums_say() -> None:
     assert tangential == pytest.approx(per_wave * (waves.w220 + waves.w222), rel=0.06)
 
 
-def test_a_thin_lens_with_seidel_errors_has_their_foci_and_their_distortion() -> None:
+def test_seidel_errors_of_a_thin_lens_give_its_foci_and_distortion() -> None:
     errors = SeidelErrors(w222=-3, w220=5, w311=20, reference_f_stop=2.0, reference_height_mm=20.0)
     report = lens_report(camera_with(Lens("seidel", seidel=errors), 50.0, 2.0))
     eta2 = (report.corner_mm / 20) ** 2
@@ -225,7 +225,7 @@ def test_many_rays_by_polynomials_are_where_exact_rays_are() -> None:
 
 
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, FISHEYE], ids=["double gauss", "fisheye"])
-def test_aimed_rays_meet_the_stop_where_they_are_sent_even_far_off_the_axis(lens: KnownLens) -> None:
+def test_aimed_rays_meet_their_stop_point_even_far_off_the_axis(lens: KnownLens) -> None:
     glass = mounted(known(lens))
     chief = principal_rays(glass)
     height = 0.8 * min(chief.last_height_mm, lens.field_mm)
@@ -243,7 +243,7 @@ def test_aimed_rays_meet_the_stop_where_they_are_sent_even_far_off_the_axis(lens
     assert -traced.at(glass.film_mm)[0, 1] == pytest.approx(height, abs=2e-3)
 
 
-def test_a_refracting_surface_may_be_the_stop_and_distortion_stays_small() -> None:
+def test_a_refracting_surface_may_be_the_stop() -> None:
     chief = chief_rays(camera_with(Lens("spherical", prescription=SINGLET), 50.0, 2.8))
     assert chief is not None
     near = (chief.ideal > 0) & (chief.ideal < 0.2)
@@ -266,7 +266,7 @@ def test_close_focus_is_what_focusing_reaches(planar: LensReport) -> None:
     ],
     ids=["glass", "thin"],
 )
-def test_the_mark_counts_from_the_film_and_who_focuses_nearer_is_told_so(lens: Lens) -> None:
+def test_close_focus_is_measured_from_the_film_and_reported(lens: Lens) -> None:
     at_mark = camera_with(lens, 50.0, 1.4, focus_distance_m=0.45)
     before_film = distance_from_film_m(at_mark)
     assert 0.45 + 0.05 < before_film < 0.45 + 0.11  # the image distance, more or less the way between the pupils
@@ -284,7 +284,7 @@ def test_a_pinhole_has_no_bokeh_and_no_disc_of_diffraction() -> None:
     assert "no glass" in report.notes[0]
 
 
-def test_the_section_shows_elements_stop_film_and_where_rims_stop_rays() -> None:
+def test_the_section_shows_elements_stop_film_and_vignetted_rays() -> None:
     camera = known(PLANAR)
     section = lens_section(camera)
     assert len(section.glasses) == 7

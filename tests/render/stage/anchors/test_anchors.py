@@ -285,7 +285,7 @@ def test_many_times_at_once_are_as_each_time_alone() -> None:
     assert AnchorReader(stage).positions(points, []).shape == (0, 6, 3)
 
 
-def test_points_without_a_place_are_told_at_each_time_and_keep_none_of_the_others_from_theirs() -> None:
+def test_points_without_a_position_are_reported_and_leave_the_others() -> None:
     stage, points = everything()
     counts = UsdGeom.Mesh(stage.GetPrimAtPath("/group/m")).GetFaceVertexCountsAttr()
     counts.Set([4], 0)

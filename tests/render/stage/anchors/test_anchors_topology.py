@@ -55,7 +55,7 @@ def topology_findings(shot: Shot) -> list[str]:
     return [finding.message for finding in shot.findings() if finding.code == "topology_changed"]
 
 
-def test_a_reexport_with_the_same_faces_keeps_the_point_where_it_is_on_the_surface(tmp_path: Path) -> None:
+def test_a_reexport_with_the_same_faces_keeps_the_point_in_place(tmp_path: Path) -> None:
     edits = placed(tmp_path)
     before = Shot.open(tmp_path / "shot.usda", edits=edits)
     place = before.focus.points("/cam", 1)[0].position_m
@@ -74,9 +74,7 @@ def test_a_reexport_with_the_same_faces_keeps_the_point_where_it_is_on_the_surfa
 
 
 @pytest.mark.parametrize(("change", "says"), [({"faces": N + 1}, "look whether"), ({"kind": "Xform"}, "no mesh")])
-def test_a_reexport_with_other_faces_is_a_finding_and_the_shot_still_focuses(
-    tmp_path: Path, change: dict, says: str
-) -> None:
+def test_a_reexport_with_other_faces_is_a_finding_and_keeps_focus(tmp_path: Path, change: dict, says: str) -> None:
     edits = placed(tmp_path)
     export(tmp_path / "character.usda", **change)
     shot = Shot.open(tmp_path / "shot.usda", edits=edits)

@@ -44,7 +44,7 @@ def test_lens_and_focus_are_the_same_in_any_unit(metres_per_unit: float) -> None
     assert camera.f_stop == pytest.approx(1.4)
 
 
-def test_rise_and_shift_move_the_gate_in_millimetres_whatever_the_unit() -> None:
+def test_rise_and_shift_move_the_gate_in_mm_in_any_scene_unit() -> None:
     """They show more of what is above and on the right, as aperture offsets do, and add to them."""
     stage = new_stage(0.01)
     add_camera(stage, horizontalApertureOffset=1.0, verticalApertureOffset=-2.0)

@@ -73,7 +73,7 @@ def test_the_librarys_prescriptions_are_the_patents(stage: Usd.Stage, camera: Le
 
 
 @pytest.mark.parametrize("entry", [e for e in library_lenses() if e.lens.prescription.radius], ids=lambda e: e.name)
-def test_the_librarys_lenses_are_whole_and_as_long_and_fast_as_they_say(
+def test_library_lenses_have_their_stated_focal_length_and_speed(
     stage: Usd.Stage, camera: LensCamera, entry: object
 ) -> None:
     mount_lens(camera, entry.lens, focal_length_mm=entry.focal_length_mm, f_stop=entry.f_stop)

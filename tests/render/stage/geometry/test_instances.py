@@ -35,7 +35,7 @@ def picked_as(scene: Scene, batch: Batch) -> list[str]:
     return [scene.prim_paths[i] for i in batch.instance_prim_ids]
 
 
-def test_native_instances_share_one_geometry_and_are_picked_by_their_own_paths() -> None:
+def test_native_instances_share_geometry_and_pick_by_their_own_paths() -> None:
     stage = new_stage()
     two_instances(stage)
     scene = read(stage)
@@ -124,7 +124,7 @@ def test_what_is_mirrored_shows_its_outside_wherever_it_is_drawn(
     np.testing.assert_allclose(hits[0].position_m[:2], [0.4 * mirror, 0.3], atol=0.2)
 
 
-def test_a_point_instancer_draws_its_prototypes_and_numbers_its_instances() -> None:
+def test_a_point_instancer_draws_prototypes_and_numbers_instances() -> None:
     stage = new_stage()
     dots = instancer(stage, "/dots", ["/dots/a", "/dots/b"], [0, 1, 0, 1])
     dots.CreateScalesAttr([Gf.Vec3f(2)] * 4)
@@ -146,7 +146,7 @@ def test_a_point_instancer_draws_its_prototypes_and_numbers_its_instances() -> N
     assert scene.prim_paths[b.geometry.prim_ids[0]] == "/dots/b/inner"
 
 
-def test_invisible_and_inactive_instances_are_not_drawn_and_the_others_are_told_apart_by_their_ids() -> None:
+def test_hidden_instances_are_not_drawn_and_others_keep_their_ids() -> None:
     stage = new_stage()
     add_mesh(stage, "/dots/a")
     dots = instancer(stage, "/dots", ["/dots/a"], [0] * 5)

@@ -100,7 +100,7 @@ def test_holes_are_not_drawn() -> None:
     assert set(only_batch(read(stage)).geometry.face_ids.tolist()) == {0, 2, 3, 5}
 
 
-def test_a_subdivision_cage_has_smooth_normals_and_a_plain_mesh_flat_ones() -> None:
+def test_a_subdivision_cage_has_smooth_and_a_plain_mesh_flat_normals() -> None:
     for scheme, vertices in (("catmullClark", 8), ("none", 24)):
         stage = new_stage()
         add_mesh(stage, "/cube", CUBE_POINTS, [4] * 6, CUBE_CORNERS, scheme=scheme)
@@ -194,7 +194,7 @@ def test_a_mesh_of_lines_is_reported() -> None:
     assert codes(reader) == {"no_faces"}
 
 
-def test_a_concave_face_is_reported_and_a_fan_from_its_reflex_corner_is_not() -> None:
+def test_a_concave_face_is_reported_unless_fanned_from_its_reflex() -> None:
     arrow = [(0, 0, 0), (2, 1, 0), (0, 2, 0), (0.5, 1, 0)]
     for first, found in ((0, {"concave_faces"}), (3, set())):
         stage = new_stage()

@@ -67,7 +67,7 @@ def test_a_mesh_that_no_skeleton_binds_is_as_it_is() -> None:
     np.testing.assert_allclose(world_points(prop)[:, 1].max(), 1)
 
 
-def test_numbers_that_do_not_fit_are_reported_and_the_mesh_is_drawn_at_rest() -> None:
+def test_bad_skinning_is_reported_and_the_mesh_is_drawn_at_rest() -> None:
     stage = bent_strip()
     mesh = stage.GetPrimAtPath("/rig/strip")
     UsdSkel.BindingAPI(mesh).GetJointIndicesPrimvar().Set([0, 9])

@@ -168,7 +168,7 @@ def test_a_data_channel_keeps_its_numbers(tmp_path: Path) -> None:
     assert lookups["roughness"].image is lookups["metallic"].image
 
 
-def test_a_mesh_without_coordinates_is_reported_and_reads_its_texture_at_one_place(tmp_path: Path) -> None:
+def test_a_mesh_without_uvs_is_reported_and_reads_one_texel(tmp_path: Path) -> None:
     stage = new_stage()
     file = write_picture(tmp_path / "one.png", np.full((1, 1, 3), 128, np.uint8))
     add_textured_material(stage, add_mesh(stage, "/m").GetPrim(), file)

@@ -102,7 +102,7 @@ class AskedCamera:
             shot.exposure.set(camera, **self.settings)
         if self.compensation_stops is not None:
             is_metered = shot.exposure.settings(camera, shot.frame_range.start)["metering_mode"] != "manual"
-            name = "metering_compensation" if is_metered else "compensation_stops"
+            name = "metering_compensation_stops" if is_metered else "compensation_stops"
             shot.exposure.set(camera, **{name: self.compensation_stops})
 
     def _crop(self, shot: Shot, camera: str | None, aspect: float) -> None:

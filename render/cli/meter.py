@@ -115,8 +115,8 @@ def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
     for option, is_given in (("--hold", arguments.hold), ("--baked", arguments.baked)):
         if is_given and arguments.key is None:
             raise SettingsError(f"{option} is for --key, which writes the exposure")
-    asked = {"mode": arguments.mode, "compensation": shared.compensation(arguments.compensation)}
-    asked["smoothing"] = shared.number_within("--smoothing", arguments.smoothing, LEAST_S, MOST_S, "seconds")
+    asked = {"mode": arguments.mode, "compensation_stops": shared.compensation(arguments.compensation)}
+    asked["smoothing_s"] = shared.number_within("--smoothing", arguments.smoothing, LEAST_S, MOST_S, "seconds")
     if arguments.point is not None:
         asked["focus_point"] = arguments.point
     if arguments.spot is not None:

@@ -73,7 +73,7 @@ class Grade:
         from render.film.shot_files import cdl_file, config_file
 
         choice = choice or GradeChoice()
-        config = choice.config or config_file(data.config, confined_to)
+        config = choice.config or config_file(data.ocio_config, confined_to)
         if choice.cdl is not None:
             cdl = choice.cdl
         elif data.cdl_file.path:

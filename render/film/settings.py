@@ -141,9 +141,9 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
     check_numbers(data)
     settings = FilmSettings(
         push=data.push,
-        white_balance_k=data.white_balance,
+        white_balance_k=data.white_balance_k,
         tint=data.tint,
-        halation=HalationSettings(data.halation.amount, data.halation.radius, data.halation.color),
+        halation=HalationSettings(data.halation.amount, data.halation.radius_mm, data.halation.color),
     )
     if process == "none":
         return settings
@@ -154,7 +154,7 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
         process=process,
         stock=_stock(data),
         print_stock=None if process == "reversal" else _print(data),
-        grain=GrainSettings(data.grain.amount, data.grain.size, data.grain.seed),
+        grain=GrainSettings(data.grain.amount, data.grain.size_um, data.grain.seed),
     )
 
 
@@ -173,9 +173,9 @@ def _print(data: FilmData) -> Stock:
 def _sensor(data: FilmData, iso: float) -> SensorSettings:
     sensor, base = data.sensor, data.speed or 100.0
     return SensorSettings(
-        full_well_e=sensor.full_well,
-        read_noise_e=sensor.read_noise,
-        clip_stops=sensor.clip,
+        full_well_e=sensor.full_well_e,
+        read_noise_e=sensor.read_noise_e,
+        clip_stops=sensor.clip_stops,
         sensitivity=sensor.sensitivity,
         base_iso=base,
         iso=iso or base,

@@ -180,7 +180,7 @@ class _Maker:
         if "exposure" in wanted:
             said = shot.exposure.settings(camera, time)
             # What a meter says takes the place of the one compensation, and has another of its own.
-            name = "compensation_stops" if said["metering_mode"] == "manual" else "metering_compensation"
+            name = "compensation_stops" if said["metering_mode"] == "manual" else "metering_compensation_stops"
             shot.exposure.set(camera, **{name: (said[name] or 0.0) + _number(wanted["exposure"])})
 
 

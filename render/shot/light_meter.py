@@ -118,16 +118,16 @@ class LightMeter:
         )
 
     def _compensation(self, time: float, asked: Metering, exposure: ExposureReadout) -> float:
-        times = self._times(time, asked.smoothing)
+        times = self._times(time, asked.smoothing_s)
         seen = np.array([self._luminance(at) for at in times])
         lit = seen > 0
         if not lit.any():
             return math.nan
         stops = np.log2(seen, where=lit, out=np.full(len(seen), math.nan))
         rate = self._shot.stage.GetTimeCodesPerSecond()
-        light = float(smoothed_keys(np.array(times) / rate, stops, asked.smoothing, at_s=[time / rate])[0])
+        light = float(smoothed_keys(np.array(times) / rate, stops, asked.smoothing_s, at_s=[time / rate])[0])
         made_up = exposure.settings.compensation_stops - exposure.reading(2**light).stops
-        return float(np.clip(made_up + asked.compensation, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS))
+        return float(np.clip(made_up + asked.compensation_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS))
 
     def _times(self, time: float, smoothing_s: float) -> list[float]:
         """When readings are taken that count at a time: an odd number of time codes apart, against what flickers by twos."""

@@ -40,7 +40,7 @@ def meter_light(
     """
     with state.opened.use(record, edits) as shot:
         decides = LightMeter(state.renderer, shot, camera).asked(time).mode != "manual"
-        settings: dict[str, Any] = {} if decides else {"mode": "center", "smoothing": UNSMOOTHED_S}
+        settings: dict[str, Any] = {} if decides else {"mode": "center", "smoothing_s": UNSMOOTHED_S}
         if mode is not None:
             settings["mode"] = mode
         if isinstance(spot, str):

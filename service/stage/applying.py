@@ -17,7 +17,7 @@ from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyedAttribute, KeyEdit
 from service.models.solving import FocusSettingsEdit
 from service.stage.authoring import authored_key
-from service.stage.field_names import FOCUS_OF_FIELD, PHOTOGRAPHY_OF_FIELD
+from service.stage.field_names import FOCUS_OF_FIELD
 from service.stage.lenses import lens_to_mount
 from service.stage.libraries import body_to_mount, film_to_mount
 from service.stage.read_photography import shutter_closes
@@ -47,7 +47,7 @@ def apply_to_focus(shot: Shot, camera: str | None, edit: FocusSettingsEdit) -> N
 
 def apply_to_exposure(shot: Shot, camera: str | None, edit: ExposureSettingsEdit) -> None:
     """Change how the camera exposes."""
-    said = _said(edit, PHOTOGRAPHY_OF_FIELD)
+    said = _said(edit, {})
     angle_deg = said.pop("shutter_angle_deg", None)
     if angle_deg is not None and "shutter_close" in said:
         raise SettingsError(
@@ -61,7 +61,7 @@ def apply_to_exposure(shot: Shot, camera: str | None, edit: ExposureSettingsEdit
 
 def apply_to_film(shot: Shot, camera: str | None, edit: FilmSettingsEdit) -> None:
     """Change film and grade."""
-    said = _said(edit, PHOTOGRAPHY_OF_FIELD)
+    said = _said(edit, {})
     name = said.pop("stock", None)
     if "stock" in edit.model_fields_set:
         shot.film.mount_stock(camera, film_to_mount(name))

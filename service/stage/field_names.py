@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from service.models.exposure import ExposureKeyed, ExposureSettings
-from service.models.film_settings import FilmKeyed, FilmSettings
+from service.models.exposure import ExposureKeyed
+from service.models.film_settings import FilmKeyed
+from usd_schemas.settings.tables import rest_settings
 
 FOCUS_OF_FIELD = {
     "circle_of_confusion_mm": "circle_of_confusion",
@@ -18,26 +19,6 @@ FOCUS_OF_FIELD = {
     "driven_by_points": "from_focus_points",
     "max_angle_deg": "max_angle",
 }
-PHOTOGRAPHY_OF_FIELD = {
-    "shutter_travel_s": "shutter_travel_time",
-    "metering_compensation_stops": "metering_compensation",
-    "metering_smoothing_s": "metering_smoothing",
-    "white_balance_k": "white_balance",
-    "grain_size_um": "grain_size",
-    "halation_radius_mm": "halation_radius",
-    "sensor_full_well_e": "sensor_full_well",
-    "sensor_read_noise_e": "sensor_read_noise",
-    "sensor_clip_stops": "sensor_clip",
-    "display": "grade_display",
-    "view": "grade_view",
-    "look": "grade_look",
-    "cdl_slope": "grade_cdl_slope",
-    "cdl_offset": "grade_cdl_offset",
-    "cdl_power": "grade_cdl_power",
-    "cdl_saturation": "grade_cdl_saturation",
-    "ocio_config": "grade_config",
-    "cdl_file": "grade_cdl_file",
-}
 
 
 def photography_setting(attribute: ExposureKeyed | FilmKeyed) -> str:
@@ -46,7 +27,4 @@ def photography_setting(attribute: ExposureKeyed | FilmKeyed) -> str:
     Args:
         attribute: its name over REST.
     """
-    fields = {
-        info.alias: field for model in (ExposureSettings, FilmSettings) for field, info in model.model_fields.items()
-    }
-    return PHOTOGRAPHY_OF_FIELD.get(fields[attribute], fields[attribute])
+    return next(item.name for item in rest_settings("exposure") + rest_settings("film") if item.camel_name == attribute)

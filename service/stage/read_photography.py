@@ -14,7 +14,7 @@ from render.shot import Shot
 from render.stage.opening import confinement
 from service.models.exposure import ExposureKeyed, ExposureSettings
 from service.models.film_settings import DisplayChoice, FilmKeyed, FilmSettings, GradeChoices
-from service.stage.field_names import PHOTOGRAPHY_OF_FIELD, photography_setting
+from service.stage.field_names import photography_setting
 from service.stage.read_shot import Told, as_key, camera_tag, told_of_camera
 from usd_schemas.settings import Asset
 from usd_schemas.units import mm_from_tenths
@@ -53,7 +53,7 @@ def read_grade_choices(shot: Shot, camera: str | None, time: float) -> GradeChoi
         SettingsError: the shot's own configuration cannot be read.
         InputError: it is missing.
     """
-    config = config_file(shot.film.settings(camera, time)["grade_config"], confinement(shot.stage))
+    config = config_file(shot.film.settings(camera, time)["ocio_config"], confinement(shot.stage))
     displays = [
         DisplayChoice(name=name, views=list(views), default_view=working_config(config).getDefaultView(name))
         for name, views in list_displays(config).items()
@@ -90,7 +90,7 @@ def _told(
     """A model of settings, with the keys of those that take any."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
     keys = {name: shot.camera.keys(camera, photography_setting(name)) for name in keyed}
-    values = {field: said[PHOTOGRAPHY_OF_FIELD.get(field, field)] for field in fields}
+    values = {field: said[field] for field in fields}
     path = _path(shot, camera)
     return told_of_camera(
         model,

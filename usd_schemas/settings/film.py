@@ -10,7 +10,7 @@ from typing import Literal
 from usd_schemas.settings.film_curves import CharacteristicCurve, PrintCurve
 from usd_schemas.settings.grade import GradeData
 from usd_schemas.settings.metering import Exposing, Metering, Shutter
-from usd_schemas.settings.setting import Triple, group, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Range, Triple, group, schema_group, setting
 
 FilmProcess = Literal["none", "negative", "reversal", "monochrome", "digital"]
 
@@ -28,6 +28,7 @@ class Grain:
         unit="none, a factor",
         hard=(0, None),
         soft=(None, 3),
+        accepts=Range(0.0, 100.0),
     )
     rms: Triple = setting(
         "film:grain:rms",
@@ -36,8 +37,10 @@ class Grain:
         "Diffuse RMS granularity of red, green and blue: 1000 times the standard deviation of density at density "
         "1.0 through a 48 micrometre aperture; 0 takes the stock's.",
         unit="1/1000 of density",
+        bounds=Bounds(0, 1e9),
+        accepts=Range(0.0, 1000.0, " thousandths of density"),
     )
-    size: float = setting(
+    size_um: float = setting(
         "film:grain:size",
         0.0,
         "Size",
@@ -45,6 +48,7 @@ class Grain:
         unit="micrometres",
         hard=(0, None),
         soft=(None, 30),
+        accepts=Range(0.0, 500.0, " µm"),
     )
     seed: int = setting(
         "film:grain:seed",
@@ -54,6 +58,7 @@ class Grain:
         unit="none, a number",
         keyable=False,
         soft=(0, 1000),
+        bounds=Bounds(0, 2**31 - 1),
     )
 
 
@@ -70,8 +75,9 @@ class Halation:
         unit="none, a ratio from 0 to 1",
         hard=(0, 1),
         soft=(None, 0.2),
+        bounds=Bounds(0, 1e9),
     )
-    radius: float = setting(
+    radius_mm: float = setting(
         "film:halation:radius",
         0.1,
         "Radius",
@@ -79,6 +85,7 @@ class Halation:
         unit="millimetres on the film",
         hard=(0, None),
         soft=(None, 2),
+        accepts=Range(0.0, 5.0, " mm"),
     )
     color: Triple = setting(
         "film:halation:color",
@@ -87,6 +94,7 @@ class Halation:
         "Colour of the light that comes back, scene-linear.",
         unit="none, ratios",
         usd_type="color3d",
+        bounds=Bounds(0, 1e9),
     )
 
 
@@ -95,7 +103,7 @@ class Halation:
 class Sensor:
     """A digital sensor: charges in electrons, clip in stops above middle grey."""
 
-    full_well: float = setting(
+    full_well_e: float = setting(
         "film:sensor:fullWell",
         40000.0,
         "Full Well",
@@ -103,8 +111,10 @@ class Sensor:
         unit="electrons",
         hard=(1, None),
         soft=(None, 150000),
+        bounds=Bounds(0, 1e9, above=True),
+        accepts=Range(1.0, 1e9, " electrons"),
     )
-    read_noise: float = setting(
+    read_noise_e: float = setting(
         "film:sensor:readNoise",
         0.0,
         "Read Noise",
@@ -112,8 +122,9 @@ class Sensor:
         unit="electrons",
         hard=(0, None),
         soft=(None, 30),
+        accepts=Range(0.0, 1e6, " electrons"),
     )
-    clip: float = setting(
+    clip_stops: float = setting(
         "film:sensor:clip",
         0.0,
         "Clip",
@@ -121,6 +132,7 @@ class Sensor:
         unit="stops",
         hard=(0, None),
         soft=(None, 10),
+        accepts=Range(0.0, 40.0, " stops"),
     )
     sensitivity: Triple = setting(
         "film:sensor:sensitivity",
@@ -128,6 +140,8 @@ class Sensor:
         "Channel Sensitivity",
         "Relative sensitivity of the red, green and blue photosites.",
         unit="none, ratios",
+        bounds=Bounds(0, 1e9),
+        accepts=Range(1e-3, 1e3),
     )
 
 
@@ -156,6 +170,7 @@ class FilmData:
         "Name of the camera stock in a film library; empty where the numbers below say it all.",
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=80),
     )
     print_stock: str = setting(
         "film:printStock",
@@ -164,6 +179,7 @@ class FilmData:
         "Name of the stock on which a negative is printed.",
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=80),
     )
     body: str = setting(
         "film:body",
@@ -173,6 +189,7 @@ class FilmData:
         "The size of the gate is UsdGeomCamera's apertures.",
         unit="none, text",
         keyable=False,
+        read_only=True,
     )
     resolution: tuple[int, int] = setting(
         "film:resolution",
@@ -181,6 +198,8 @@ class FilmData:
         "Photosites of the sensor, across and up; (0, 0) for film or where it does not matter.",
         unit="pixels",
         keyable=False,
+        rest="",
+        accepts=Range(0, 1_000_000, " photosites"),
     )
     speed: float = setting(
         "film:speed",
@@ -192,6 +211,7 @@ class FilmData:
         unit="ISO",
         hard=(0, None),
         soft=(None, 6400),
+        accepts=Range(0.01, 1e7, " ISO", zero="the stock's or sensor's own"),
     )
     push: float = setting(
         "film:push",
@@ -203,7 +223,7 @@ class FilmData:
         hard=(-5, 5),
         soft=(-2, 2),
     )
-    white_balance: float = setting(
+    white_balance_k: float = setting(
         "film:whiteBalance",
         0.0,
         "White Balance",
@@ -228,4 +248,4 @@ class FilmData:
     shutter: Shutter = group(Shutter)
     exposure: Exposing = group(Exposing)
     metering: Metering = group(Metering)
-    grade: GradeData = group(GradeData)
+    grade: GradeData = group(GradeData, prefix="")

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Pairs, Triple, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Pairs, Range, Triple, schema_group, setting
 
 
 @schema_group("Film:Characteristic Curve", rest="film")
@@ -31,6 +31,7 @@ class CharacteristicCurve:
         "Knots (log10 exposure, density) of the red-sensitive layer's curve, log exposure increasing; joined by a "
         "monotone cubic and level beyond the ends.",
         unit="log10 lux-seconds or relative to them; optical density",
+        bounds=Bounds(length=256),
     )
     green: Pairs = setting(
         "film:curve:green",
@@ -38,6 +39,7 @@ class CharacteristicCurve:
         "Green Knots",
         "Knots (log10 exposure, density) of the green-sensitive layer's curve, and of a black-and-white stock's.",
         unit="log10 lux-seconds or relative to them; optical density",
+        bounds=Bounds(length=256),
     )
     blue: Pairs = setting(
         "film:curve:blue",
@@ -45,6 +47,7 @@ class CharacteristicCurve:
         "Blue Knots",
         "Knots (log10 exposure, density) of the blue-sensitive layer's curve.",
         unit="log10 lux-seconds or relative to them; optical density",
+        bounds=Bounds(length=256),
     )
     middle_gray: float = setting(
         "film:curve:middleGray",
@@ -53,6 +56,7 @@ class CharacteristicCurve:
         "Log exposure at which a correctly metered 18 % grey lands on the curves; used by knots and parameters.",
         unit="log10 exposure, as the knots",
         soft=(-4, 2),
+        accepts=Range(-30.0, 30.0, " of log10 exposure"),
     )
     min_density: Triple = setting(
         "film:curve:minDensity",
@@ -60,6 +64,7 @@ class CharacteristicCurve:
         "Least Density",
         "Density without exposure (base and fog) of red, green and blue, for the parametric curve.",
         unit="optical density",
+        bounds=Bounds(0, 1e9),
     )
     max_density: Triple = setting(
         "film:curve:maxDensity",
@@ -67,6 +72,7 @@ class CharacteristicCurve:
         "Greatest Density",
         "Density that full exposure nears, of red, green and blue, for the parametric curve.",
         unit="optical density",
+        bounds=Bounds(0, 1e9),
     )
     gamma: Triple = setting(
         "film:curve:gamma",
@@ -76,6 +82,7 @@ class CharacteristicCurve:
         "The line passes the laboratory's aim at log exposure 0: 0.75 above the least density on a negative, 1.0 on "
         "a reversal stock; or half the curve's range where that is less.",
         unit="density over log10 exposure",
+        bounds=Bounds(0, 1e9),
     )
     toe: Triple = setting(
         "film:curve:toe",
@@ -83,6 +90,7 @@ class CharacteristicCurve:
         "Toe",
         "Length of the bend at the least density, a parabola, of red, green and blue, for the parametric curve.",
         unit="log10 exposure",
+        bounds=Bounds(0, 1e9),
     )
     shoulder: Triple = setting(
         "film:curve:shoulder",
@@ -90,6 +98,7 @@ class CharacteristicCurve:
         "Shoulder",
         "Length of the bend at the greatest density, a parabola, of red, green and blue, for the parametric curve.",
         unit="log10 exposure",
+        bounds=Bounds(0, 1e9),
     )
 
 

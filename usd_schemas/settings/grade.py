@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import Asset, Triple, schema_group, setting
+from usd_schemas.settings.setting import Asset, Bounds, Triple, schema_group, setting
 
 
 @schema_group("Film:Grade", rest="film")
@@ -14,7 +14,7 @@ from usd_schemas.settings.setting import Asset, Triple, schema_group, setting
 class GradeData:
     """OpenColorIO's display, view and look, and the ASC CDL of the shot."""
 
-    config: Asset = setting(
+    ocio_config: Asset = setting(
         "film:ocio:config",
         Asset(),
         "OpenColorIO Config",
@@ -23,6 +23,7 @@ class GradeData:
         "aces_interchange. A built-in one is named as ocio://name.",
         unit="none, a file",
         keyable=False,
+        read_only=True,
     )
     display: str = setting(
         "film:ocio:display",
@@ -31,6 +32,7 @@ class GradeData:
         "Name of the display; empty takes the configuration's default.",
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=200),
     )
     view: str = setting(
         "film:ocio:view",
@@ -40,6 +42,7 @@ class GradeData:
         "The print of a film has its tones already, and is shown in the view's colour space without its tone mapping.",
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=200),
     )
     look: str = setting(
         "film:ocio:look",
@@ -48,6 +51,7 @@ class GradeData:
         'Names of the configuration\'s looks, as OpenColorIO writes them, such as "+shot, -warm".',
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=200),
     )
     cdl_slope: Triple = setting(
         "film:cdl:slope",
@@ -88,6 +92,7 @@ class GradeData:
         "A .cdl, .cc or .ccc file that takes the place of the four numbers above.",
         unit="none, a file",
         keyable=False,
+        read_only=True,
     )
     cdl_id: str = setting(
         "film:cdl:id",
@@ -96,4 +101,5 @@ class GradeData:
         "Which correction of the file, by its id or its number from 0; empty takes the first.",
         unit="none, text",
         keyable=False,
+        rest="",
     )

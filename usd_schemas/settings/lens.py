@@ -9,7 +9,7 @@ from typing import Literal
 
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.prescription import HeightField, Prescription
-from usd_schemas.settings.setting import Floats, Pair, group, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Pair, group, schema_group, setting
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 
@@ -68,6 +68,7 @@ class LensData:
         "False keeps the field of view that focalLength and the apertures say, and the light, as other USD "
         "renderers show them.",
         unit="none, a switch",
+        rest="exposure",
     )
     transmittance: float = setting(
         "lens:transmittance",
@@ -77,6 +78,7 @@ class LensData:
         unit="none, a ratio from 0 to 1",
         hard=(0, 1),
         soft=(0.5, None),
+        rest="exposure",
     )
     neutral_density: float = setting(
         "lens:neutralDensity",
@@ -86,6 +88,8 @@ class LensData:
         unit="optical density, log10 of the attenuation",
         hard=(0, None),
         soft=(None, 3),
+        rest="exposure",
+        bounds=Bounds(0, 20),
     )
     stop_marking: Literal["f", "t"] = setting(
         "lens:stopMarking",
@@ -98,6 +102,7 @@ class LensData:
         "size of the iris is fStop's either way.",
         unit="none, a token",
         keyable=False,
+        rest="exposure",
     )
     natural_vignetting: bool = setting(
         "lens:naturalVignetting",
@@ -108,6 +113,7 @@ class LensData:
         "lens:aberration:vignetting.",
         "False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.",
         unit="none, a switch",
+        rest="exposure",
     )
     squeeze: float = setting(
         "lens:squeeze",
@@ -192,6 +198,7 @@ class LensData:
         hard=(0, None),
         soft=(None, 5),
         group="Lens:Flare",
+        rest="exposure",
     )
     flare_star: float = setting(
         "lens:flare:star",
@@ -202,6 +209,7 @@ class LensData:
         hard=(0, None),
         soft=(None, 5),
         group="Lens:Flare",
+        rest="exposure",
     )
     prescription: Prescription = group(Prescription)
     seidel: Seidel = group(Seidel)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Floats, Pair, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Pair, schema_group, setting
 
 
 @schema_group("Film:Shutter", rest="exposure")
@@ -33,7 +33,7 @@ class Shutter:
         unit="none, a token",
         keyable=False,
     )
-    travel_time: float = setting(
+    travel_s: float = setting(
         "film:shutter:travelTime",
         0.0,
         "Travel Time",
@@ -41,6 +41,7 @@ class Shutter:
         unit="seconds",
         hard=(0, None),
         soft=(None, 0.05),
+        bounds=Bounds(0, 1e6),
     )
     efficiency: Floats = setting(
         "film:shutter:efficiency",
@@ -49,6 +50,7 @@ class Shutter:
         "How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one "
         "that opens and closes at once.",
         unit="none, ratios from 0 to 1",
+        bounds=Bounds(0, 1e9, length=256),
     )
 
 
@@ -96,6 +98,7 @@ class Metering:
         "Name of the focus point that spot metering looks at; empty takes the place film:metering:spot.",
         unit="none, text",
         keyable=False,
+        bounds=Bounds(length=100),
     )
     spot: Pair = setting(
         "film:metering:spot",
@@ -104,8 +107,9 @@ class Metering:
         "Place in the picture that spot metering looks at where no focus point is named: (0, 0) is its top left "
         "corner and (1, 1) the bottom right one.",
         unit="none, shares of the picture's width and height",
+        bounds=Bounds(0, 1),
     )
-    compensation: float = setting(
+    compensation_stops: float = setting(
         "film:metering:compensation",
         0.0,
         "Compensation",
@@ -115,7 +119,7 @@ class Metering:
         hard=(-20, 20),
         soft=(-3, 3),
     )
-    smoothing: float = setting(
+    smoothing_s: float = setting(
         "film:metering:smoothing",
         1.0,
         "Smoothing",

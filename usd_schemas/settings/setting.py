@@ -42,6 +42,9 @@ MAX_NUMBER = 1e9
 MAX_UNLIMITED = 1e6
 """The largest size of a number that REST takes where a declaration has no limits."""
 
+_UNITS = ("s", "k", "e", "m", "mm", "um", "deg", "stops")
+"""Units as names end with them."""
+
 Kind = TypeVar("Kind", bound=type)
 
 
@@ -156,16 +159,15 @@ class Setting:
         accepts: numbers that a picture can be made with, where `hard` does not say it.
         bounds: values that REST takes, where they do not follow from `hard`.
         rest: resource of REST that has it; empty for none.
-        rest_keyable: whether REST sets keys of it; None for numbers that are keyable.
         read_only: whether REST cannot set it.
         slider: of the page; None for none of its own.
         option: of the command line; None for none of its own.
-        example: value in REST's example; None for the default.
         name: in Python, with the names of the groups that it is in.
         type: of its value in Python.
         group: display group.
         schema: the API schema that brings it; empty for what every USD camera has.
         relationship: whether the property is a relationship, and not an attribute.
+        length: USD's unit of a length that has another one in Python: tenths of a scene unit, or scene units.
     """
 
     usd: str
@@ -181,16 +183,15 @@ class Setting:
     accepts: Range | None = None
     bounds: Bounds | None = None
     rest: Resource | None = None
-    rest_keyable: bool | None = None
     read_only: bool = False
     slider: Slider | None = None
     option: Option | None = None
-    example: Any = None
     name: str = ""
     type: Any = None
     group: str = ""
     schema: str = ""
     relationship: bool = False
+    length: Literal["", "tenths", "units"] = ""
 
     @property
     def doc(self) -> str:
@@ -208,6 +209,20 @@ class Setting:
         """Its name in REST and in the page."""
         first, *others = self.name.split("_")
         return first + "".join(word.capitalize() for word in others)
+
+    @property
+    def words(self) -> str:
+        """Its name in words, without the unit."""
+        words = self.name.split("_")
+        while len(words) > 1 and words[-1] in _UNITS:
+            words.pop()
+        return " ".join(words)
+
+    @property
+    def rest_keyable(self) -> bool:
+        """Whether REST sets keys of it: of numbers that may change over time, and of the focus's switches."""
+        numbers = (float, bool) if self.rest == "focus" else (float,)
+        return self.keyable and self.type in numbers
 
     @property
     def sent(self) -> Bounds:

@@ -30,7 +30,7 @@ from usd_schemas import FilmData, Sensor
 GOAL_SHARE = 0.10
 GOAL_APART = 1.0  # of 255 levels, exclusive
 FRAME_REPEATS, FINISH_REPEATS = Repeats(2, most=3, enough_ms=20_000), Repeats(5)
-SENSOR = Sensor(full_well=30000, read_noise=5, clip=6)
+SENSOR = Sensor(full_well_e=30000, read_noise_e=5, clip_stops=6)
 
 
 @dataclass(frozen=True)

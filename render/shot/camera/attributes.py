@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pxr import Sdf, Usd
@@ -16,74 +16,28 @@ from render.near_names import hint
 from render.optics.photometry.exposure import check_positive
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
 from render.shot.times import check_time
-from usd_schemas import FilmData, FocusData, Key, LensCamera, TiltShiftData
+from usd_schemas import Key, LensCamera
 from usd_schemas.applying import applied
 from usd_schemas.binding import property_values
 from usd_schemas.keys import keys, remove_key, set_key
+from usd_schemas.settings.setting import Setting
+from usd_schemas.settings.tables import LENS_SETTINGS, SETTINGS
 from usd_schemas.units import tenths_from_mm, units_from_metres
 from usd_schemas.values import read_value
 
-LENS_SETTINGS = {"f_stop": "fStop", "focal_length_mm": "focalLength", "focus_distance_m": "focusDistance"}
-"""What every USD camera has."""
-
-FOCUS_SETTINGS = {
-    item.name: (schema, item.metadata["usd"])
-    for kind, schema in ((FocusData, "FocusAPI"), (TiltShiftData, "TiltShiftAPI"))
-    for item in fields(kind)
-}
-"""What schemas bring, by the names of their fields: schema and property."""
-
-
-def _film_properties(kind: type = FilmData, group: str = "") -> Iterator[tuple[str, tuple[str, str]]]:
-    for item in fields(kind):
-        if "group" in item.metadata:
-            yield from _film_properties(item.metadata["group"], f"{item.name}_")
-        elif "usd" in item.metadata:
-            yield f"{group}{item.name}", ("FilmAPI", item.metadata["usd"])
-
-
-_FILM_API = dict(_film_properties())
-_EXPOSING = ("exposure_", "shutter_", "metering_")
-"""Prefixes of the settings of FilmAPI that are about exposure."""
-
-EXPOSURE_SETTINGS = {
-    "exposure_time_s": ("", "exposure:time"),
-    "iso": ("", "exposure:iso"),
-    "exposure_f_stop": ("", "exposure:fStop"),
-    "compensation_stops": ("", "exposure"),
-    "responsivity": ("", "exposure:responsivity"),
-    "shutter_open": ("", "shutter:open"),
-    "shutter_close": ("", "shutter:close"),
-    "transmittance": ("LensAPI", "lens:transmittance"),
-    "neutral_density": ("LensAPI", "lens:neutralDensity"),
-    "stop_marking": ("LensAPI", "lens:stopMarking"),
-    "natural_vignetting": ("LensAPI", "lens:naturalVignetting"),
-    "flare_ghosts": ("LensAPI", "lens:flare:ghosts"),
-    "flare_star": ("LensAPI", "lens:flare:star"),
-    "breathing": ("LensAPI", "lens:breathing"),
-} | {name: usd for name, usd in _FILM_API.items() if name.startswith(_EXPOSING)}
-"""Light on the film (stray light too), shutter and metering: schema, empty for what every USD camera has, and property."""
-
-FILM_SETTINGS = {name: usd for name, usd in _FILM_API.items() if name not in EXPOSURE_SETTINGS}
-"""The rest of FilmAPI by the names of `FilmData`'s fields, those of its groups after the group's: ``push``, ``grain_amount``."""
-
-_SETTINGS = (
-    {name: ("", usd) for name, usd in LENS_SETTINGS.items()} | FOCUS_SETTINGS | EXPOSURE_SETTINGS | FILM_SETTINGS
-)
 _LABELS = {"f_stop": "f-number", "focal_length_mm": "focal length", "focus_distance_m": "focus distance"}
-_POSITIVE = ("exposure_time_s", "iso", "exposure_f_stop", "responsivity")
 
 
 @dataclass(frozen=True)
 class CameraAttribute:
-    """One of them, on one camera.
+    """A setting of one camera.
 
     Attributes:
         camera: the camera.
-        name: a key of `LENS_SETTINGS`, `FOCUS_SETTINGS`, `EXPOSURE_SETTINGS` or `FILM_SETTINGS`.
+        name: a key of `usd_schemas.settings.tables.SETTINGS`.
 
     Raises:
-        SettingsError: it is none of these.
+        SettingsError: there is no such setting.
     """
 
     camera: LensCamera
@@ -91,15 +45,20 @@ class CameraAttribute:
 
     def __post_init__(self) -> None:
         """Check the name."""
-        if self.name not in _SETTINGS:
+        if self.name not in SETTINGS:
             raise SettingsError(
-                f"a camera has no setting {self.name!r}: {hint(self.name, list(_SETTINGS))}", code="bad_field"
+                f"a camera has no setting {self.name!r}: {hint(self.name, list(SETTINGS))}", code="bad_field"
             )
+
+    @property
+    def setting(self) -> Setting:
+        """The declaration."""
+        return SETTINGS[self.name]
 
     @property
     def usd(self) -> Usd.Attribute:
         """The USD attribute; invalid where its schema is not applied."""
-        return self.camera.prim.GetAttribute(_SETTINGS[self.name][1])
+        return self.camera.prim.GetAttribute(self.setting.usd)
 
     def value(self, time: float) -> Any:
         """What it is at a USD time code; None where its schema is not applied, or it has no value of its type."""
@@ -158,12 +117,12 @@ class CameraAttribute:
     def _units(self) -> float:
         """USD's units in one of ours."""
         stage = self.camera.prim.GetStage()
-        if self.name == "focal_length_mm":
+        if self.setting.length == "tenths":
             return tenths_from_mm(1.0, stage)
-        return units_from_metres(1.0, stage) if self.name == "focus_distance_m" else 1.0
+        return units_from_metres(1.0, stage) if self.setting.length == "units" else 1.0
 
     def _in_usd(self, value: Any) -> Any:
-        if self.name in _POSITIVE:
+        if self.setting.rest == "exposure" and self.setting.sent.above:
             check_positive(self.name.replace("_", " "), value)
         if self.name not in LENS_SETTINGS:
             return value
@@ -179,7 +138,7 @@ class CameraAttribute:
 
     def _schema(self) -> AbstractContextManager[None]:
         """Where a schema brings it, have that applied."""
-        schema = _SETTINGS[self.name][0]
+        schema = self.setting.schema
         return applied(self.camera.prim, schema) if schema else nullcontext()
 
 
@@ -199,12 +158,12 @@ def author_settings(camera: LensCamera, values: Mapping[str, Any], time: float |
         CameraAttribute(camera, name).set(value, time)
 
 
-def read_settings(camera: LensCamera, settings: Mapping[str, tuple[str, str]], time: float) -> dict[str, Any]:
+def read_settings(camera: LensCamera, settings: Mapping[str, Setting], time: float) -> dict[str, Any]:
     """Read some of a camera's settings; one whose schema is not applied has the schema's default.
 
     Args:
         camera: the camera.
-        settings: by name: schema, and property.
+        settings: by name.
         time: USD time code.
 
     Raises:
@@ -215,8 +174,8 @@ def read_settings(camera: LensCamera, settings: Mapping[str, tuple[str, str]], t
             property_values(camera.lens.read(time))
         )
     return {
-        name: schemas[usd] if schema else CameraAttribute(camera, name).value(time)
-        for name, (schema, usd) in settings.items()
+        name: schemas[setting.usd] if setting.schema else CameraAttribute(camera, name).value(time)
+        for name, setting in settings.items()
     }
 
 
@@ -237,7 +196,7 @@ def set_focus_mode(camera: LensCamera, mode: str) -> None:
 
 def setting_label(name: str) -> str:
     """A setting's name as the labels of edits have it."""
-    return _LABELS.get(name, name.replace("_", " "))
+    return _LABELS.get(name, SETTINGS[name].words if name in SETTINGS else name.replace("_", " "))
 
 
 def _check_lens_setting(name: str, value: float) -> None:

@@ -88,14 +88,14 @@ def check_metering(metering: Metering) -> None:
         raise SettingsError(
             f"metering must be one of manual, {', '.join(get_args(MeterMode))}, got {metering.mode}", code="bad_meter"
         )
-    if not (metering.smoothing > 0 and math.isfinite(metering.smoothing)):
+    if not (metering.smoothing_s > 0 and math.isfinite(metering.smoothing_s)):
         raise SettingsError(
-            f"the smoothing of metering must be above 0 s, got {metering.smoothing:g}", code="bad_meter"
+            f"the smoothing of metering must be above 0 s, got {metering.smoothing_s:g}", code="bad_meter"
         )
-    if not abs(metering.compensation) <= MAX_COMPENSATION_STOPS:
+    if not abs(metering.compensation_stops) <= MAX_COMPENSATION_STOPS:
         limits = f"from -{MAX_COMPENSATION_STOPS} to {MAX_COMPENSATION_STOPS} stops"
         raise SettingsError(
-            f"the compensation of metering must be {limits}, got {metering.compensation:g}", code="bad_meter"
+            f"the compensation of metering must be {limits}, got {metering.compensation_stops:g}", code="bad_meter"
         )
     if not all(map(math.isfinite, metering.spot)):
         raise SettingsError(f"the spot to meter must be two finite numbers, got {metering.spot}", code="bad_meter")

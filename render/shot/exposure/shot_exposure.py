@@ -8,7 +8,7 @@ from typing import Any
 from pxr import Usd
 
 from render.errors import SettingsError
-from render.shot.camera.attributes import EXPOSURE_SETTINGS, author_settings, read_settings, setting_label
+from render.shot.camera.attributes import author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
 from render.shot.exposure.keys import author_exposure, keyed_stops
@@ -17,6 +17,7 @@ from render.shot.exposure.readout import ExposureReadout, read_exposure
 from render.shot.focus.solver import FocusSolver
 from render.stage import StageReader
 from usd_schemas import Metering
+from usd_schemas.settings.tables import EXPOSURE_SETTINGS
 
 
 class ShotExposure:

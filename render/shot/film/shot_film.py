@@ -12,13 +12,14 @@ from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.film.stock import camera_stock
 from render.model.camera import Camera
-from render.shot.camera.attributes import FILM_SETTINGS, author_settings, read_settings, setting_label
+from render.shot.camera.attributes import author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
 from render.shot.film.finish import Finish, finish_of
 from usd_schemas import FilmData, LensCamera, LibraryFilm
 from usd_schemas.applying import applied
 from usd_schemas.binding import author_for_all_time, property_values
+from usd_schemas.settings.tables import FILM_SETTINGS
 
 _STOCK_SETTINGS = ("stock", "print_stock", "process", "speed", "curve", "print_curve", "grain_rms")
 """Prefixes of the names of all film settings that come with a stock."""
@@ -113,7 +114,7 @@ def _author_stock(camera: LensCamera, stock: LibraryFilm | None) -> None:
     if stock is not None and not had_film and camera_stock(stock.name).granularity:
         after = replace(after, grain=replace(after.grain, amount=1.0))
     values = dict(property_values(after))
-    properties = [usd for name, (_, usd) in FILM_SETTINGS.items() if name.startswith(_STOCK_SETTINGS)]
+    properties = [item.usd for name, item in FILM_SETTINGS.items() if name.startswith(_STOCK_SETTINGS)]
     with applied(camera.prim, "FilmAPI"):
         for usd in (*properties, "film:grain:amount"):
             author_for_all_time(camera.prim.GetAttribute(usd), values[usd])

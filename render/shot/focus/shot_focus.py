@@ -12,7 +12,7 @@ from render.errors import NotFoundError, SettingsError
 from render.focus import FocusCurve
 from render.focus.files import ReadCurve
 from render.focus.racks import Rack
-from render.shot.camera.attributes import FOCUS_SETTINGS, author_settings, set_focus_mode, setting_label
+from render.shot.camera.attributes import author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
 from render.shot.focus.anchor import Picked, anchored
@@ -27,6 +27,7 @@ from render.stage import AnchorReader
 from usd_schemas import FocusData, FocusPoint, FocusPointView, Interpolation, Key, Tangents, TiltShiftData
 from usd_schemas.curves import EXACT
 from usd_schemas.racks import WeightRack
+from usd_schemas.settings.tables import FOCUS_SETTINGS
 from usd_schemas.topology import topology_under
 
 FOCUS_POINTS = "focusPoint:"

@@ -241,13 +241,13 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
 
 
 def _shutter(said: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
-    if not 0 <= said.travel_time < math.inf:
+    if not 0 <= said.travel_s < math.inf:
         raise CameraError(
-            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {said.travel_time:g} s",
+            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {said.travel_s:g} s",
             code="bad_shutter",
             path=path,
         )
-    travel = said.travel_time * stage.GetTimeCodesPerSecond()
+    travel = said.travel_s * stage.GetTimeCodesPerSecond()
     try:
         return Shutter(said.type, said.direction, travel, tuple(said.efficiency))
     except SettingsError as error:  # the numbers are the shot's, not the caller's

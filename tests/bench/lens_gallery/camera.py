@@ -166,7 +166,7 @@ def _motion() -> Section:
                 shutter_open=-3.0,
                 shutter_close=-2.5,
                 shutter_type="rolling",
-                shutter_travel_time=6 / 24,
+                shutter_travel_s=6 / 24,
             ),
         ),
     )

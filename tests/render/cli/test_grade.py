@@ -184,7 +184,9 @@ def test_a_view_that_the_asked_display_lacks_gives_way_to_its_default() -> None:
 def test_another_configuration_has_other_words(tmp_path: Path) -> None:
     own = tmp_path / "shot.ocio"
     own.write_text("never read")
-    said = GradeData(config=Asset(str(own), str(own)), display="Monitor", view="Plain", look="Show", cdl_saturation=0.5)
+    said = GradeData(
+        ocio_config=Asset(str(own), str(own)), display="Monitor", view="Plain", look="Show", cdl_saturation=0.5
+    )
 
     assert Grade.from_film_data(said, choice=GradeChoice(config="ocio://default")) == Grade(
         "ocio://default", cdl=Cdl(saturation=0.5)

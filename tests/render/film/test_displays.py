@@ -238,7 +238,7 @@ class TestFromFilmData:
 
     def test_names_and_numbers(self) -> None:
         data = GradeData(
-            config=Asset(ACES_2),
+            ocio_config=Asset(ACES_2),
             display="P3-D65 - Display",
             view="Un-tone-mapped",
             look="ACES 1.3 Reference Gamut Compression",
@@ -261,12 +261,12 @@ class TestFromFilmData:
 
         assert Grade.from_film_data(data).cdl == Cdl(saturation=0.25)
 
-    @pytest.mark.parametrize("field", ["config", "cdl_file"])
+    @pytest.mark.parametrize("field", ["ocio_config", "cdl_file"])
     def test_a_file_that_is_missing_is_named_with_what_names_it(self, field: str) -> None:
         with pytest.raises(InputError, match=r"film:(ocio:config|cdl:file) names grades/a\.x, which is not there"):
             Grade.from_film_data(GradeData(**{field: Asset("grades/a.x")}))  # type: ignore[arg-type]
 
-    @pytest.mark.parametrize("field", ["config", "cdl_file"])
+    @pytest.mark.parametrize("field", ["ocio_config", "cdl_file"])
     def test_a_confined_shot_reads_nothing_outside_of_its_folder(self, field: str, tmp_path: Path) -> None:
         (tmp_path / "shot").mkdir()
         outside = tmp_path / "own.ocio"
@@ -282,7 +282,7 @@ class TestFromFilmData:
         (tmp_path / "shot").mkdir()
         own = tmp_path / "shot" / "own.ocio"
         own.write_text(OWN_CONFIG + LOOK_WITH_A_FILE.replace("FILE", src))
-        data = GradeData(config=Asset("own.ocio", str(own)))
+        data = GradeData(ocio_config=Asset("own.ocio", str(own)))
 
         with pytest.raises(InputError, match=r"own\.ocio names .*, which is outside of the shot's folder"):
             Grade.from_film_data(data, tmp_path / "shot")
@@ -292,7 +292,7 @@ class TestFromFilmData:
         own = tmp_path / "own.ocio"
         own.write_text(OWN_CONFIG + LOOK_WITH_A_FILE.replace("FILE", "half.cube"))
         (tmp_path / "half.cube").write_text("LUT_1D_SIZE 2\n0 0 0\n0.5 0.5 0.5\n")
-        data = GradeData(config=Asset("own.ocio", str(own)), look="Dusk")
+        data = GradeData(ocio_config=Asset("own.ocio", str(own)), look="Dusk")
 
         grade = Grade.from_film_data(data, tmp_path)
 

@@ -72,7 +72,7 @@ def assert_alike(film_pass: FilmPass, light: FloatArray, film: FilmSettings, exp
 @pytest.mark.parametrize("gate_mm", [SUPER_16, TINY], ids=["super 16", "tiny"])
 @pytest.mark.parametrize("name", CAMERA_STOCKS)
 def test_every_stock_is_developed_alike(film_pass: FilmPass, name: str, gate_mm: tuple[float, float]) -> None:
-    film = film_settings(FilmData(push=0.5, white_balance=4800, tint=5), name=name)
+    film = film_settings(FilmData(push=0.5, white_balance_k=4800, tint=5), name=name)
     amount = 1.0 if film.stock is not None and film.stock.granularity else 0.0
     film = replace(film, grain=GrainSettings(amount, seed=3), halation=HALATION)
 
@@ -117,13 +117,13 @@ def test_grain_of_any_size_is_the_same_grain(film_pass: FilmPass, size_um: float
 def test_drawn_curves_and_sensors_and_no_film_are_alike(film_pass: FilmPass) -> None:
     drawn = CharacteristicCurve("parametric", gamma=(0.5, 0.6, 0.7))
     granular = Grain(1.0, (4, 5, 9))
-    sensor = Sensor(full_well=900, read_noise=12, clip=3, sensitivity=(0.5, 1, 0.7))
+    sensor = Sensor(full_well_e=900, read_noise_e=12, clip_stops=3, sensitivity=(0.5, 1, 0.7))
     said = [
         FilmData("negative", curve=drawn, grain=granular),
         FilmData("monochrome", curve=drawn, grain=granular, push=-1),
-        FilmData("digital", sensor=sensor, white_balance=3200),
-        FilmData("digital", sensor=replace(sensor, clip=0.0), resolution=(4000, 3000)),
-        FilmData("none", white_balance=7500, tint=-10),
+        FilmData("digital", sensor=sensor, white_balance_k=3200),
+        FilmData("digital", sensor=replace(sensor, clip_stops=0.0), resolution=(4000, 3000)),
+        FilmData("none", white_balance_k=7500, tint=-10),
     ]
     for data in said:
         assert_alike(film_pass, small_scene(HEIGHT), film_settings(data), Exposure(0.7, frame=3, gate_mm=SUPER_16))
@@ -153,7 +153,7 @@ def camera(squeeze: float = 1.0) -> Camera:
 
 def finishes() -> list[Finish]:
     print_film = replace(film_settings(FilmData(grain=Grain(1.0)), name="5219"), halation=HALATION)
-    digital = film_settings(FilmData("digital", sensor=Sensor(clip=4, read_noise=5)))
+    digital = film_settings(FilmData("digital", sensor=Sensor(clip_stops=4, read_noise_e=5)))
     p3 = Grade(display="Display P3 - Display")
     return [Finish(Grade()), Finish(p3, print_film), Finish(Grade(), digital), Finish(p3)]
 

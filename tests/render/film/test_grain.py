@@ -39,7 +39,7 @@ def test_the_field_scatters_by_1_through_the_aperture(size_um: float, pixel_um: 
 def test_a_stock_has_its_granularity_at_density_1(name: str) -> None:
     stock = camera_stock(name)
     stated = {"double_x_5222": 14, "tri_x_400": 17, "velvia_50": 9, "kodachrome_64": 10}.get(name)
-    shot = film_settings(FilmData(grain=Grain(amount=1, size=6.0)), name=name)
+    shot = film_settings(FilmData(grain=Grain(amount=1, size_um=6.0)), name=name)
     flat = np.array([base + 1.0 for base in stock.base], np.float32)
     grainy = with_grain(np.broadcast_to(flat, (480, 480, len(flat))), shot, frame=7, gate_mm=(2.88, 2.88))
     for record, (base, table) in enumerate(zip(stock.base, stock.granularity, strict=True)):

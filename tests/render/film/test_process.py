@@ -73,7 +73,7 @@ def test_light_that_the_balance_is_set_to_looks_neutral() -> None:
         lamp = UsdLux.BlackbodyTemperatureAsRgb(kelvin)
         grey = 0.18 * np.array([[rgb_to_working((lamp[0], lamp[1], lamp[2]))]], np.float32)
         for name in ("5219", "velvia_50"):
-            film = film_settings(FilmData(white_balance=kelvin), name=name)
+            film = film_settings(FilmData(white_balance_k=kelvin), name=name)
             plain = film_settings(FilmData(), name=name)
             assert shown(grey, film) == pytest.approx(shown(flat(0.18), plain), rel=0.02)
         digital = FilmSettings(white_balance_k=kelvin)
@@ -112,7 +112,7 @@ def test_grain_and_halation_are_on_the_picture_when_asked_for() -> None:
     spot = np.full((64, 96, 3), 0.18, np.float32)
     spot[32, 48] = 5000.0
     plain = shown(spot, film_settings(FilmData(), name="5219"))
-    glowing = shown(spot, film_settings(FilmData(halation=Halation(amount=0.05, radius=1.0)), name="5219"))
+    glowing = shown(spot, film_settings(FilmData(halation=Halation(amount=0.05, radius_mm=1.0)), name="5219"))
     # 1 mm is 3.9 pixels across and 4.6 down; red comes back most.
     assert glowing[32, 53, 0] > 2 * plain[32, 53, 0]
     assert glowing[32, 53, 0] > glowing[32, 53, 1] > glowing[32, 53, 2] > plain[32, 53, 2]

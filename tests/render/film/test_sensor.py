@@ -66,7 +66,11 @@ def test_noise_is_of_the_frame() -> None:
 
 def test_the_shot_s_sensor_is_developed_with_its_speed_and_balance() -> None:
     data = FilmData(
-        process="digital", speed=800, white_balance=3200, resolution=(600, 400), sensor=SensorData(read_noise=3, clip=5)
+        process="digital",
+        speed=800,
+        white_balance_k=3200,
+        resolution=(600, 400),
+        sensor=SensorData(read_noise_e=3, clip_stops=5),
     )
     film = film_settings(data, iso=1600)
     assert film.sensor == SensorSettings(40000, 3, 5, (1, 1, 1), 800, 1600, (600, 400))

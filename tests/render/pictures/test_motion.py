@@ -39,7 +39,7 @@ def test_a_trail_is_as_long_as_the_way_and_as_bright_as_the_time(renderer: Frame
 @pytest.mark.parametrize(("direction", "sign"), [("down", 1), ("up", -1)])
 def test_a_rolling_shutter_leans_what_moves(renderer: FrameRenderer, tmp_path: Path, direction: str, sign: int) -> None:
     """Lines that are read one after the other over half a frame see the card 50 pixels farther on in the last than the first."""
-    rolling = ShutterData(type="rolling", direction=direction, travel_time=0.5 / 24)  # type: ignore[arg-type]
+    rolling = ShutterData(type="rolling", direction=direction, travel_s=0.5 / 24)  # type: ignore[arg-type]
     shot = Shot.open(write_moving(tmp_path / "rolling.usda", shutter=rolling, closes=0.02))
     seen = coverage(renderer, shot, 104)
     middles = (seen * np.arange(WIDTH)).sum(axis=1) / seen.sum(axis=1)
@@ -78,7 +78,7 @@ def test_a_rolling_shutter_bends_the_spokes_of_a_wheel(
 ) -> None:
     """A line that is read at the share s of half a frame sees the wheel turned by s / 2 of its turn: the spoke at the angle
     θ when the shutter opens is met on that line where φ = θ + ω·t(line), and nowhere else."""
-    rolling = ShutterData(type="rolling", direction=direction, travel_time=0.5 / 24)  # type: ignore[arg-type]
+    rolling = ShutterData(type="rolling", direction=direction, travel_s=0.5 / 24)  # type: ignore[arg-type]
     shot = Shot.open(write_wheel(tmp_path / "wheel.usda", rolling))
     seen = coverage(renderer, shot, 100)
     line, column = np.nonzero(seen > 0.6)

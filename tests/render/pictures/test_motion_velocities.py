@@ -47,7 +47,7 @@ def psnr(one: FloatArray, other: FloatArray) -> float:
 def test_a_rolling_shutter_leans_what_moves_by_velocities_too(
     renderer: FrameRenderer, tmp_path: Path, direction: str
 ) -> None:
-    rolling = ShutterData(type="rolling", direction=direction, travel_time=0.5 / 24)  # type: ignore[arg-type]
+    rolling = ShutterData(type="rolling", direction=direction, travel_s=0.5 / 24)  # type: ignore[arg-type]
     shot = Shot.open(write_moving(tmp_path / "rolling.usda", shutter=rolling, closes=0.02))
     fast = replace(STILL, motion=26, motion_by="velocities")
     seen = make_picture(renderer, shot, "/cam", 1.0, fast, Grade()).frame.color[..., 3]

@@ -210,7 +210,7 @@ def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_pat
     with pytest.raises(SettingsError, match="metering must be one of manual, spot, center, average, got matrix"):
         LightMeter(renderer, lost, CAMERA, mode="matrix")
     with pytest.raises(SettingsError, match="smoothing of metering must be above 0 s, got 0"):
-        LightMeter(renderer, lost, CAMERA, smoothing=0.0)
+        LightMeter(renderer, lost, CAMERA, smoothing_s=0.0)
     dark = open_shot(tmp_path, film_metering_mode="spot", lens_transmittance=0.0)
     with pytest.raises(CameraError, match="no light comes through the lens of /cam"):
         exposed(renderer, dark)

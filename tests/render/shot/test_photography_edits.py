@@ -151,7 +151,7 @@ def test_a_body_brings_its_gate_and_keeps_the_lens(shot):
     [
         ("film", {"process": "negative"}, "needs a stock"),
         ("film", {"process": "reversal", "stock": "vision3_500t_5219"}, "run backwards"),
-        ("film", {"grade_display": "sRGB - Displya"}, "unknown display"),
+        ("film", {"display": "sRGB - Displya"}, "unknown display"),
         ("exposure", {"shutter_close": -1.0}, "cannot close before it opens"),
         ("exposure", {"shutter_efficiency": (0.0, 0.0)}, "let light through"),
     ],

@@ -1801,7 +1801,7 @@ export interface components {
         readonly ExposureSettings: {
             /**
              * Breathing
-             * @description Whether the picture grows with focus as a real lens's does, and the bellows factor darkens it.
+             * @description Whether the field of view changes with focus, as the image distance of a real lens makes it, and with it the light that reaches the film (the bellows factor). False keeps the field of view that focalLength and the apertures say, and the light, as other USD renderers show them.
              */
             readonly breathing: boolean;
             /**
@@ -1811,7 +1811,7 @@ export interface components {
             readonly camera: string;
             /**
              * Compensationstops
-             * @description USD's `exposure`. Where a meter decides, it does not count.
+             * @description USD's `exposure`: brighter (positive) or darker than what is set. It does not count where a meter decides the exposure.
              */
             readonly compensationStops: number;
             /**
@@ -1821,33 +1821,35 @@ export interface components {
             readonly etag: string;
             /**
              * Exposurefstop
-             * @description USD's `exposure:fStop`: a number of its own, beside the iris's `fStop`.
+             * @description USD's `exposure:fStop`: an f-number of its own, beside the iris's `fStop`.
              */
             readonly exposureFStop: number;
             /**
              * Exposurestop
-             * @description Which stop exposes: `exposure` is `exposureFStop`; `iris` is the camera's `fStop`, so that stopping down darkens the picture as it deepens the focus.
+             * @description Which stop the exposure is by.
+             *     - exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.
+             *     - iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps exposure:fStop.
              * @enum {string}
              */
             readonly exposureStop: "exposure" | "iris";
             /**
              * Exposuretimes
-             * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
+             * @description USD's `exposure:time`: the time that brightness goes by. Motion is blurred by the shutter's own times.
              */
             readonly exposureTimeS: number;
             /**
              * Flareghosts
-             * @description Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.
+             * @description Strength of the reflections between pairs of surfaces: 0 off, 1 as the prescription has them.
              */
             readonly flareGhosts: number;
             /**
              * Flarestar
-             * @description Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.
+             * @description Strength of the spikes that diffraction at the iris draws around bright points: 0 off, 1 physical.
              */
             readonly flareStar: number;
             /**
              * Iso
-             * @description USD's `exposure:iso`.
+             * @description USD's `exposure:iso`: the speed that the camera is set to; twice the speed is a stop.
              */
             readonly iso: number;
             /**
@@ -1859,28 +1861,32 @@ export interface components {
             };
             /**
              * Meteringcompensationstops
-             * @description How much brighter than middle grey the metered light shall be.
+             * @description How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by itself sets.
              */
             readonly meteringCompensationStops: number;
             /**
              * Meteringfocuspoint
-             * @description Which focus point the spot is on; empty takes `meteringSpot`.
+             * @description Name of the focus point that spot metering looks at; empty takes the place film:metering:spot.
              */
             readonly meteringFocusPoint: string;
             /**
              * Meteringmode
-             * @description What decides the compensation: the hand, or a meter on a spot, on the middle most, or on all alike.
+             * @description What decides the compensation of the exposure.
+             *     - manual: the attribute exposure, as it is authored.
+             *     - spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.
+             *     - center: a meter on the whole picture, its middle most.
+             *     - average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              * @enum {string}
              */
             readonly meteringMode: "manual" | "spot" | "center" | "average";
             /**
              * Meteringsmoothings
-             * @description How long metering takes to follow a sudden change.
+             * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
              */
             readonly meteringSmoothingS: number;
             /**
              * Meteringspot
-             * @description A place in the picture: (0, 0) is its top left corner and (1, 1) the bottom right one.
+             * @description Place in the picture that spot metering looks at where no focus point is named: (0, 0) is its top left corner and (1, 1) the bottom right one.
              */
             readonly meteringSpot: readonly [
                 number,
@@ -1888,38 +1894,38 @@ export interface components {
             ];
             /**
              * Naturalvignetting
-             * @description Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.
+             * @description Whether a lens without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting) falls off toward the corners by the fourth power of the cosine, to the power of lens:aberration:vignetting. False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.
              */
             readonly naturalVignetting: boolean;
             /**
              * Neutraldensity
-             * @description Of the filter in front; 0.3 takes about one stop.
+             * @description Optical density of the neutral filter in front: 0.3 takes about one stop.
              */
             readonly neutralDensity: number;
             /**
              * Responsivity
-             * @description USD's `exposure:responsivity`.
+             * @description USD's `exposure:responsivity`: a factor on the light.
              */
             readonly responsivity: number;
             /**
              * Shutterangledeg
-             * @description Opening of a rotating shutter that is open for as long; 360 is a whole frame.
+             * @description Opening of a rotating shutter that is open for as long; 360 is a whole frame. It sets when the shutter closes: send no `shutterClose` beside it.
              */
             readonly shutterAngleDeg: number;
             /**
              * Shutterclose
-             * @description USD's `shutter:close`.
+             * @description USD's `shutter:close`, time codes from the frame's own.
              */
             readonly shutterClose: number;
             /**
              * Shutterdirection
-             * @description In which the lines are bared, in the picture as it is seen.
+             * @description Which way rolling and focal-plane shutters run over the picture as it is seen.
              * @enum {string}
              */
             readonly shutterDirection: "down" | "up" | "left" | "right";
             /**
              * Shutterefficiency
-             * @description How much light passes over the time that a place is exposed, at even steps; empty for all of it.
+             * @description How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
              */
             readonly shutterEfficiency: readonly number[];
             /**
@@ -1929,18 +1935,20 @@ export interface components {
             readonly shutterOpen: number;
             /**
              * Shuttertravels
-             * @description From the first line's opening to the last one's.
+             * @description How long a rolling or focal-plane shutter takes from one edge of the picture to the other.
              */
             readonly shutterTravelS: number;
             /**
              * Shuttertype
-             * @description `global` and `leaf` expose all of the picture at once, `rolling` and `focalPlane` line after line.
+             * @description How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
              * @enum {string}
              */
             readonly shutterType: "global" | "rolling" | "focalPlane" | "leaf";
             /**
              * Stopmarking
-             * @description What the stops on the barrel are: f-numbers, or T-stops, which have what the glass takes in them already.
+             * @description What the stops on the barrel are.
+             *     - f: f-numbers, as on lenses for photography: what lens:transmittance takes darkens the picture.
+             *     - t: T-stops, as on lenses for the cinema: exposure:fStop, or fStop where film:exposure:stop is iris, is exposed for as a T-stop, which has the light that the glass takes in it already; filters still darken. The size of the iris is fStop's either way.
              * @enum {string}
              */
             readonly stopMarking: "f" | "t";
@@ -1951,7 +1959,7 @@ export interface components {
             readonly time: number;
             /**
              * Transmittance
-             * @description Share of the light that comes through the glass.
+             * @description The part of the light that comes through the glass: the T-stop is fStop / sqrt(transmittance).
              */
             readonly transmittance: number;
         };
@@ -1968,67 +1976,73 @@ export interface components {
         readonly ExposureSettingsEdit: {
             /**
              * Breathing
-             * @description Whether the picture grows with focus as a real lens's does, and the bellows factor darkens it.
+             * @description Whether the field of view changes with focus, as the image distance of a real lens makes it, and with it the light that reaches the film (the bellows factor). False keeps the field of view that focalLength and the apertures say, and the light, as other USD renderers show them.
              */
             readonly breathing?: boolean | null;
             /**
              * Compensationstops
-             * @description USD's `exposure`. Where a meter decides, it does not count.
+             * @description USD's `exposure`: brighter (positive) or darker than what is set. It does not count where a meter decides the exposure.
              */
             readonly compensationStops?: number | null;
             /**
              * Exposurefstop
-             * @description USD's `exposure:fStop`: a number of its own, beside the iris's `fStop`.
+             * @description USD's `exposure:fStop`: an f-number of its own, beside the iris's `fStop`.
              */
             readonly exposureFStop?: number | null;
             /**
              * Exposurestop
-             * @description Which stop exposes: `exposure` is `exposureFStop`; `iris` is the camera's `fStop`, so that stopping down darkens the picture as it deepens the focus.
+             * @description Which stop the exposure is by.
+             *     - exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.
+             *     - iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps exposure:fStop.
              */
             readonly exposureStop?: ("exposure" | "iris") | null;
             /**
              * Exposuretimes
-             * @description USD's `exposure:time`: what brightness goes by. What moves is blurred by the shutter's own times.
+             * @description USD's `exposure:time`: the time that brightness goes by. Motion is blurred by the shutter's own times.
              */
             readonly exposureTimeS?: number | null;
             /**
              * Flareghosts
-             * @description Strength of what a lens's surfaces reflect of what is bright: 0 off, 1 as they have it. It takes seconds.
+             * @description Strength of the reflections between pairs of surfaces: 0 off, 1 as the prescription has them.
              */
             readonly flareGhosts?: number | null;
             /**
              * Flarestar
-             * @description Strength of the star that diffraction at the iris draws: 0 off, 1 as it is.
+             * @description Strength of the spikes that diffraction at the iris draws around bright points: 0 off, 1 physical.
              */
             readonly flareStar?: number | null;
             /**
              * Iso
-             * @description USD's `exposure:iso`.
+             * @description USD's `exposure:iso`: the speed that the camera is set to; twice the speed is a stop.
              */
             readonly iso?: number | null;
             /**
              * Meteringcompensationstops
-             * @description How much brighter than middle grey the metered light shall be.
+             * @description How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by itself sets.
              */
             readonly meteringCompensationStops?: number | null;
             /**
              * Meteringfocuspoint
-             * @description Which focus point the spot is on; empty takes `meteringSpot`.
+             * @description Name of the focus point that spot metering looks at; empty takes the place film:metering:spot.
              */
             readonly meteringFocusPoint?: string | null;
             /**
              * Meteringmode
-             * @description What decides the compensation: the hand, or a meter on a spot, on the middle most, or on all alike.
+             * @description What decides the compensation of the exposure.
+             *     - manual: the attribute exposure, as it is authored.
+             *     - spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.
+             *     - center: a meter on the whole picture, its middle most.
+             *     - average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              */
             readonly meteringMode?: ("manual" | "spot" | "center" | "average") | null;
             /**
              * Meteringsmoothings
-             * @description How long metering takes to follow a sudden change.
+             * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
              */
             readonly meteringSmoothingS?: number | null;
             /**
              * Meteringspot
-             * @description A place in the picture: (0, 0) is its top left corner and (1, 1) the bottom right one.
+             * @description Place in the picture that spot metering looks at where no focus point is named: (0, 0) is its top left corner and (1, 1) the bottom right one.
              */
             readonly meteringSpot?: readonly [
                 number,
@@ -2036,17 +2050,17 @@ export interface components {
             ] | null;
             /**
              * Naturalvignetting
-             * @description Whether a lens without surfaces darkens the corners by cos⁴; those with surfaces do.
+             * @description Whether a lens without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting) falls off toward the corners by the fourth power of the cosine, to the power of lens:aberration:vignetting. False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.
              */
             readonly naturalVignetting?: boolean | null;
             /**
              * Neutraldensity
-             * @description Of the filter in front; 0.3 takes about one stop.
+             * @description Optical density of the neutral filter in front: 0.3 takes about one stop.
              */
             readonly neutralDensity?: number | null;
             /**
              * Responsivity
-             * @description USD's `exposure:responsivity`.
+             * @description USD's `exposure:responsivity`: a factor on the light.
              */
             readonly responsivity?: number | null;
             /**
@@ -2056,17 +2070,17 @@ export interface components {
             readonly shutterAngleDeg?: number | null;
             /**
              * Shutterclose
-             * @description USD's `shutter:close`.
+             * @description USD's `shutter:close`, time codes from the frame's own.
              */
             readonly shutterClose?: number | null;
             /**
              * Shutterdirection
-             * @description In which the lines are bared, in the picture as it is seen.
+             * @description Which way rolling and focal-plane shutters run over the picture as it is seen.
              */
             readonly shutterDirection?: ("down" | "up" | "left" | "right") | null;
             /**
              * Shutterefficiency
-             * @description How much light passes over the time that a place is exposed, at even steps; empty for all of it.
+             * @description How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
              */
             readonly shutterEfficiency?: readonly number[] | null;
             /**
@@ -2076,17 +2090,19 @@ export interface components {
             readonly shutterOpen?: number | null;
             /**
              * Shuttertravels
-             * @description From the first line's opening to the last one's.
+             * @description How long a rolling or focal-plane shutter takes from one edge of the picture to the other.
              */
             readonly shutterTravelS?: number | null;
             /**
              * Shuttertype
-             * @description `global` and `leaf` expose all of the picture at once, `rolling` and `focalPlane` line after line.
+             * @description How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
              */
             readonly shutterType?: ("global" | "rolling" | "focalPlane" | "leaf") | null;
             /**
              * Stopmarking
-             * @description What the stops on the barrel are: f-numbers, or T-stops, which have what the glass takes in them already.
+             * @description What the stops on the barrel are.
+             *     - f: f-numbers, as on lenses for photography: what lens:transmittance takes darkens the picture.
+             *     - t: T-stops, as on lenses for the cinema: exposure:fStop, or fStop where film:exposure:stop is iris, is exposed for as a T-stop, which has the light that the glass takes in it already; filters still darken. The size of the iris is fStop's either way.
              */
             readonly stopMarking?: ("f" | "t") | null;
             /**
@@ -2096,7 +2112,7 @@ export interface components {
             readonly time?: number | null;
             /**
              * Transmittance
-             * @description Share of the light that comes through the glass.
+             * @description The part of the light that comes through the glass: the T-stop is fStop / sqrt(transmittance).
              */
             readonly transmittance?: number | null;
         };
@@ -2428,7 +2444,7 @@ export interface components {
         readonly FilmSettings: {
             /**
              * Body
-             * @description What the body is called, the `title` of one of the library; may be empty.
+             * @description Name of the camera body or gate in a body library, such as "Super 35 4-perf". The size of the gate is UsdGeomCamera's apertures.
              */
             readonly body: string;
             /**
@@ -2438,12 +2454,12 @@ export interface components {
             readonly camera: string;
             /**
              * Cdlfile
-             * @description The CDL file that the shot names, in place of the numbers; empty for none.
+             * @description A .cdl, .cc or .ccc file that takes the place of the four numbers above.
              */
             readonly cdlFile: string;
             /**
              * Cdloffset
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL offset of red, green and blue.
              */
             readonly cdlOffset: readonly [
                 number,
@@ -2452,7 +2468,7 @@ export interface components {
             ];
             /**
              * Cdlpower
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL power of red, green and blue.
              */
             readonly cdlPower: readonly [
                 number,
@@ -2461,12 +2477,12 @@ export interface components {
             ];
             /**
              * Cdlsaturation
-             * @description Of the ASC CDL.
+             * @description ASC CDL saturation, after slope, offset and power: 0 is grey, 1 leaves the colours.
              */
             readonly cdlSaturation: number;
             /**
              * Cdlslope
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL slope of red, green and blue. The CDL works before the looks and the view, in the configuration's color_timing space (ACEScct in ACES), or in the working space where it has none; values are not clamped.
              */
             readonly cdlSlope: readonly [
                 number,
@@ -2475,7 +2491,7 @@ export interface components {
             ];
             /**
              * Curveblue
-             * @description Knots (log10 exposure, density).
+             * @description Knots (log10 exposure, density) of the blue-sensitive layer's curve.
              */
             readonly curveBlue: readonly (readonly [
                 number,
@@ -2483,7 +2499,7 @@ export interface components {
             ])[];
             /**
              * Curvegamma
-             * @description Slope of the straight line of red, green and blue.
+             * @description Slope of the straight line, of red, green and blue, for the parametric curve; negative for reversal stock. The line passes the laboratory's aim at log exposure 0: 0.75 above the least density on a negative, 1.0 on a reversal stock; or half the curve's range where that is less.
              */
             readonly curveGamma: readonly [
                 number,
@@ -2492,7 +2508,7 @@ export interface components {
             ];
             /**
              * Curvegreen
-             * @description Knots (log10 exposure, density); of black and white the one curve.
+             * @description Knots (log10 exposure, density) of the green-sensitive layer's curve, and of a black-and-white stock's.
              */
             readonly curveGreen: readonly (readonly [
                 number,
@@ -2500,7 +2516,7 @@ export interface components {
             ])[];
             /**
              * Curvemaxdensity
-             * @description Of red, green and blue.
+             * @description Density that full exposure nears, of red, green and blue, for the parametric curve.
              */
             readonly curveMaxDensity: readonly [
                 number,
@@ -2509,12 +2525,12 @@ export interface components {
             ];
             /**
              * Curvemiddlegray
-             * @description Log exposure where a metered 18 % grey lands.
+             * @description Log exposure at which a correctly metered 18 % grey lands on the curves; used by knots and parameters.
              */
             readonly curveMiddleGray: number;
             /**
              * Curvemindensity
-             * @description Base and fog of red, green and blue.
+             * @description Density without exposure (base and fog) of red, green and blue, for the parametric curve.
              */
             readonly curveMinDensity: readonly [
                 number,
@@ -2523,7 +2539,7 @@ export interface components {
             ];
             /**
              * Curvered
-             * @description Knots (log10 exposure, density).
+             * @description Knots (log10 exposure, density) of the red-sensitive layer's curve, log exposure increasing; joined by a monotone cubic and level beyond the ends.
              */
             readonly curveRed: readonly (readonly [
                 number,
@@ -2531,7 +2547,7 @@ export interface components {
             ])[];
             /**
              * Curveshoulder
-             * @description How far the shoulder reaches, of red, green and blue.
+             * @description Length of the bend at the greatest density, a parabola, of red, green and blue, for the parametric curve.
              */
             readonly curveShoulder: readonly [
                 number,
@@ -2540,13 +2556,13 @@ export interface components {
             ];
             /**
              * Curvesource
-             * @description Whether density goes by the stock's curve, by knots or by the numbers of `curve…`.
+             * @description Where the characteristic curve comes from: the library's stock, the knots below, or the parameters of toe, straight line and shoulder.
              * @enum {string}
              */
             readonly curveSource: "stock" | "knots" | "parametric";
             /**
              * Curvetoe
-             * @description How far the toe reaches, of red, green and blue.
+             * @description Length of the bend at the least density, a parabola, of red, green and blue, for the parametric curve.
              */
             readonly curveToe: readonly [
                 number,
@@ -2555,7 +2571,7 @@ export interface components {
             ];
             /**
              * Display
-             * @description Of the OpenColorIO configuration; empty takes its default.
+             * @description Name of the display; empty takes the configuration's default.
              */
             readonly display: string;
             /**
@@ -2573,12 +2589,12 @@ export interface components {
             ];
             /**
              * Grainamount
-             * @description 0 is none, 1 as the stock has it.
+             * @description Multiplies the grain: 0 none, 1 as the stock has it.
              */
             readonly grainAmount: number;
             /**
              * Grainrms
-             * @description Diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 takes the stock's.
+             * @description Diffuse RMS granularity of red, green and blue: 1000 times the standard deviation of density at density 1.0 through a 48 micrometre aperture; 0 takes the stock's.
              */
             readonly grainRms: readonly [
                 number,
@@ -2587,22 +2603,22 @@ export interface components {
             ];
             /**
              * Grainseed
-             * @description Which grain.
+             * @description Which grain: the same seed and frame number give the same grain.
              */
             readonly grainSeed: number;
             /**
              * Grainsizeum
-             * @description Correlation length on the film; 0 takes the usual one.
+             * @description Correlation length of the grain on the film; 0 takes the stock's.
              */
             readonly grainSizeUm: number;
             /**
              * Halationamount
-             * @description Share of the light that the base throws back.
+             * @description Part of the light that the film base throws back around bright points.
              */
             readonly halationAmount: number;
             /**
              * Halationcolor
-             * @description Its ratio in red, green and blue.
+             * @description Colour of the light that comes back, scene-linear.
              */
             readonly halationColor: readonly [
                 number,
@@ -2611,7 +2627,7 @@ export interface components {
             ];
             /**
              * Halationradiusmm
-             * @description Of its ring, on the film.
+             * @description Radius of the ring of light that comes back.
              */
             readonly halationRadiusMm: number;
             /**
@@ -2623,48 +2639,53 @@ export interface components {
             };
             /**
              * Look
-             * @description Looks of the configuration, with commas between; `-` in front inverts.
+             * @description Names of the configuration's looks, as OpenColorIO writes them, such as "+shot, -warm".
              */
             readonly look: string;
             /**
              * Ocioconfig
-             * @description The OpenColorIO configuration that the shot names; empty for the service's own.
+             * @description The OpenColorIO configuration to grade by; empty takes the renderer's. Light is rendered in the working space of the renderer's own and converted through the role aces_interchange. A built-in one is named as ocio://name.
              */
             readonly ocioConfig: string;
             /**
              * Printstock
-             * @description Name of the stock that a negative is printed on; empty takes the usual one.
+             * @description Name of the stock on which a negative is printed.
              */
             readonly printStock: string;
             /**
              * Process
-             * @description `negative` and `monochrome` are seen through a print, `reversal` is seen itself, `digital` is a sensor.
+             * @description What the light falls on.
+             *     - none: scene-linear light goes straight to the grade.
+             *     - negative: a colour negative, seen through a print stock.
+             *     - reversal: a positive, seen directly.
+             *     - monochrome: a black-and-white negative, seen through a print.
+             *     - digital: a sensor, film:sensor:*.
              * @enum {string}
              */
             readonly process: "none" | "negative" | "reversal" | "monochrome" | "digital";
             /**
              * Push
-             * @description Stops by which it is developed longer.
+             * @description Longer (push, positive) or shorter (pull, negative) development: it moves the stock's curve by log10 2 of exposure for each stop, and leaves its shape alone.
              */
             readonly push: number;
             /**
              * Sensorclipstops
-             * @description Above middle grey; 0 takes what the full well says.
+             * @description Stops above middle grey at which the sensor clips; 0 never clips.
              */
             readonly sensorClipStops: number;
             /**
              * Sensorfullwelle
-             * @description Electrons that a photosite holds.
+             * @description Charge at which a photosite clips, at the sensor's base speed.
              */
             readonly sensorFullWellE: number;
             /**
              * Sensorreadnoisee
-             * @description In electrons.
+             * @description Standard deviation of the noise of reading one photosite; photon noise follows from the full well.
              */
             readonly sensorReadNoiseE: number;
             /**
              * Sensorsensitivity
-             * @description Of red, green and blue.
+             * @description Relative sensitivity of the red, green and blue photosites.
              */
             readonly sensorSensitivity: readonly [
                 number,
@@ -2673,12 +2694,12 @@ export interface components {
             ];
             /**
              * Speed
-             * @description ISO speed that the film is rated at, or the sensor's base; 0 takes the stock's own.
+             * @description The stock's own speed, which anchors its curve to exposure; 0 takes the library's. Of a sensor, the speed at which it uses its full well whole; 0 is 100. What the camera is set to is exposure:iso.
              */
             readonly speed: number;
             /**
              * Stock
-             * @description Name of the stock in the camera, of the library.
+             * @description Name of the camera stock in a film library; empty where the numbers below say it all.
              */
             readonly stock: string;
             /**
@@ -2688,17 +2709,17 @@ export interface components {
             readonly time: number;
             /**
              * Tint
-             * @description Across the line of colour temperatures; positive toward magenta.
+             * @description Correction of the white balance across the line of colour temperatures: positive toward magenta.
              */
             readonly tint: number;
             /**
              * View
-             * @description Of the display; empty takes its default.
+             * @description Name of the display's view; empty takes its default. The print of a film has its tones already, and is shown in the view's colour space without its tone mapping.
              */
             readonly view: string;
             /**
              * Whitebalancek
-             * @description Colour temperature that looks neutral; 0 leaves the light as it is.
+             * @description Colour temperature of the light that shall look neutral; 0 leaves the working space's white.
              */
             readonly whiteBalanceK: number;
         };
@@ -2714,7 +2735,7 @@ export interface components {
         readonly FilmSettingsEdit: {
             /**
              * Cdloffset
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL offset of red, green and blue.
              */
             readonly cdlOffset?: readonly [
                 number,
@@ -2723,7 +2744,7 @@ export interface components {
             ] | null;
             /**
              * Cdlpower
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL power of red, green and blue.
              */
             readonly cdlPower?: readonly [
                 number,
@@ -2732,12 +2753,12 @@ export interface components {
             ] | null;
             /**
              * Cdlsaturation
-             * @description Of the ASC CDL.
+             * @description ASC CDL saturation, after slope, offset and power: 0 is grey, 1 leaves the colours.
              */
             readonly cdlSaturation?: number | null;
             /**
              * Cdlslope
-             * @description Of the ASC CDL: red, green and blue.
+             * @description ASC CDL slope of red, green and blue. The CDL works before the looks and the view, in the configuration's color_timing space (ACEScct in ACES), or in the working space where it has none; values are not clamped.
              */
             readonly cdlSlope?: readonly [
                 number,
@@ -2746,7 +2767,7 @@ export interface components {
             ] | null;
             /**
              * Curveblue
-             * @description Knots (log10 exposure, density).
+             * @description Knots (log10 exposure, density) of the blue-sensitive layer's curve.
              */
             readonly curveBlue?: readonly (readonly [
                 number,
@@ -2754,7 +2775,7 @@ export interface components {
             ])[] | null;
             /**
              * Curvegamma
-             * @description Slope of the straight line of red, green and blue.
+             * @description Slope of the straight line, of red, green and blue, for the parametric curve; negative for reversal stock. The line passes the laboratory's aim at log exposure 0: 0.75 above the least density on a negative, 1.0 on a reversal stock; or half the curve's range where that is less.
              */
             readonly curveGamma?: readonly [
                 number,
@@ -2763,7 +2784,7 @@ export interface components {
             ] | null;
             /**
              * Curvegreen
-             * @description Knots (log10 exposure, density); of black and white the one curve.
+             * @description Knots (log10 exposure, density) of the green-sensitive layer's curve, and of a black-and-white stock's.
              */
             readonly curveGreen?: readonly (readonly [
                 number,
@@ -2771,7 +2792,7 @@ export interface components {
             ])[] | null;
             /**
              * Curvemaxdensity
-             * @description Of red, green and blue.
+             * @description Density that full exposure nears, of red, green and blue, for the parametric curve.
              */
             readonly curveMaxDensity?: readonly [
                 number,
@@ -2780,12 +2801,12 @@ export interface components {
             ] | null;
             /**
              * Curvemiddlegray
-             * @description Log exposure where a metered 18 % grey lands.
+             * @description Log exposure at which a correctly metered 18 % grey lands on the curves; used by knots and parameters.
              */
             readonly curveMiddleGray?: number | null;
             /**
              * Curvemindensity
-             * @description Base and fog of red, green and blue.
+             * @description Density without exposure (base and fog) of red, green and blue, for the parametric curve.
              */
             readonly curveMinDensity?: readonly [
                 number,
@@ -2794,7 +2815,7 @@ export interface components {
             ] | null;
             /**
              * Curvered
-             * @description Knots (log10 exposure, density).
+             * @description Knots (log10 exposure, density) of the red-sensitive layer's curve, log exposure increasing; joined by a monotone cubic and level beyond the ends.
              */
             readonly curveRed?: readonly (readonly [
                 number,
@@ -2802,7 +2823,7 @@ export interface components {
             ])[] | null;
             /**
              * Curveshoulder
-             * @description How far the shoulder reaches, of red, green and blue.
+             * @description Length of the bend at the greatest density, a parabola, of red, green and blue, for the parametric curve.
              */
             readonly curveShoulder?: readonly [
                 number,
@@ -2811,12 +2832,12 @@ export interface components {
             ] | null;
             /**
              * Curvesource
-             * @description Whether density goes by the stock's curve, by knots or by the numbers of `curve…`.
+             * @description Where the characteristic curve comes from: the library's stock, the knots below, or the parameters of toe, straight line and shoulder.
              */
             readonly curveSource?: ("stock" | "knots" | "parametric") | null;
             /**
              * Curvetoe
-             * @description How far the toe reaches, of red, green and blue.
+             * @description Length of the bend at the least density, a parabola, of red, green and blue, for the parametric curve.
              */
             readonly curveToe?: readonly [
                 number,
@@ -2825,17 +2846,17 @@ export interface components {
             ] | null;
             /**
              * Display
-             * @description Of the OpenColorIO configuration; empty takes its default.
+             * @description Name of the display; empty takes the configuration's default.
              */
             readonly display?: string | null;
             /**
              * Grainamount
-             * @description 0 is none, 1 as the stock has it.
+             * @description Multiplies the grain: 0 none, 1 as the stock has it.
              */
             readonly grainAmount?: number | null;
             /**
              * Grainrms
-             * @description Diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 takes the stock's.
+             * @description Diffuse RMS granularity of red, green and blue: 1000 times the standard deviation of density at density 1.0 through a 48 micrometre aperture; 0 takes the stock's.
              */
             readonly grainRms?: readonly [
                 number,
@@ -2844,22 +2865,22 @@ export interface components {
             ] | null;
             /**
              * Grainseed
-             * @description Which grain.
+             * @description Which grain: the same seed and frame number give the same grain.
              */
             readonly grainSeed?: number | null;
             /**
              * Grainsizeum
-             * @description Correlation length on the film; 0 takes the usual one.
+             * @description Correlation length of the grain on the film; 0 takes the stock's.
              */
             readonly grainSizeUm?: number | null;
             /**
              * Halationamount
-             * @description Share of the light that the base throws back.
+             * @description Part of the light that the film base throws back around bright points.
              */
             readonly halationAmount?: number | null;
             /**
              * Halationcolor
-             * @description Its ratio in red, green and blue.
+             * @description Colour of the light that comes back, scene-linear.
              */
             readonly halationColor?: readonly [
                 number,
@@ -2868,47 +2889,52 @@ export interface components {
             ] | null;
             /**
              * Halationradiusmm
-             * @description Of its ring, on the film.
+             * @description Radius of the ring of light that comes back.
              */
             readonly halationRadiusMm?: number | null;
             /**
              * Look
-             * @description Looks of the configuration, with commas between; `-` in front inverts.
+             * @description Names of the configuration's looks, as OpenColorIO writes them, such as "+shot, -warm".
              */
             readonly look?: string | null;
             /**
              * Printstock
-             * @description Name of the stock that a negative is printed on; empty takes the usual one.
+             * @description Name of the stock on which a negative is printed.
              */
             readonly printStock?: string | null;
             /**
              * Process
-             * @description `negative` and `monochrome` are seen through a print, `reversal` is seen itself, `digital` is a sensor.
+             * @description What the light falls on.
+             *     - none: scene-linear light goes straight to the grade.
+             *     - negative: a colour negative, seen through a print stock.
+             *     - reversal: a positive, seen directly.
+             *     - monochrome: a black-and-white negative, seen through a print.
+             *     - digital: a sensor, film:sensor:*.
              */
             readonly process?: ("none" | "negative" | "reversal" | "monochrome" | "digital") | null;
             /**
              * Push
-             * @description Stops by which it is developed longer.
+             * @description Longer (push, positive) or shorter (pull, negative) development: it moves the stock's curve by log10 2 of exposure for each stop, and leaves its shape alone.
              */
             readonly push?: number | null;
             /**
              * Sensorclipstops
-             * @description Above middle grey; 0 takes what the full well says.
+             * @description Stops above middle grey at which the sensor clips; 0 never clips.
              */
             readonly sensorClipStops?: number | null;
             /**
              * Sensorfullwelle
-             * @description Electrons that a photosite holds.
+             * @description Charge at which a photosite clips, at the sensor's base speed.
              */
             readonly sensorFullWellE?: number | null;
             /**
              * Sensorreadnoisee
-             * @description In electrons.
+             * @description Standard deviation of the noise of reading one photosite; photon noise follows from the full well.
              */
             readonly sensorReadNoiseE?: number | null;
             /**
              * Sensorsensitivity
-             * @description Of red, green and blue.
+             * @description Relative sensitivity of the red, green and blue photosites.
              */
             readonly sensorSensitivity?: readonly [
                 number,
@@ -2917,7 +2943,7 @@ export interface components {
             ] | null;
             /**
              * Speed
-             * @description ISO speed that the film is rated at, or the sensor's base; 0 takes the stock's own.
+             * @description The stock's own speed, which anchors its curve to exposure; 0 takes the library's. Of a sensor, the speed at which it uses its full well whole; 0 is 100. What the camera is set to is exposure:iso.
              */
             readonly speed?: number | null;
             /**
@@ -2932,17 +2958,17 @@ export interface components {
             readonly time?: number | null;
             /**
              * Tint
-             * @description Across the line of colour temperatures; positive toward magenta.
+             * @description Correction of the white balance across the line of colour temperatures: positive toward magenta.
              */
             readonly tint?: number | null;
             /**
              * View
-             * @description Of the display; empty takes its default.
+             * @description Name of the display's view; empty takes its default. The print of a film has its tones already, and is shown in the view's colour space without its tone mapping.
              */
             readonly view?: string | null;
             /**
              * Whitebalancek
-             * @description Colour temperature that looks neutral; 0 leaves the light as it is.
+             * @description Colour temperature of the light that shall look neutral; 0 leaves the working space's white.
              */
             readonly whiteBalanceK?: number | null;
         };
@@ -6934,7 +6960,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description What the key is of, in the unit of its name. */
-                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
             };
@@ -7018,7 +7044,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description What the key is of, in the unit of its name. */
-                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterOpen" | "shutterClose" | "shutterTravelS" | "meteringCompensationStops";
+                readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
             };

@@ -2,7 +2,7 @@
 # Each target is a script of scripts/, which can be run alone and takes arguments: scripts/test tests/render -k pinhole
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve test fuzz check bench schema lock clean
+.PHONY: help setup serve test fuzz check docs bench schema lock clean
 
 help:    ## say what there is
 	@sed -n 's/^\([a-z]*\): *## /make \1\t/p' Makefile | expand -t 16
@@ -21,6 +21,9 @@ fuzz:    ## search for failing examples with fresh seeds: make fuzz MINUTES=60
 
 check:   ## linters, formatters, type checkers, import contracts, dead code
 	@scripts/check
+
+docs:    ## build the documentation site into build/docs
+	@scripts/docs
 
 bench:   ## measure the engines: quality and seconds
 	@scripts/bench

@@ -75,8 +75,7 @@ class LayerTargets:
         packed_slopes: RGBA16UI, how these slope, packed likewise (``trace/slopes.glsl``); of no meaning where w is 0.
         background: RGBA16F, what a ray sees that meets no surface.
         motion: a slice of RGBA32UI for each layer, how its surface moves while the shutter is open (``layers/carried.glsl``),
-        of no
-            meaning where w is 0; None where nothing keeps it.
+            of no meaning where w is 0; None where nothing keeps it.
         slots: where each layer is drawn.
         depth: OpenGL name of the depth renderbuffer that they share.
     """

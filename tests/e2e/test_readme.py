@@ -1,15 +1,10 @@
-"""The README's tour runs as it stands there, but for the size of its pictures."""
+"""The commands of the README and of the guide run as they stand there, except for the size of their pictures."""
 
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -18,18 +13,28 @@ import pytest
 
 from render.cli.main import main
 
-README = Path(__file__).parents[2] / "README.md"
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 ADDRESS = "http://127.0.0.1:8000"
 QUICK = ("--imageWidth", "64", "--rays", "4", "--supersample", "1")
+PICTURES = (".png", ".jpg", ".exr")
+OUTPUT_OPTIONS = ("--out", "--key", "--tables")
 
 
-def commands(name: str) -> list[list[str]]:
-    """The README's shell lines that call a program, in their order, as words."""
-    text = README.read_text().replace("\\\n", "")  # lines that go on
-    blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
-    lines = [line for block in blocks for line in block.splitlines() if line and not line.startswith("#")]
-    assert all(line.startswith(("pullfocus ", "curl ")) for line in lines), "the test knows how to run these two"
-    return [shlex.split(line) for line in lines if line.startswith(f"{name} ")]
+def blocks(page: Path, language: str) -> list[str]:
+    """The code blocks of a page that are in a language."""
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.DOTALL)
+
+
+def commands(page: Path, program: str) -> list[list[str]]:
+    """The shell lines of a page that call a program, as words, in the order of the page."""
+    lines = [line for block in blocks(page, "sh") for line in block.replace("\\\n", "").splitlines()]
+    lines = [line for line in lines if line and not line.startswith("#")]
+    assert all(line.startswith(("pullfocus ", "curl ")) for line in lines), (
+        f"{page.name} calls a program that is not typed here"
+    )
+    return [shlex.split(line) for line in lines if line.startswith(f"{program} ")]
 
 
 def is_picture(path: Path) -> bool:
@@ -37,80 +42,46 @@ def is_picture(path: Path) -> bool:
     return bool(OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT).size)
 
 
-def test_the_tour_in_the_shell_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def outputs(words: list[str]) -> list[Path]:
+    """The files that a `pullfocus` command has written."""
+    names = [words[words.index(option) + 1] for option in OUTPUT_OPTIONS if option in words]
+    names += [words[3]] if words[1] == "record" else []
+    return [path for name in names for path in (sorted(Path().glob(re.sub("#+", "*", name))) or [Path(name)])]
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the demo shot."""
+    folder = tmp_path_factory.mktemp("demo")
+    assert main(["demo", str(folder)]) == 0
+    return folder
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page, "pullfocus")], ids=lambda page: page.stem)
+def test_the_commands_of_a_page_run(page: Path, demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    tour = commands("pullfocus")
-    assert {words[1] for words in tour} == {
-        "demo",
-        "inspect",
-        "record",
-        "focus-curve",
-        "meter",
-        "lenses",
-        "films",
-        "bodies",
-    }
-    for words in tour:
+    (tmp_path / "demo").symlink_to(demo)
+    for words in commands(page, "pullfocus"):
         assert main([*words[1:], *(QUICK if words[1] == "record" else ())]) == 0, shlex.join(words)
-    rack = sorted(Path().glob("rack.*.jpg"))
-    written = [
-        *map(
-            Path,
-            (
-                "frame.png",
-                "frame.exr",
-                "quick.png",
-                "flag.png",
-                "spots.png",
-                "gather.png",
-                "better.png",
-                "planar.png",
-                "swirl.png",
-                "flare.png",
-                "5219.png",
-                "slide.png",
-                "contact.png",
-                "trails.png",
-                "p3.png",
-                "framed.png",
-            ),
-        ),
-        *rack,
-    ]
-    assert [str(path) for path in rack] == [f"rack.{frame:04}.jpg" for frame in range(40, 73, 4)]
-    assert all(is_picture(path) for path in written)
-    assert Path("focus.csv").read_text().count("\n") == 97
-    assert "focusDistance" in Path("focus.usda").read_text()
+        for path in outputs(words):
+            assert path.stat().st_size > 0, shlex.join(words)
+            assert path.suffix not in PICTURES or is_picture(path), shlex.join(words)
 
 
-@contextmanager
-def served(data: Path) -> Iterator[str]:
-    """`pullfocus serve` on a free port; its address."""
-    command = [sys.executable, "-m", "render.cli", "serve", "--port", "0", "--data", str(data)]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"})
-    assert process.stderr is not None
-    try:
-        said = ""
-        for line in process.stderr:
-            said += line
-            if found := re.search(r"http://127\.0\.0\.1:\d+", line):
-                break
-        else:
-            pytest.fail(f"the service did not start: {said}")
-        yield found[0]
-    finally:
-        process.terminate()
-        process.communicate(timeout=60)
+def test_the_pages_show_every_command_that_ends() -> None:
+    shown = {words[1] for page in PAGES for words in commands(page, "pullfocus")}
+    assert shown == {"demo", "inspect", "record", "focus-curve", "meter", "lenses", "films", "bodies"}
 
 
-def test_the_tour_over_rest_runs(tmp_path: Path) -> None:
-    with served(tmp_path / "data") as address, httpx.Client(timeout=300) as client:
-        for words in commands("curl"):
-            url = words[-1].replace(ADDRESS, address)
+def test_the_requests_of_the_pages_are_answered(service: str, tmp_path: Path) -> None:
+    requests = [words for page in PAGES for words in commands(page, "curl")]
+    with httpx.Client(timeout=300) as client:
+        for words in requests:
+            url = words[-1].replace(ADDRESS, service)
             small = "&width=64&rays=4&supersample=1" if "/frame?" in url else ""
             method = words[words.index("-X") + 1] if "-X" in words else "GET"
-            sent = json.loads(words[words.index("--json") + 1]) if "--json" in words else None
-            answer = client.request(method, url + small, json=sent)
+            body = json.loads(words[words.index("--json") + 1]) if "--json" in words else None
+            answer = client.request(method, url + small, json=body)
             assert answer.status_code == 200, f"{url}: {answer.text}"
             if "-o" in words:
                 (tmp_path / words[words.index("-o") + 1]).write_bytes(answer.content)
@@ -118,19 +89,22 @@ def test_the_tour_over_rest_runs(tmp_path: Path) -> None:
     assert (tmp_path / "focus.csv").read_text().count("\n") == 97
 
 
-def test_what_it_says_of_live_pictures_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (program,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+def test_the_live_pictures_program_runs(service: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (program,) = (block for page in PAGES for block in blocks(page, "python"))
     monkeypatch.chdir(tmp_path)
-    with served(tmp_path / "data") as address:
-        httpx.get(f"{address}/livez", timeout=300).raise_for_status()  # the demo shot is there
-        small = program.replace('"width": 480', '"width": 64, "rays": 4')
-        exec(small.replace("ws://127.0.0.1:8000", address.replace("http", "ws")), {})
+    httpx.get(f"{service}/livez", timeout=300).raise_for_status()  # answers once the demo shot is written
+    small = program.replace('"width": 480', '"width": 64, "rays": 4')
+    exec(small.replace("ws://127.0.0.1:8000", service.replace("http", "ws")), {})
     pictures = sorted(Path().glob("live.*"))
     assert [picture.suffix for picture in pictures][-1] == ".png"
     assert all(is_picture(picture) for picture in pictures)
 
 
-def test_what_the_readme_links_to_is_there() -> None:
+def test_the_links_of_the_readme_lead_somewhere() -> None:
     links = re.findall(r"\]\((?!http)([^)#]+)\)", README.read_text())
     assert links
-    assert [link for link in links if not (README.parent / link).exists()] == []
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_the_readme_is_short() -> None:
+    assert len(README.read_text().splitlines()) < 150

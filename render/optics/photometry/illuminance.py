@@ -182,7 +182,7 @@ def natural_vignetting(view: PinholeView, strength: float = 1.0) -> FloatArray:
     Args:
         view: the picture, from the centre of the entrance pupil.
         strength: how much of it there is, in stops relative to the law's own, as `render.model.lens.AberrationScales` has
-        vignetting.
+            vignetting.
 
     Returns:
         ``(height, width)``, at the centres of pixels; 1 on the axis.

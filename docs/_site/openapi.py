@@ -1,0 +1,145 @@
+"""The REST reference, from web/openapi.json, which a test holds equal to what the service says of itself."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from docs._site.markdown import anchor, table
+
+Json = dict[str, Any]
+
+
+def routes_page(root: Path) -> str:
+    """Every route by its tag, with its parameters, its body and its answers."""
+    document = _document(root)
+    text = "# REST routes\n\n" + document["info"]["description"] + "\n\n"
+    text += "A running service shows the same at `/docs`, where requests can be tried. Bodies and answers are described in [REST models](models.md).\n\n"
+    for tag, operations in _by_tag(document).items():
+        text += f"## {tag[:1].upper()}{tag[1:]}\n\n"
+        text += (
+            table(("route", ""), ((_route_link(*operation), _title(operation[2])) for operation in operations)) + "\n"
+        )
+        text += "".join(_operation(*operation) for operation in operations)
+    return text
+
+
+def models_page(root: Path) -> str:
+    """Every schema with its properties."""
+    schemas = _document(root)["components"]["schemas"]
+    text = "# REST models\n\nJSON objects that the [routes](rest.md) take and return. `null` is an infinite distance, or one that does not exist.\n\n"
+    return text + "".join(_model(name, schema) for name, schema in sorted(schemas.items()))
+
+
+def _document(root: Path) -> Json:
+    return json.loads((root / "web/openapi.json").read_text(encoding="utf-8"))  # type: ignore[no-any-return]
+
+
+def _operations(document: Json) -> Iterator[tuple[str, str, Json]]:
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            yield method.upper(), path, operation
+
+
+def _by_tag(document: Json) -> dict[str, list[tuple[str, str, Json]]]:
+    tags: dict[str, list[tuple[str, str, Json]]] = {}
+    for operation in _operations(document):
+        tags.setdefault(operation[2].get("tags", ["other"])[0], []).append(operation)
+    return tags
+
+
+def _title(operation: Json) -> str:
+    return " ".join(operation.get("description", operation.get("summary", "")).split("\n\n")[0].split())
+
+
+def _route_link(method: str, path: str, operation: Json) -> str:
+    return f"[`{method} {path}`](#{anchor(operation['operationId'])})"
+
+
+def _operation(method: str, path: str, operation: Json) -> str:
+    name = operation["operationId"]
+    text = f"### `{method} {path}` {{ #{anchor(name)} data-toc-label='{name}' }}\n\n"
+    text += operation.get("description", operation.get("summary", "")) + "\n\n"
+    if parameters := operation.get("parameters"):
+        rows = ((f"`{one['name']}`", one["in"], _value(one["schema"]), _meaning(one)) for one in parameters)
+        text += table(("parameter", "in", "value", "meaning"), rows) + "\n"
+    if body := operation.get("requestBody"):
+        text += f"Body: {_content(body)}.\n\n"
+    answers = (
+        (f"`{status}`", _content(answer), answer.get("description", ""))
+        for status, answer in operation["responses"].items()
+    )
+    return text + table(("status", "content", "meaning"), answers) + "\n"
+
+
+def _content(holder: Json) -> str:
+    """Types of a body or an answer, with the media type where it is not JSON."""
+    kinds = []
+    for media, content in holder.get("content", {}).items():
+        shown = _value(content.get("schema", {}))
+        kinds.append(shown if media == "application/json" else f"`{media}`")
+    return " or ".join(dict.fromkeys(kinds))
+
+
+def _model(name: str, schema: Json) -> str:
+    text = f"## {name} {{ #{anchor(name)} }}\n\n"
+    if description := schema.get("description"):
+        text += description + "\n\n"
+    if properties := schema.get("properties"):
+        required = schema.get("required", ())
+        rows = (
+            (f"`{key}`" + ("" if key not in required else " *"), _value(one), _meaning(one))
+            for key, one in properties.items()
+        )
+        text += table(("property", "value", "meaning"), rows)
+        text += "\n\\* is always there\n" if required else ""
+    else:
+        text += f"{_value(schema)}\n"
+    return text + "\n"
+
+
+def _meaning(holder: Json) -> str:
+    schema = holder.get("schema", holder)
+    text = holder.get("description") or schema.get("description", "")
+    default = schema.get("default")
+    return text + (f" Default `{json.dumps(default)}`." if default not in (None, {}, [], "") else "")
+
+
+def _value(schema: Json) -> str:
+    """The type of a JSON schema in words."""
+    if "$ref" in schema:
+        name = schema["$ref"].rpartition("/")[2]
+        return f"[{name}](models.md#{anchor(name)})"
+    for several in ("anyOf", "oneOf", "allOf"):
+        if several in schema:
+            return " or ".join(dict.fromkeys(_value(one) for one in schema[several]))
+    if "const" in schema:
+        return f"`{json.dumps(schema['const'])}`"
+    if "enum" in schema:
+        return ", ".join(f"`{value}`" for value in schema["enum"])
+    kind = schema.get("type", "any value")
+    if kind == "array":
+        return _array(schema)
+    if kind == "object" and isinstance(schema.get("additionalProperties"), dict):
+        return f"object of {_value(schema['additionalProperties'])}"
+    return str(kind) + _limits(schema)
+
+
+def _array(schema: Json) -> str:
+    if items := schema.get("prefixItems"):
+        return "[" + ", ".join(_value(one) for one in items) + "]"
+    return "array of " + _value(schema.get("items", {}))
+
+
+def _limits(schema: Json) -> str:
+    low = schema.get("minimum", schema.get("exclusiveMinimum"))
+    high = schema.get("maximum", schema.get("exclusiveMaximum"))
+    if low is not None and high is not None:
+        return f", {low:g} to {high:g}"
+    if low is not None:
+        return f", above {low:g}" if "exclusiveMinimum" in schema else f", {low:g} or more"
+    if high is not None:
+        return f", at most {high:g}"
+    return ""

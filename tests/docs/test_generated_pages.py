@@ -1,0 +1,58 @@
+"""The generated reference pages hold everything that the code declares."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from pxr import Sdf
+
+from docs._site import command_line, openapi, overview, python_api, schema
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_command_line_page_has_every_command() -> None:
+    page = command_line.page()
+    for command in (
+        "record",
+        "inspect",
+        "focus-curve",
+        "meter",
+        "lenses show",
+        "films show",
+        "bodies show",
+        "demo",
+        "serve",
+        "bench lens",
+    ):
+        assert f"# pullfocus {command} {{" in page
+    assert "`--imageWidth PX` `-w PX`" in page
+    assert str(Path.home()) not in page
+
+
+def test_the_rest_pages_have_every_route_and_model() -> None:
+    document = json.loads((ROOT / "web/openapi.json").read_text(encoding="utf-8"))
+    routes, models = openapi.routes_page(ROOT), openapi.models_page(ROOT)
+    assert [path for path in document["paths"] if f"{path}`" not in routes] == []
+    assert [name for name in document["components"]["schemas"] if f"## {name} {{" not in models] == []
+
+
+def test_the_schema_page_has_every_property() -> None:
+    layer = Sdf.Layer.OpenAsAnonymous(str(ROOT / "usd_schemas/schema.usda"))
+    page = schema.page(ROOT)
+    names = [prop.name for prim in layer.rootPrims for prop in prim.properties]
+    assert len(names) > 100
+    assert [name for name in names if f"#### `{name}` {{" not in page] == []
+
+
+def test_the_python_pages_name_every_package() -> None:
+    pages = python_api.pages(ROOT, "index.md")
+    for package in ("usd_schemas", "render.optics", "render.shot", "service.http"):
+        assert f"::: {package}\n" in pages[f"/{package}.md"]
+
+
+def test_the_overview_links_to_pages_of_the_site_alone() -> None:
+    page = overview.index_page(ROOT)
+    assert "](guide/shots.md)" in page
+    assert "](docs/" not in page

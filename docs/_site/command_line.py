@@ -13,8 +13,8 @@ from render.cli.main import ENTRY_POINT_GROUP, main
 
 INTRODUCTION = """# Command line
 
-`pullfocus COMMAND --help` prints what this page says. Commands exit with status 0 when they are done, 1 when they failed, 2 when the
-arguments are wrong and 130 when they are stopped by Ctrl-C; an error is one line that says what to do about it.
+`pullfocus COMMAND --help` prints what this page says. Commands exit with status 0 when they are done, 1 when they
+failed, 2 when the arguments are wrong and 130 when Ctrl-C stopped them. An error is one line that says what to do about it.
 
 """
 

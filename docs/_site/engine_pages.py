@@ -7,7 +7,8 @@ from pathlib import Path
 
 INTRODUCTION = """# Engines
 
-An engine draws the picture of a scene through a camera. `--engine NAME` chooses one; the [guide](../guide/engines.md) compares them.
+An engine draws the picture of a scene through a camera. `--engine NAME` chooses one, and the
+[guide](../guide/engines.md) compares them.
 
 """
 

@@ -1,7 +1,7 @@
 """The mkdocs hook: adds the pages that are generated from the code.
 
-mkdocs loads this file (`hooks` in mkdocs.yml) and calls the functions named ``on_…``. Pages are generated in memory at each build and
-none of them is checked in. Every other module of this folder returns the Markdown of one kind of page.
+mkdocs loads this file (`hooks` in mkdocs.yml) and calls the functions named ``on_…``. Pages are generated in memory at
+each build and none of them is checked in. Every other module of this folder returns the Markdown of one kind of page.
 """
 
 from __future__ import annotations

@@ -11,12 +11,21 @@ from docs._site.markdown import anchor, table
 
 Json = dict[str, Any]
 
+ROUTES_INTRODUCTION = """A running service shows the same at `/docs`, where requests can be tried. Bodies and answers are
+described in [REST models](models.md).
+
+"""
+MODELS_INTRODUCTION = """# REST models
+
+JSON objects that the [routes](rest.md) take and return. `null` is an infinite distance, or one that does not exist.
+
+"""
+
 
 def routes_page(root: Path) -> str:
     """Every route by its tag, with its parameters, its body and its answers."""
     document = _document(root)
-    text = "# REST routes\n\n" + document["info"]["description"] + "\n\n"
-    text += "A running service shows the same at `/docs`, where requests can be tried. Bodies and answers are described in [REST models](models.md).\n\n"
+    text = "# REST routes\n\n" + document["info"]["description"] + "\n\n" + ROUTES_INTRODUCTION
     for tag, operations in _by_tag(document).items():
         text += f"## {tag[:1].upper()}{tag[1:]}\n\n"
         text += (
@@ -29,8 +38,7 @@ def routes_page(root: Path) -> str:
 def models_page(root: Path) -> str:
     """Every schema with its properties."""
     schemas = _document(root)["components"]["schemas"]
-    text = "# REST models\n\nJSON objects that the [routes](rest.md) take and return. `null` is an infinite distance, or one that does not exist.\n\n"
-    return text + "".join(_model(name, schema) for name, schema in sorted(schemas.items()))
+    return MODELS_INTRODUCTION + "".join(_model(name, schema) for name, schema in sorted(schemas.items()))
 
 
 def _document(root: Path) -> Json:

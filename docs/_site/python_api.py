@@ -9,6 +9,11 @@ from pathlib import Path
 from docs._site.markdown import first_sentence, plain, table
 
 ROOMS = ("usd_schemas", "render", "service")
+INTRODUCTION = """# Python
+
+Each page is made from the docstrings of one package. Names that begin with an underscore are left out.
+
+"""
 LEFT_OUT = ("render.lab", "render.demo")
 """Packages without a page: benches and the demo shot's geometry are for those who read the source."""
 
@@ -17,8 +22,7 @@ def pages(root: Path, index: str) -> dict[str, str]:
     """The index and a page for each package, by path."""
     packages = {name: modules for room in ROOMS for name, modules in _packages(root, room)}
     rows = ((f"[{name}]({name}.md)", plain(_summary(root, name))) for name in packages)
-    text = "# Python\n\nEach page is made from the docstrings of one package. Names that begin with an underscore are left out.\n\n"
-    made = {index: text + table(("package", "content"), rows)}
+    made = {index: INTRODUCTION + table(("package", "content"), rows)}
     folder = index.rpartition("/")[0]
     for name, modules in packages.items():
         made[f"{folder}/{name}.md"] = _page(name, modules)

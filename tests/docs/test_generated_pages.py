@@ -9,23 +9,13 @@ from pxr import Sdf
 
 from docs._site import command_line, openapi, overview, python_api, schema
 
+COMMANDS = ("record", "inspect", "focus-curve", "meter", "lenses show", "films show", "demo", "serve", "bench lens")
 ROOT = Path(__file__).parents[2]
 
 
 def test_the_command_line_page_has_every_command() -> None:
     page = command_line.page()
-    for command in (
-        "record",
-        "inspect",
-        "focus-curve",
-        "meter",
-        "lenses show",
-        "films show",
-        "bodies show",
-        "demo",
-        "serve",
-        "bench lens",
-    ):
+    for command in COMMANDS:
         assert f"# pullfocus {command} {{" in page
     assert "`--imageWidth PX` `-w PX`" in page
     assert str(Path.home()) not in page

@@ -35,10 +35,3 @@ def test_film_is_measured_beside_the_frame(
     assert share["got"] == max(row["share"] for row in found["rows"])
     assert apart["holds"]
     assert ended.out.count("pass") + ended.out.count("FAIL") == 2
-
-
-def test_a_picture_without_size_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    ended = Command(capsys)("bench", "film", "--width", "0")
-
-    assert ended.status == 2
-    assert len(ended.err.splitlines()) == 1

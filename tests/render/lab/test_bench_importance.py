@@ -42,23 +42,6 @@ def test_the_experiments_are_measured(tmp_path: Path, capsys: pytest.CaptureFixt
     assert np.asarray(Image.open(plot)).std() > 5
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--sizes", "256,x"), "--sizes must be whole numbers from 32 to 2048"),
-        (("--sizes", "8"), "--sizes must be whole numbers"),
-        (("--frames", "1"), "--frames must be from 2 to 10000, got 1"),
-    ],
-)
-def test_what_cannot_be_measured_is_told(
-    capsys: pytest.CaptureFixture[str], arguments: tuple[str, str], said: str
-) -> None:
-    ended = Command(capsys)("bench", "importance", *arguments)
-    assert ended.status == 2
-    assert said in ended.err
-    assert len(ended.err.splitlines()) == 1
-
-
 def test_a_star_moves_in_a_still_life() -> None:
     """In focus it is sharp; where something nearer stands it is not seen; and all but it stays as it was."""
     scene = StillLife(96)

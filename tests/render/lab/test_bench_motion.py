@@ -46,10 +46,3 @@ def test_motion_is_measured_both_ways(
     assert (ratio["got"], alike["got"]) == (fast["ratio"], fast["psnr_db"])
     assert alike["got"] > still["psnr_db"] + 3
     assert ended.out.count("pass") + ended.out.count("FAIL") == 2
-
-
-def test_a_picture_without_size_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    ended = Command(capsys)("bench", "motion", "--width", "0")
-
-    assert ended.status == 2
-    assert len(ended.err.splitlines()) == 1

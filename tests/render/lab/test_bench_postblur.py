@@ -62,11 +62,3 @@ def test_everything_is_measured_drawn_and_written(tmp_path: Path, capsys: pytest
         assert flag["lens_psnr_db"] == pytest.approx(gather["lens_psnr_db"], abs=0.1)
         assert rows[scene, "lens"]["lens_psnr_db"] is None
     assert ended.out.count("pass") + ended.out.count("FAIL") == len(found["goals"])
-
-
-def test_a_drawing_of_another_kind_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    ended = Command(capsys)("bench", "postblur", "--plot", tmp_path / "blurs.gif")
-
-    assert ended.status == 2
-    assert "blurs.gif" in ended.err
-    assert len(ended.err.splitlines()) == 1

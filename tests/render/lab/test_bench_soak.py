@@ -23,9 +23,3 @@ def test_a_short_soak_finds_nothing(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found["left"] > 0, "some of the work is left half way"
     assert all(goal["holds"] for goal in found["goals"]), found["goals"]
     assert ended.out.count("pass") + ended.out.count("FAIL") == 3
-
-
-def test_no_edits_are_no_soak(capsys: pytest.CaptureFixture[str]) -> None:
-    ended = Command(capsys)("bench", "soak", "--edits", "0")
-    assert ended.status == 2
-    assert "--edits must be 1 or more" in ended.err

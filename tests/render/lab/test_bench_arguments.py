@@ -1,0 +1,37 @@
+"""Arguments of `pullfocus bench` that cannot be: one sentence before anything is measured."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.render.kits.cli_shots import Command
+
+
+@pytest.mark.parametrize(
+    ("typed", "status", "words"),
+    [
+        ((), 2, "BENCH"),
+        (("coffee",), 2, "coffee"),
+        (("lens", "--rays", "0"), 2, "rays must be from 1 to"),
+        (("lens", "--supersample", "9"), 2, "supersample must be from 1 to 4, got 9"),
+        (("lens", "--scene", "atlantis"), 2, "'atlantis' (choose from"),
+        (("lens", "--json", "no such folder/bench.json"), 1, "the folder no such folder does not exist"),
+        (("lens", "--json", "."), 1, "cannot write .: it is a folder, expected a file"),
+        (("lens", "--json", "/dev/null"), 1, "cannot write /dev/null: it is a device or a pipe, expected a file"),
+        (("film", "--width", "0"), 2, "width"),
+        (("motion", "--width", "0"), 2, "width"),
+        (("soak", "--edits", "0"), 2, "--edits must be 1 or more"),
+        (("postblur", "--plot", "blurs.gif"), 2, "blurs.gif"),
+        (("importance", "--sizes", "256,x"), 2, "--sizes must be whole numbers from 32 to 2048"),
+        (("importance", "--sizes", "8"), 2, "--sizes must be whole numbers"),
+        (("importance", "--frames", "1"), 2, "--frames must be from 2 to 10000, got 1"),
+    ],
+)
+def test_bad_arguments_get_one_sentence(
+    typed: tuple[str, ...], status: int, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ended = Command(capsys)("bench", *typed)
+    assert ended.status == status
+    assert words in ended.err.splitlines()[-1]
+    assert len(ended.err.splitlines()) == 1
+    assert ended.out == ""

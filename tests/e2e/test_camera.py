@@ -24,7 +24,7 @@ def camera(page: Page) -> Page:
 
 
 def off_by(page: Page) -> float:
-    """What the light meter says, in stops."""
+    """Return the light meter's reading, in stops."""
     reading = page.locator("[data-meter='off by']")
     expect(reading).not_to_have_text("–")
     return float(reading.inner_text().replace("−", "-").replace("±", ""))

@@ -1,4 +1,4 @@
-"""What is nobody's bad input: a full disk, a fault of the program, a machine without GL."""
+"""Failures other than bad input: a full disk, a fault of the program, a machine without GL."""
 
 from __future__ import annotations
 

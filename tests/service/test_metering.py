@@ -1,4 +1,4 @@
-"""What an exposure is worth, and what a light meter says, over HTTP."""
+"""Exposure readouts and the light meter over HTTP."""
 
 from __future__ import annotations
 

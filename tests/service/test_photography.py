@@ -1,4 +1,4 @@
-"""How a camera exposes and on what, over HTTP: what is set is read and seen, what cannot be is refused, all can be undone."""
+"""Exposure and film over HTTP: settings are read and seen, bad ones are refused, all can be undone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the focus is found, over HTTP: solver modes, keys of the camera with all tangents, racks, undo of all that."""
+"""Focus solving over HTTP: modes, keys of the camera with all tangents, racks, and their undo."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Watched:
         self._ended.set()
 
     def result(self) -> Exception | None:
-        """How it ended."""
+        """Result of the stream."""
         assert self._ended.wait(WAIT_S)
         return self.error
 

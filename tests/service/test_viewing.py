@@ -1,4 +1,4 @@
-"""What a viewer is sent, whatever comes of its requests in whatever order: here the worker and the socket do as the test says."""
+"""Pictures sent to a viewer, whatever the order of its requests; the worker and the socket are scripted."""
 
 from __future__ import annotations
 

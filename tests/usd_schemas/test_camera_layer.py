@@ -56,7 +56,7 @@ def stage(tmp_path: Path) -> Usd.Stage:
 
 
 def as_others_read(stage: Usd.Stage, layer: Sdf.Layer, times: np.ndarray) -> dict[str, np.ndarray]:
-    """What another process reads that has pxr alone, over the shot on disk."""
+    """Read values in another process that has pxr alone, over the shot on disk."""
     folder = Path(stage.GetRootLayer().realPath).parent
     layer.Export(str(folder / "focus.usda"))
     top = Sdf.Layer.CreateNew(str(folder / "top.usda"))

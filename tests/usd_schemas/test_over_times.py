@@ -1,4 +1,4 @@
-"""What is read over many times at once is what is read at each."""
+"""Reading many times at once gives the same as reading each."""
 
 from __future__ import annotations
 

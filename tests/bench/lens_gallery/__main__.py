@@ -36,7 +36,7 @@ from tests.bench.lens_gallery.pupils import pupil_sections
 from tests.bench.lens_gallery.settings import setting_sections
 
 SMALL = Size(320, 180, 25)
-"""What the camera's part is made in: long exposures are many frames."""
+"""Size of the camera section's pictures, small because a long exposure is many frames."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -78,7 +78,7 @@ def _stand_still(shot: Shot, time: float) -> None:
 
 
 def camera_sections() -> tuple[Section, ...]:
-    """What a cinematographer compares first."""
+    """Return the sections that a cinematographer compares first."""
     return (_stocks(), _stops(), _lenses(), _motion(), _long_exposures())
 
 

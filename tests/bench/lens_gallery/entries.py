@@ -1,4 +1,4 @@
-"""What the gallery consists of: sections of entries, and the views of the demo shot that they are photographed in."""
+"""Sections and entries of the gallery, and the views of the demo shot that they are photographed in."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class Entry:
 
 
 class Shown(Protocol):
-    """What the page needs to know of an entry."""
+    """Entry as the page shows it."""
 
     @property
     def slug(self) -> str:
@@ -102,7 +102,7 @@ class Shown(Protocol):
 
     @property
     def note(self) -> str:
-        """What to look at."""
+        """Hint on what the pictures show."""
 
     @property
     def detail(self) -> tuple[float, float]:

@@ -31,7 +31,7 @@ ENLARGED = 2
 
 @dataclass(frozen=True)
 class Size:
-    """How large and how fine the pictures are.
+    """Size and sampling of the gallery's pictures.
 
     Attributes:
         width: pixels.

@@ -1,4 +1,4 @@
-"""What shapes the pupil: the barrel, the iris, the anamorphic squeeze."""
+"""Sections on the shape of the pupil: the barrel, the iris, the anamorphic squeeze."""
 
 from __future__ import annotations
 

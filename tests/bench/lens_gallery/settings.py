@@ -1,4 +1,4 @@
-"""What a camera's operator sets: the f-number and the focus. And how finely pictures are sampled."""
+"""Sections on what a camera operator sets, the f-number and the focus, and on the sampling of pictures."""
 
 from __future__ import annotations
 

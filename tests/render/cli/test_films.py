@@ -22,7 +22,7 @@ def pullfocus(capsys: pytest.CaptureFixture[str]) -> Command:
 
 
 def shown(pullfocus: Command, *arguments: object) -> dict[str, Any]:
-    """What is said of a stock, for programs."""
+    """Return the JSON entry of a stock."""
     ended = pullfocus("films", "show", *arguments, "--json")
     assert ended.status == 0, ended.err
     found: dict[str, Any] = json.loads(ended.out)

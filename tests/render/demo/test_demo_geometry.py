@@ -1,4 +1,4 @@
-"""What must be true of the shapes that the demo's geometry kit builds."""
+"""Shapes that the demo's geometry kit builds: closed, outward and of the right size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What exposure and the display transform must do to light."""
+"""Exposure and the display transform: their effect on light."""
 
 from __future__ import annotations
 

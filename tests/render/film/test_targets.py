@@ -1,4 +1,4 @@
-"""What a film is tried on."""
+"""Test targets of film stocks: a wedge, a chart of greys, bulbs a stop apart."""
 
 from __future__ import annotations
 

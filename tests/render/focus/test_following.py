@@ -185,7 +185,7 @@ def test_a_drive_turns_the_ring_no_faster_than_asked():
 
 
 def test_a_hand_behind_a_stop_is_not_late_in_coming_back():
-    """What is nearer than close focus is waited for at the stop, not beyond it."""
+    """For an object nearer than close focus the hand waits at the stop, not beyond it."""
     w = np.where(SECONDS < 2.5, 5.0, 1.0)
     focus = drive(SECONDS, w, lag_s=0.2, close_focus_m=0.5)
     np.testing.assert_allclose(focus[SECONDS < 2.5], 2.0)

@@ -1,4 +1,4 @@
-"""What fails half way gives back what it had made: a context that lives for days must not fill up with it."""
+"""GPU objects of a construction that fails are released, so that a context that lives for days does not fill up."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def write_shot(path: Path, *prims: str) -> Path:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended, and what it said."""
+    """Exit status and output of a command."""
 
     status: int
     out: str

@@ -13,7 +13,7 @@ FRAMES = range(1, 25)
 
 @dataclass(frozen=True)
 class Units:
-    """How a stage measures: the same world comes out whatever these are."""
+    """Units of a stage. The same world is read whatever they are."""
 
     metres: float = 1.0
     up: str = "Y"

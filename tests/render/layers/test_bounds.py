@@ -1,4 +1,4 @@
-"""What a view can see is never left out, and what lies wholly beside it is."""
+"""Bounds: geometry in view is never left out, geometry wholly beside the view is."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ UMBRA = 0.004
 MEGABYTE = 1_000_000
 VIEW = PinholeView.from_camera(Camera(np.eye(4), 36, 36, 27), *SIZE)
 STEEPEST, LONGEST_REACH = 1.0, 0.05
-"""Of `trace/slopes.glsl`."""
+"""Constants of `trace/slopes.glsl`."""
 ROUNDING = 1e-5
 Built = tuple[Layers, NBuffers, FloatArray]
 
@@ -79,7 +79,7 @@ def built(ctx: moderngl.Context, peeler: Peeler, request: pytest.FixtureRequest)
 
 
 def reach_of(slopes: NDArray[np.uint16]) -> FloatArray:
-    """How far surfaces reach from the middle of a pixel to its corners, as a share of w."""
+    """Return the reach of surfaces from the middle of a pixel to its corners, as a share of w."""
     x, y = (((bits & 255).astype(np.float32) - 128) / 127 for bits in (slopes, slopes >> 8))
     return np.asarray(np.minimum(0.5 * STEEPEST * (np.abs(x) ** 3 + np.abs(y) ** 3), LONGEST_REACH), np.float32)
 
@@ -157,8 +157,10 @@ def ask(ctx: moderngl.Context, buffers: NBuffers, rectangles: NDArray[np.int32])
 
 
 def test_a_look_up_finds_the_range_of_any_rectangle(ctx: moderngl.Context, built: Built) -> None:
-    """Of the whole blocks that a square footprint touches, to the bit, at the picture's edges and beyond them too; of a long
-    one never less than that, and nothing that is farther away than it is long."""
+    """The range of a square footprint is that of the whole blocks it touches, bit for bit, also beyond the picture's edges.
+
+    The range of a long one holds at least that, and nothing farther away than it is long.
+    """
     _, buffers, w = built
     rng = np.random.default_rng(7)
     low = rng.integers(-40, [SIZE[0] + 30, SIZE[1] + 30], (400, 2))
@@ -185,7 +187,7 @@ def test_a_look_up_finds_the_range_of_any_rectangle(ctx: moderngl.Context, built
 
 
 def gl_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
-    """What OpenGL says that a texture's level 0 takes."""
+    """Return the size of a texture's level 0 as OpenGL reports it, in bytes."""
     target = GL.GL_TEXTURE_2D_ARRAY if isinstance(texture, moderngl.TextureArray) else GL.GL_TEXTURE_2D
     texture.use(0)
 

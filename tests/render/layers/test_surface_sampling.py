@@ -34,7 +34,7 @@ def wall(depth_m: float, **inputs: object) -> Scene:
 
 
 def middle(renderer: FrameRenderer, scene: Scene, rays: int) -> FloatArray:
-    """What the picture shows inside the wall."""
+    """Render the part of the picture that lies inside the wall."""
     return renderer.render(scene, CAMERA, replace(SETTINGS, rays=rays)).color[30:90, 40:120]
 
 

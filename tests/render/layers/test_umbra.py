@@ -1,4 +1,4 @@
-"""What a pixel's surface hides from a whole lens, and how many layers there can be at all."""
+"""Extended umbra: the depth range a pixel's surface hides from a whole lens, and the bound on layers."""
 
 from __future__ import annotations
 
@@ -40,8 +40,10 @@ def test_the_papers_offset_is_our_constant_in_inverse_depth() -> None:
 
 
 def shift_px(at: tuple[float, float], w: float, behind: float, eye: tuple[float, float]) -> float:
-    """How far beside a pixel's surface at ``w`` an eye on the pupil sees what lies at ``behind`` on the pixel's own ray,
-    in pixels on the surface, to a side."""
+    """Return the shift between a pixel's surface at ``w`` and a point at ``behind`` on the same ray, as seen from the pupil.
+
+    In pixels on the surface, to a side.
+    """
     x, y = (at[0] - VIEW.cx) / VIEW.fx, (VIEW.cy - at[1]) / VIEW.fy
     ray = np.array([[x, y, -1.0]])
     through = replace(VIEW, eye_x_m=eye[0], eye_y_m=eye[1])

@@ -1,4 +1,4 @@
-"""How the circle of confusion depends on the focus: what is sampled once against the lens set to each distance."""
+"""The focus law: samples taken once against the lens set to each distance."""
 
 from __future__ import annotations
 

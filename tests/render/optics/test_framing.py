@@ -1,4 +1,4 @@
-"""What a gate shows, and the frames within it."""
+"""Gates, the fields of view they have, and the frames within them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an EXR must hold: light, measurements, and the camera under OpenEXR's names."""
+"""EXR files: light, measurements, and the camera under OpenEXR's names."""
 
 from __future__ import annotations
 

@@ -133,7 +133,7 @@ def test_every_engine_has_the_lens_s_light(renderer: FrameRenderer, tmp_path: Pa
 
 @pytest.mark.gl
 def test_a_lens_that_breathes_loses_light_close_by(renderer: FrameRenderer, tmp_path: Path) -> None:
-    """Of 28 mm at 140 mm: m = 28 / (140 - 28) = 1/4, so the film is 5/4 as far away as at infinity."""
+    """A 28 mm lens at 140 mm has m = 28 / (140 - 28) = 1/4, so the film is 5/4 as far away as at infinity."""
     still, breathing = exposed(renderer, tmp_path), exposed(renderer, tmp_path, **{"lens:breathing": True})
     np.testing.assert_allclose(breathing * (5 / 4) ** 2, still, rtol=1e-5)
     rear = {"lens:breathing": True, "lens:pupilMagnification": 0.5}

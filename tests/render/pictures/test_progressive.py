@@ -54,7 +54,7 @@ def driver(renderer: FrameRenderer, shot: Shot) -> Progressive:
 
 
 class Counted:
-    """How often a method was called."""
+    """Count of the calls of a method."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, owner: type, name: str) -> None:
         self.calls = 0

@@ -118,7 +118,7 @@ def test_a_flat_chart_looks_as_through_the_rays(renderer: FrameRenderer) -> None
 
 
 def test_nothing_is_missing_at_the_edge_of_a_bent_picture(renderer: FrameRenderer) -> None:
-    """What barrel distortion draws into the frame is drawn, and the size of all that is measured stays."""
+    """The surround that barrel distortion draws into the frame is rendered, and measured AOVs keep their size."""
     camera, scene = sheet_camera(SOFT_SHEET), glowing_point(0.0, 0.0, 4, 3.0)  # a chart that fills more than the frame
     settings = replace(
         SHEET_SETTINGS, engine="pinhole", rays=4, width=96, height=72, aovs=("color", "depth", "prim_id")

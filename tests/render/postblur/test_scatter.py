@@ -31,7 +31,7 @@ IRISES = {
     "mask": IrisShape(mask=np.tri(16)),
 }
 FAINT = 1e-4
-"""Of what is before the focus: so little hides nothing, and pictures are sums."""
+"""Alpha of near light: too little to hide anything, so that pictures are sums."""
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def point(size: int = 121, light: float = 1.0) -> FloatArray:
 
 
 def radius_of(light: FloatArray) -> float:
-    """Of an even disc that is spread as far."""
+    """Return the radius of an even disc with the same spread."""
     middle = len(light) // 2
     y, x = np.mgrid[: len(light), : len(light)] - middle
     return float(np.sqrt(2 * ((x**2 + y**2) * light).sum() / light.sum()))

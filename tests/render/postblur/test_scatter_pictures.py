@@ -145,7 +145,7 @@ def test_generated_scenes_look_alike(renderer: FrameRenderer, made: Callable[[],
 
 
 class Made:
-    """How often the store makes something."""
+    """Count of the things that the store makes."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
         self.count = 0

@@ -1,4 +1,4 @@
-"""How the focus is found is set and keyed on the camera, in any unit of the stage, as native splines that others read."""
+"""Focus settings are set and keyed on the camera, in any unit of the stage, as native splines that others read."""
 
 import pytest
 

@@ -45,7 +45,7 @@ USD = {
     "shutter:open": (-0.4, -0.1),
     "shutter:close": (0.1, 0.4),
 }
-"""What UsdGeomCamera has, and two values of it."""
+"""Attributes of UsdGeomCamera, with two values each."""
 
 _SURFACES = {
     "lens:model": "prescription",
@@ -81,7 +81,7 @@ _CONTEXTS: dict[str, dict[str, Any]] = {
     "film:": _NEGATIVE,
     "aperture:": {"aperture:blades": 6},
 }
-"""What else a camera has to say for a property to matter, by how its name begins; the first that fits."""
+"""Further settings that a property needs to have an effect, by the start of its name; the first match counts."""
 
 _VALUES: dict[str, tuple[Any, Any]] = {
     "lens:prescription:radius": ((0.0, 40.0, -40.0), (0.0, 44.0, -48.0)),
@@ -117,7 +117,7 @@ _ELSEWHERE = {
     "aperture:mask": "an image",
     "film:metering:": "`test_light_meter`",
 }
-"""What the camera and the finish of a picture do not hold, and why."""
+"""Properties that neither the camera nor the finish of a picture hold, and why."""
 
 
 def properties() -> list[str]:

@@ -1,4 +1,4 @@
-"""What is wrong with one focus point, or asked of too many, keeps none of the others from focusing the shot."""
+"""A fault of one focus point, or a request for too many, leaves the others to focus the shot."""
 
 from __future__ import annotations
 

@@ -174,7 +174,7 @@ def test_a_refused_import_changes_nothing(path):
 
 @pytest.mark.parametrize("baked", [False, True])
 def test_all_that_drives_a_camera_survives_a_layer(path, baked):
-    """What is exported, put over the shot by USD alone and solved once more is the same lens at every frame."""
+    """An exported curve, put over the shot by USD alone and solved again, is the same lens at every frame."""
     made = full_curve(24, 24.0)
     layer = curve_layer(Shot.open(path).stage, CAMERA, made, baked=baked, comment="all of it")
     pulled = path.with_name("pulled.usda")

@@ -1,4 +1,4 @@
-"""What the renderer has no room for is told, not dropped in silence (DESIGN, section 7)."""
+"""Lights that the renderer has no room for are findings, not dropped in silence (DESIGN, section 7)."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def open_shot(folder: Path, light: dict[int, float] | None = None, **values: Any
 
 
 def exposed(renderer: FrameRenderer, shot: Shot, time: float = 1.0, settings: FrameSettings = UNLIT) -> float:
-    """What the middle of the picture comes out as."""
+    """Render and return the middle of the graded picture."""
     picture = make_picture(renderer, shot, CAMERA, time, settings, Grade())
     return float(picture.frame.color[8, 12, 1] * picture.camera.exposure_scale)
 

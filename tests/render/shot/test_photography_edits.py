@@ -1,4 +1,4 @@
-"""How a camera exposes and on what: what is set is read back, films and bodies bring what is theirs, undo undoes it."""
+"""Exposure, film and body of a camera: settings are read back, films and bodies bring theirs, undo takes them back."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ def shot(tmp_path):
 
 
 def circle_mm(depth_m):
-    """Of the thin lens, film at the focal length: f² / N · |1/z - 1/z_f|."""
+    """Circle of confusion of the thin lens, film at the focal length: f² / N · |1/z - 1/z_f|."""
     return FOCAL_MM**2 / F_STOP / 1000 * abs(1 / depth_m - 1 / FOCUS_M)
 
 

@@ -243,7 +243,7 @@ def test_a_package_is_confined_to_itself(tmp_path: Path) -> None:
 
 
 def test_a_confined_reader_reads_no_texture_outside(tmp_path: Path) -> None:
-    """What is authored after the check, in an edit layer, is refused when its pixels are asked for."""
+    """A texture authored after the check, in an edit layer, is refused when its pixels are read."""
     secret = write_picture(tmp_path / "secret.png", np.full((1, 1, 3), 77, np.uint8))
     folder = tmp_path / "shot"
     root = write(folder / "a.usda", "")

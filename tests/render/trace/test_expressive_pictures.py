@@ -60,7 +60,7 @@ def surface(camera: Camera, blurs_mm: list[float]) -> FocalSurface:
 
 
 def contrasts(picture: FloatArray, sharp: FloatArray) -> list[float]:
-    """Of the middle of each card, over that in a sharp picture."""
+    """Return the contrast in the middle of each card, relative to a sharp picture."""
     found = []
     for slope in CARDS:
         x, r = round(WIDTH / 2 + slope * WIDTH / 0.72), 16

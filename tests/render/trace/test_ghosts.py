@@ -63,7 +63,7 @@ def view_of(lens: FocusedLens, width: int, height: int, gate_mm: float = 36.0) -
 
 
 def energy(picture: FloatArray, view: PinholeView) -> DoubleArray:
-    """What the picture holds over what a source of irradiance 1 has in it."""
+    """Return the light in a picture, relative to a source of irradiance 1."""
     return np.asarray(picture.sum(axis=(0, 1), dtype=np.float64) / (view.fx * view.fy))
 
 

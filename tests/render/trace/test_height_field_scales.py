@@ -76,7 +76,7 @@ def errors(table: GridTable) -> DoubleArray:
 
 
 def even_part(error: DoubleArray) -> DoubleArray:
-    """Of the errors over the pupil: distortion and coma are even in it, the other kinds odd."""
+    """Return the even part of errors over the pupil: distortion and coma. The other errors are odd."""
     return (error + error[..., ::-1, ::-1, :]) / 2
 
 

@@ -42,7 +42,7 @@ def bundle() -> Iterator[RayBundle]:
 
 
 def seen_slopes(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
-    """Of the middle wavelength: ``(heights,)`` slope in object space of the middle ray, and the mean light."""
+    """Return the middle ray's slope in object space ``(heights,)`` and the mean light, at the middle wavelength."""
     rows = table.rows[1].astype(np.float64)
     return np.linspace(0, table.last_slope, len(rows)) + rows[:, SLOPE_T], rows[:, LIGHT]
 

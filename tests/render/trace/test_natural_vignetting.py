@@ -32,7 +32,7 @@ def wide(lens: Lens, f_stop: float) -> Camera:
 
 
 def cos4(view: PinholeView) -> DoubleArray:
-    """Of the direction that each pixel looks in."""
+    """Return the fourth power of the cosine of each pixel's angle to the axis."""
     directions = np.array([[view.ray(x + 0.5, y + 0.5)[1] for x in range(view.width)] for y in range(view.height)])
     return np.asarray((directions[..., 2] / np.linalg.norm(directions, axis=-1)) ** 4)
 

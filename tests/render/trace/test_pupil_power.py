@@ -30,7 +30,7 @@ RISING = (1.0, 1.02, 1.08, 1.2)
 RINGED = (1.0, 1.15, 0.95, 1.1, 1.0, 1.2)
 SETTINGS = FrameSettings(128, 96, rays=256)
 HALF_SLOPE = 0.004
-"""Of the glowing square: 4 pixels wide."""
+"""Half slope of the glowing square, which is 4 pixels wide."""
 
 
 def thin(powers: tuple[float, ...], blend: float = 1.0, squeeze: float = 1.0) -> Lens:
@@ -59,7 +59,7 @@ def spread_px(picture: FloatArray) -> tuple[float, float]:
 
 
 def expected_px(lens: Lens, away_w: float = 0.0, radius_m: float = RADIUS_M) -> float:
-    """Of the spot of a point that lies ``away_w`` nearer than the focus of the pupil's centre, by the thin lens alone."""
+    """Return the spot size of a point ``away_w`` nearer than the focus of the pupil's centre, by the thin lens alone."""
     radius = np.sqrt((np.arange(20000) + 0.5) / 20000)  # even over the disc
     spot = F_PX * radius_m * radius * (away_w - drawn_defocus(lens, 50.0, radius))
     return float(np.sqrt((spot**2).mean() / 2))

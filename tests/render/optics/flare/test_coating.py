@@ -1,4 +1,4 @@
-"""What lens surfaces reflect, held against textbook numbers."""
+"""Reflectance of lens surfaces, against textbook numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a lens on its own: held to closed forms, to theory and to what the six lenses are known to be."""
+"""Lens reports against closed forms, theory and the published numbers of six lenses."""
 
 from __future__ import annotations
 

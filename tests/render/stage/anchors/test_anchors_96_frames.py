@@ -115,7 +115,7 @@ Place = Callable[[float], DoubleArray]
 
 
 def walk(frame: float) -> DoubleArray:
-    """How whatever carries the subject moves."""
+    """Return the pose of the subject's carrier at a frame."""
     return placed(turned(1, 0.02 * frame), [0.03 * frame, 0.1 * np.sin(frame / 5), -0.02 * frame])
 
 

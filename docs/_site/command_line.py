@@ -32,7 +32,7 @@ def page() -> str:
     parsers = dict(_subparsers(parser_of("--version")))
     for entry in metadata.entry_points(group=ENTRY_POINT_GROUP):
         parsers[entry.name] = parser_of(entry.name)
-    commands = "\n".join(_command(parser) for _, parser in sorted(parsers.items()))
+    commands = "\n".join(_command(parser) for parser in parsers.values())
     return INTRODUCTION + _index(parsers) + commands
 
 
@@ -59,7 +59,7 @@ def _subparsers(parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse
 
 
 def _index(parsers: dict[str, argparse.ArgumentParser]) -> str:
-    return " · ".join(f"[`{name}`](#{anchor(parser.prog)})" for name, parser in sorted(parsers.items())) + "\n\n"
+    return " · ".join(f"[`{name}`](#{anchor(parser.prog)})" for name, parser in parsers.items()) + "\n\n"
 
 
 def _command(parser: argparse.ArgumentParser, level: int = 2) -> str:

@@ -29,7 +29,7 @@ def generated_pages() -> dict[str, str]:
         "reference/command_line.md": command_line.page(),
         "reference/rest.md": openapi.routes_page(ROOT),
         "reference/models.md": openapi.models_page(ROOT),
-        "reference/engines.md": engine_pages.page(ROOT),
+        "reference/engines.md": engine_pages.page(),
         **python_api.pages(ROOT, PYTHON_INDEX),
     }
 

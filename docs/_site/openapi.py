@@ -76,7 +76,7 @@ def _operation(method: str, path: str, operation: Json) -> str:
     if body := operation.get("requestBody"):
         text += f"Body: {_content(body)}.\n\n"
     answers = (
-        (f"`{status}`", _content(answer), answer.get("description", ""))
+        (f"`{status}`", _content(answer), answer.get("description", "").replace("Successful Response", ""))
         for status, answer in operation["responses"].items()
     )
     return text + table(("status", "content", "meaning"), answers) + "\n"

@@ -101,10 +101,10 @@ class ImageSpace:
         """
         if self.errors is None or self.view is None:
             return frame
-        from render.postblur.passes import aberrated_on
+        from render.postblur.aberrate_passes import aberrate_on_device
 
         renderer.graphics.make_current()
-        color = aberrated_on(renderer.graphics.ctx, frame.color, self.view, self.errors)
+        color = aberrate_on_device(renderer.graphics.ctx, frame.color, self.view, self.errors)
         return replace(
             frame,
             color=np.ascontiguousarray(self._cropped(color)),

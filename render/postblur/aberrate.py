@@ -1,4 +1,4 @@
-"""The image-space passes in numpy: what the shaders ``aberrate_*.comp`` do, written to be read and to be tested against."""
+"""The image-space passes in numpy: a readable reference of the shaders ``aberrate_*.comp``, for tests."""
 
 from __future__ import annotations
 
@@ -11,50 +11,52 @@ from render.optics.view import PinholeView
 from render.postblur.picture_errors import SIGMAS, PictureErrors
 
 COMA_POINTS = 64
-"""Points of the pupil that coma's flare is drawn with."""
-THREE_TAPS = 0.7  # steps: blur that is narrower has its spread from three taps exactly
+"""Number of pupil points that coma's flare is drawn with."""
+THREE_TAPS = 0.7  # steps; a narrower blur gets its exact spread from three taps
 LEAST_COMA_PX = 0.1
 
 
-def aberrated(picture: FloatArray, view: PinholeView, errors: PictureErrors) -> FloatArray:
-    """A picture through a lens.
+def aberrate(picture: FloatArray, view: PinholeView, errors: PictureErrors) -> FloatArray:
+    """Apply a lens's picture errors to a sharp picture.
 
     Args:
         picture: ``(height, width, 4)`` scene-linear, premultiplied, sharp everywhere.
-        view: where its pixels look; its size is the picture's.
-        errors: of the lens.
+        view: view of the picture, of the same size.
+        errors: picture errors of the lens.
 
     Returns:
-        ``(height, width, 4)`` float32; alpha goes with green.
+        ``(height, width, 4)`` float32; alpha is treated as green.
     """
-    place = _places(view)
+    place = _pixel_slopes(view)
     height = np.hypot(place[..., 0], place[..., 1])
     rows = errors.at(height)
     outward = np.where(height[..., None] > 0, place / np.maximum(height, 1e-12)[..., None], [1.0, 0.0])
     focal = np.array([view.fx / errors.squeeze, view.fy])
-    bent = _bent(picture.astype(np.float64), place, rows[..., :3], focal)
+    bent = _bend(picture.astype(np.float64), place, rows[..., :3], focal)
     for axis in np.eye(2):
-        bent = _blurred(bent, np.broadcast_to(axis, place.shape) * focal, rows[..., 3:6])
-    along = _blurred(bent, outward * focal, rows[..., 6:9])
-    across = _blurred(along, outward[..., ::-1] * [-1, 1] * focal, rows[..., 9:12])
-    smeared = _with_coma(across, outward, focal, rows[..., 12])
+        bent = _blur(bent, np.broadcast_to(axis, place.shape) * focal, rows[..., 3:6])
+    along = _blur(bent, outward * focal, rows[..., 6:9])
+    across = _blur(along, outward[..., ::-1] * [-1, 1] * focal, rows[..., 9:12])
+    smeared = _add_coma(across, outward, focal, rows[..., 12])
     smeared[..., :3] *= rows[..., 13:]
     return smeared.astype(np.float32)
 
 
-def _places(view: PinholeView) -> DoubleArray:
+def _pixel_slopes(view: PinholeView) -> DoubleArray:
     """``(height, width, 2)`` slopes of pixel centres, y down."""
     x = (np.arange(view.width) + 0.5 - view.cx) / view.fx
     y = (np.arange(view.height) + 0.5 - view.cy) / view.fy
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
 
 
-def _bent(picture: DoubleArray, place: DoubleArray, source: DoubleArray, focal: DoubleArray) -> DoubleArray:
-    """Distortion, and lateral colour: each channel from where it is seen, by a Catmull-Rom cubic that keeps to its neighbours."""
+def _bend(picture: DoubleArray, place: DoubleArray, source: DoubleArray, focal: DoubleArray) -> DoubleArray:
+    """Apply distortion and lateral colour: sample each channel at its source by a Catmull-Rom cubic, clamped to its
+    neighbours.
+    """
     bent = np.empty_like(picture)
     y, x = np.mgrid[: picture.shape[0], : picture.shape[1]].astype(np.float64)
-    for channel, told in ((0, 0), (1, 1), (2, 2), (3, 1)):
-        off = place * (source[..., told, None] - 1) * focal
+    for channel, source_channel in ((0, 0), (1, 1), (2, 2), (3, 1)):
+        off = place * (source[..., source_channel, None] - 1) * focal
         bent[..., channel] = _cubic(picture[..., channel], x + off[..., 0], y + off[..., 1])
     return bent
 
@@ -78,7 +80,7 @@ def _catmull_rom(distance: DoubleArray) -> DoubleArray:
     return np.where(t < 1, near, np.where(t < 2, far, 0.0))
 
 
-def _blurred(picture: DoubleArray, direction: DoubleArray, deviation: DoubleArray) -> DoubleArray:
+def _blur(picture: DoubleArray, direction: DoubleArray, deviation: DoubleArray) -> DoubleArray:
     """Gaussian blur along a line through each pixel, in steps of a pixel along the axis that the line is nearer to.
 
     Args:
@@ -108,8 +110,8 @@ def _weights(k: int, steps: DoubleArray) -> DoubleArray:
     return np.where(steps < THREE_TAPS, narrow, np.where(k <= np.ceil(SIGMAS * steps), gauss, 0.0))
 
 
-def _with_coma(picture: DoubleArray, outward: DoubleArray, focal: DoubleArray, third: DoubleArray) -> DoubleArray:
-    """Coma's flare: each pixel sees the picture from all over the pupil (x along the radius) off by ``third·(3x² + y², 2xy)``."""
+def _add_coma(picture: DoubleArray, outward: DoubleArray, focal: DoubleArray, third: DoubleArray) -> DoubleArray:
+    """Apply coma: the mean of the picture over the pupil, shifted by ``third·(3x² + y², 2xy)``, x along the radius."""
     if float(np.abs(third).max()) * focal.max() < LEAST_COMA_PX:
         return picture
     y, x = np.mgrid[: picture.shape[0], : picture.shape[1]].astype(np.float64)
@@ -121,7 +123,7 @@ def _with_coma(picture: DoubleArray, outward: DoubleArray, focal: DoubleArray, t
 
 
 def coma_points() -> DoubleArray:
-    """``(COMA_POINTS, 2)`` of coma's flare, of a third of its length 1: all over the pupil evenly (Vogel 1979)."""
+    """Points ``(COMA_POINTS, 2)`` of coma's flare, for a third of its length of 1: evenly over the pupil (Vogel 1979)."""
     index = np.arange(COMA_POINTS) + 0.5
     radius, angle = np.sqrt(index / COMA_POINTS), index * np.pi * (3 - np.sqrt(5))
     x, y = radius * np.cos(angle), radius * np.sin(angle)

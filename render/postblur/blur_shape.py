@@ -1,8 +1,8 @@
-"""The blur of one point as rows and columns have it: how far the iris's image reaches up and down in each of its columns.
+"""Blur shape of a point: the extent of the iris's image up and down in each of its columns.
 
-A point out of focus is spread evenly over the image of the iris, scaled by its circle of confusion. The linear-time blur needs of
-it, column by column, where it begins and ends (Moersch & Hamilton 2014, section 3.2.2): for that it must be convex from top to
-bottom, and evenly bright, but it need not be symmetric.
+A point out of focus is spread evenly over the image of the iris, scaled by its circle of confusion. FLAG needs its
+bounds column by column (Moersch & Hamilton 2014, section 3.2.2): the shape must be convex along columns and evenly
+bright, but it need not be symmetric.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from render.model.lens import IrisShape
 from render.optics.iris import rim_radius
 
 COLUMNS = 257
-"""Places across the shape at which its edges are tabled."""
+"""Columns at which the edges of the shape are tabulated."""
 _RIM = 4096
 AREA_STEPS = 8
-"""Radii to a pixel at which the light of a spread point is counted."""
+"""Radii per pixel at which the area of the shape is tabulated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,23 +27,23 @@ class BlurShape:
     """The outline of a convex iris on the film, for a circle of confusion of radius 1.
 
     Attributes:
-        edges: ``(COLUMNS, 2)`` float32: how far it reaches up and down from its middle line, at columns from -1 to 1, y down.
-        is_symmetric: whether it reaches as far up as down everywhere.
+        edges: ``(COLUMNS, 2)`` float32: extent up and down from its middle line, at columns from -1 to 1, y down.
+        is_symmetric: whether the extents up and down are equal everywhere.
     """
 
     edges: FloatArray
     is_symmetric: bool
 
     def reach(self, x: DoubleArray) -> DoubleArray:
-        """``(..., 2)`` how far it reaches up and down at columns ``x``, 0 beside it."""
+        """Extents ``(..., 2)`` up and down at columns ``x``; 0 outside the shape."""
         columns = np.linspace(-1.0, 1.0, COLUMNS)
         inside = np.abs(x) < 1.0
         return np.stack([np.where(inside, np.interp(x, columns, side), 0.0) for side in self.edges.T], axis=-1)
 
     def areas(self, most_px: float) -> FloatArray:
-        """The light of a point of unit intensity, spread over circles of confusion of radius 0, 1/`AREA_STEPS`, ... pixels.
+        """Area of the shape in pixels, for circles of confusion of radius 0, 1/`AREA_STEPS`, ... pixels.
 
-        It is what the pixels of the shape add up to, each counted as the blur counts it, so that no light is lost.
+        Each pixel counts by the share with which the blur covers it, so that no light is lost.
         """
         radii = np.arange(int(np.ceil(most_px * AREA_STEPS)) + 2) / AREA_STEPS
         offsets = np.arange(-int(np.ceil(most_px)) - 1, int(np.ceil(most_px)) + 2)
@@ -54,12 +54,12 @@ class BlurShape:
 
 
 def blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> BlurShape:
-    """The shape of an iris's blur.
+    """Make the blur shape of an iris.
 
     Args:
-        iris: its blades, roundness and rotation count; masks and radial weights do not, since the blur is even.
-        behind: for what is behind the focus, where rays have not yet crossed: its image stands upside down to that before it.
-        squeeze: of an anamorphic lens, whose blurs are narrower by it.
+        iris: its blades, roundness and rotation are used; masks and radial weights are not, since the blur is even.
+        behind: whether the point is behind the focus, where rays have not crossed: its image is upside down to a near point's.
+        squeeze: anamorphic squeeze, by which blurs are narrower.
     """
     angle = 2 * np.pi * np.arange(_RIM) / _RIM
     radius = rim_radius(angle - iris.rotation_rad, iris)
@@ -72,7 +72,7 @@ def blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> BlurSh
 
 
 def _edge(x: DoubleArray, y: DoubleArray, columns: DoubleArray) -> DoubleArray:
-    """The largest ``y`` of an outline over each column; 0 beside it."""
+    """Largest ``y`` of an outline over each column; 0 beside it."""
     steps = np.round(x, 9)
     # along an upright edge from its lower end to its upper one, which the columns beside it begin with
     order = np.lexsort((np.where(x < 0, y, -y), steps))

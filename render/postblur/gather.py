@@ -1,4 +1,4 @@
-"""The naive gather: simple, right, and quadratic in the radius. It is what faster blurs of the same sides are held to."""
+"""The naive gather (Moersch & Hamilton 2014, section 3.1): simple, and quadratic in the radius. The baseline of faster blurs."""
 
 from __future__ import annotations
 
@@ -11,67 +11,71 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
-from render.postblur.joined import Blurred, Joiner, Part, parts_of
-from render.postblur.shed import EVERYTHING, OUTLINE_DEFINES, Field, Shedder, Window
-from render.postblur.sides import Sides
+from render.postblur.composite import BlurredPart, Compositor, Part, split_into_parts
+from render.postblur.focus_split import FocusSplit
+from render.postblur.point_spread import ALL_RADII, OUTLINE_DEFINES, Field, PointSpreadPass, RadiusWindow
 
-LOOKS_AT_ONCE = 1 << 30
-"""Pixels that are looked at by one command to the device, about; a desktop takes one that runs for seconds for a fault."""
-FIRST_LOOKS = 1 << 20
-"""By the first one, while somebody may call the work off; how many later ones have is learnt."""
-_GROUP = 8  # pixels along each side that are worked on together
+MAX_DISPATCH_SAMPLES = 1 << 30
+"""Samples of one dispatch, about; a desktop takes a dispatch that runs for seconds for a fault."""
+FIRST_DISPATCH_SAMPLES = 1 << 20
+"""Samples of the first dispatch where the work may be cancelled; later ones are sized by measured time."""
+_GROUP = 8  # pixels along each side of a work group
 
 
 class Gather:
-    """Blurs fields as `render.postblur.flag.Flag` does, point by point, with the programs of one context."""
+    """Blurs fields as `render.postblur.flag.Flag` does, pixel by pixel, with the programs of one context."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
         self._ctx, self._programs, self._cancellation = ctx, programs, cancellation
-        self._shedder = Shedder(ctx, programs)
-        self._looks = PieceSize(FIRST_LOOKS)
+        self._point_spread = PointSpreadPass(ctx, programs)
+        self._piece = PieceSize(FIRST_DISPATCH_SAMPLES)
 
     def blur(
-        self, field: Field, shape: BlurShape, most_px: float, target: moderngl.Texture, window: Window = EVERYTHING
+        self, field: Field, shape: BlurShape, most_px: float, target: moderngl.Texture, window: RadiusWindow = ALL_RADII
     ) -> None:
-        """Blur a field: each of its points is spread evenly over its circle of confusion, and loses nothing.
+        """Blur a field: the light of each pixel is spread evenly over its circle of confusion, without loss.
 
         Args:
             field: what to blur.
-            shape: of the blur.
-            most_px: no radius in the window is larger.
-            target: RGBA32F as large as the field: its light, and how much there is of it.
-            window: the light that is meant.
+            shape: shape of the blur.
+            most_px: upper bound on the radii in the window.
+            target: RGBA32F as large as the field: receives light and coverage.
+            window: range of radii that is included.
         """
         most = max(1, int(np.ceil(most_px)))
         program = self._programs.compute("postblur/gather.comp", OUTLINE_DEFINES)
-        with Resources() as held:
-            shed = self._shedder.shed(field, shape, most, window, held)
-            for unit, texture in enumerate((shed.light, shed.reach, shed.outline)):
+        with Resources() as scope:
+            spread = self._point_spread.run(field, shape, most, window, scope)
+            for unit, texture in enumerate((spread.intensity, spread.radii, spread.outline)):
                 texture.use(unit)
-            set_uniforms(program, shed=0, reach=1, outline=2, most=most)
+            set_uniforms(program, intensity=0, radii=1, outline=2, most=most)
             target.bind_to_image(0, read=False, write=True)
             for left, top, columns, rows in self._pieces(target.width, target.height, (2 * most + 1) ** 2):
                 set_uniforms(program, first=(left, top), piece_px=(columns, rows))
                 program.run(-(-columns // _GROUP), -(-rows // _GROUP))
                 self._ctx.finish()
-                took_ms, looks = self._cancellation.poll(), columns * rows * (2 * most + 1) ** 2
-                if 2 * looks >= self._looks.units:  # what is left at an edge says nothing of whole pieces
-                    self._looks.learn(looks, took_ms)
+                took_ms, samples = self._cancellation.poll(), columns * rows * (2 * most + 1) ** 2
+                if 2 * samples >= self._piece.units:  # small pieces at an edge do not predict the time of whole ones
+                    self._piece.learn(samples, took_ms)
 
-    def _pieces(self, width: int, height: int, looks: int) -> Iterator[tuple[int, int, int, int]]:
-        """Left, top, width and height of what is done by one command: whole rows of groups, or some groups of one row.
+    def _pieces(self, width: int, height: int, samples: int) -> Iterator[tuple[int, int, int, int]]:
+        """Rectangles of the dispatches: left, top, width, height. Each is whole rows of work groups, or part of one row.
 
         Args:
-            width: of the picture in pixels.
-            height: likewise.
-            looks: of each pixel.
+            width: picture width in pixels.
+            height: picture height in pixels.
+            samples: samples of each pixel.
         """
         top = 0
         while top < height:
-            most = min(self._looks.units, LOOKS_AT_ONCE) if self._cancellation.is_cancellable else LOOKS_AT_ONCE
-            groups = max(1, most // (_GROUP * _GROUP * looks))
+            most = (
+                min(self._piece.units, MAX_DISPATCH_SAMPLES)
+                if self._cancellation.is_cancellable
+                else MAX_DISPATCH_SAMPLES
+            )
+            groups = max(1, most // (_GROUP * _GROUP * samples))
             across = -(-width // _GROUP)
             rows = min(max(1, groups // across) * _GROUP, height - top)
             columns = min(groups, across) * _GROUP
@@ -81,22 +85,24 @@ class Gather:
 
 
 class GatherBlur:
-    """The engine `gather`: the parts of a picture blurred by `Gather`, and joined as FLAG's are."""
+    """The engine `gather`: parts of a picture blurred by `Gather`, and composited as FLAG's are."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
         self._ctx = ctx
-        self._gather, self._joiner = Gather(ctx, programs, cancellation), Joiner(ctx, programs)
+        self._gather, self._compositor = Gather(ctx, programs, cancellation), Compositor(ctx, programs)
 
-    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
-        """As `render.postblur.sides.Blur` has it."""
-        return self._joiner.joined(sides, {part.name: self._part(part, held) for part in parts_of(sides)}, held)
+    def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
+        """See `render.postblur.focus_split.Blur`."""
+        return self._compositor.composite(
+            split, {part.name: self._blur_part(part, scope) for part in split_into_parts(split)}, scope
+        )
 
-    def _part(self, part: Part, held: Resources) -> Blurred:
-        fine = held.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
+    def _blur_part(self, part: Part, scope: Resources) -> BlurredPart:
+        fine = scope.keep(self._ctx.texture(part.field.light.size, 4, dtype="f4"))
         self._gather.blur(part.field, part.shape, part.most_px, fine, part.window)
-        return Blurred(fine)
+        return BlurredPart(fine)
 
     def release(self) -> None:
         """Nothing is kept between pictures."""

@@ -1,4 +1,4 @@
-"""The engine ``importance``: both sides of the focus kept spread from frame to frame (Fearing 1995), and joined."""
+"""The engine ``importance``: near and far field updated from frame to frame (Fearing 1995), and composited."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import moderngl
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.postblur.importance_field import ALL, Done, Extent, ImportanceField
+from render.postblur.composite import BlurredPart, Compositor
+from render.postblur.focus_split import FocusSplit
+from render.postblur.importance_field import UNLIMITED, ImportanceField, UpdateLimit, UpdateStats
 from render.postblur.importance_order import Importance
-from render.postblur.joined import Blurred, Joiner
-from render.postblur.linear import FieldSpreader, fields_of
-from render.postblur.sides import Sides
+from render.postblur.linear import FieldSpreader, split_fields
 
 
 class ImportanceBlur:
-    """Keeps what it has spread, with the programs of one context: a frame costs what has changed since the one before.
+    """Blurs pictures incrementally, with the programs of one context: a frame costs what changed since the last one.
 
     Args:
         ctx: the context.
-        programs: of it.
-        cancellation: that beats between pieces of the work.
-        importance: what makes a change important.
+        programs: programs of the context.
+        cancellation: polled between pieces of the work.
+        importance: weights of the importance of a change.
 
     Attributes:
-        extent: how much of the changes to make; all of them makes the picture of the engine ``linear``.
+        limit: limit on the changes that a frame spreads; without one the picture is that of the engine ``linear``.
     """
 
     def __init__(
@@ -34,24 +34,24 @@ class ImportanceBlur:
         cancellation: CancellationPoint = NEVER_CANCELLED,
         importance: Importance = Importance(),  # noqa: B008 - it is frozen
     ) -> None:
-        self._cancellation, self._joiner = cancellation, Joiner(ctx, programs)
-        self.extent: Extent = ALL
+        self._cancellation, self._compositor = cancellation, Compositor(ctx, programs)
+        self.limit: UpdateLimit = UNLIMITED
         self._fields = tuple(ImportanceField(ctx, programs, FieldSpreader(ctx, programs), importance) for _ in range(2))
 
     @property
-    def done(self) -> tuple[Done, ...]:
+    def stats(self) -> tuple[UpdateStats, ...]:
         """Statistics of the last update, for the near and the far field."""
-        return tuple(field.done for field in self._fields)
+        return tuple(field.stats for field in self._fields)
 
-    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
-        """As `render.postblur.sides.Blur` has it."""
+    def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
+        """See `render.postblur.focus_split.Blur`."""
         near, far = (
-            made.update(field, side, spread, sides.most_px, self.extent, self._cancellation)
-            for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
+            target.update(field, side, spread, split.most_px, self.limit, self._cancellation)
+            for target, (field, side, spread) in zip(self._fields, split_fields(split), strict=True)
         )
-        return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)
+        return self._compositor.composite(split, {"near": BlurredPart(near), "far": BlurredPart(far)}, scope)
 
     def release(self) -> None:
-        """Give the memory back; the next frame begins anew."""
+        """Release the memory; the next frame is spread from nothing."""
         for field in self._fields:
             field.release()

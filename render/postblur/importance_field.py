@@ -1,14 +1,18 @@
-"""Importance ordering (Fearing 1995, "Importance Ordering for Real-Time Depth of Field"): a field of a picture is spread by what
-has changed in it since the last one, what shows most first. The old effect of a pixel is taken from the sums of those around it,
-and its new one added, so that they stay the sums that `render.postblur.linear` would make.
+"""Importance ordering (Fearing 1995, "Importance Ordering for Real-Time Depth of Field"): incremental blur of a field.
 
-Fearing keeps a bitmap with each pixel of whom it did not shed on, since the decision cannot be made again once its neighbours
-have changed. Here no record is needed but one: the sums are at all times those of the states that the pixels had when they were
-last spread, of both who sheds and who is shed on. When a pixel's own state changes, what it hides is judged anew for all around
-it. So what is taken away is what was added, whatever the order, without a bound of the distance; and the sums of all changes made
-are to the bit those of the linear method, which with bitmaps they are not where something sharp has moved over what stands still.
+A field is updated by the pixels that changed since the last picture, the most visible first. The old effect of a pixel
+is subtracted from the sums around it and its new effect is added, so that the sums stay those of
+`render.postblur.linear`.
 
-Kept for each pixel are 112 bytes: twice its light and three times its state, its sums and what they show, its place in the order.
+Fearing keeps for each pixel a bitmap of the neighbours it did not spread to, since that decision cannot be repeated
+once the neighbours have changed. Here the sums always belong to the states that the pixels had when they were last
+spread, both those of the pixel that spreads and of the pixel that receives. When a pixel's own state changes, all that
+it hides is tested again. So exactly what was added is subtracted, in any order and at any distance; and once all
+changes are spread, the sums equal those of the linear method to the bit. With bitmaps they do not, where something
+sharp has moved over something still.
+
+Memory per pixel is 112 bytes: twice its light, three times its state, its sums and their picture, its place in the
+order.
 """
 
 from __future__ import annotations
@@ -26,16 +30,16 @@ from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.importance_order import ChangeSorter, Importance
 from render.postblur.linear import LANES, FieldSpreader
-from render.postblur.shed import Field
+from render.postblur.point_spread import Field
 from render.postblur.spread_tables import Spread
 
-AFRESH_SHARE = 0.5
-"""Where more of the pixels have changed than this, and all changes are wanted, all is spread afresh: that is less work."""
-_FEW = 2048  # pixels of a first piece of the work
+RESPREAD_SHARE = 0.5
+"""Share of changed pixels above which, without a limit, the whole field is spread from nothing, which is less work."""
+_FEW = 2048  # pixels of the first piece
 
 
 @dataclass(frozen=True)
-class Extent:
+class UpdateLimit:
     """Limit on the changes that one update spreads.
 
     Attributes:
@@ -51,45 +55,45 @@ class Extent:
 
     def __post_init__(self) -> None:
         if not 0 < self.share <= 1:
-            raise SettingsError(f"the share of changes to be made must be above 0 and at most 1, got {self.share}")
+            raise SettingsError(f"the share of changes to be spreader must be above 0 and at most 1, got {self.share}")
         if self.budget_ms is not None and not self.budget_ms >= 0:
             raise SettingsError(f"budget_ms must be 0 or more, got {self.budget_ms}")
 
     @property
-    def is_all(self) -> bool:
-        """Whether it is all that has changed."""
+    def is_unlimited(self) -> bool:
+        """Whether all changes are spread."""
         return self.share == 1 and self.budget_ms is None
 
 
-ALL = Extent()
+UNLIMITED = UpdateLimit()
 
 
 @dataclass(frozen=True)
-class Done:
+class UpdateStats:
     """Statistics of one update.
 
     Attributes:
         changed: number of pixels that had changed.
-        made: number of them that were spread again.
-        was_afresh: whether the whole field was spread from nothing.
+        spread: number of them that were spread again.
+        from_scratch: whether the whole field was spread from nothing.
     """
 
     changed: int
-    made: int
-    was_afresh: bool
+    spread: int
+    from_scratch: bool
 
 
 class ImportanceField:
-    """Keeps a field spread from picture to picture.
+    """A field that is kept spread from picture to picture.
 
     Args:
         ctx: the context.
-        programs: of it.
-        spreader: of its own.
-        importance: what makes a change important.
+        programs: programs of the context.
+        spreader: spreader that no other field uses.
+        importance: weights of the importance of a change.
 
     Attributes:
-        done: what the last update did.
+        stats: statistics of the last update.
     """
 
     def __init__(
@@ -101,12 +105,12 @@ class ImportanceField:
     ) -> None:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
         self._held = Resources()
-        self._is_whole = False  # whether the sums are those of what was taken last
+        self._is_whole = False  # whether the sums hold the whole field
         self._side = 0.0
         self._is_ordered = False
-        self._may_wait = False  # whether any change waits
+        self._may_wait = False  # whether a change may be waiting
         self._piece = PieceSize(_FEW)
-        self.done = Done(0, 0, False)
+        self.stats = UpdateStats(0, 0, False)
 
     def update(
         self,
@@ -114,146 +118,148 @@ class ImportanceField:
         side: float,
         spread: Spread,
         most_px: float,
-        extent: Extent = ALL,
+        limit: UpdateLimit = UNLIMITED,
         cancellation: CancellationPoint = NEVER_CANCELLED,
     ) -> moderngl.Texture:
-        """Spread what has changed.
+        """Spread the changes of a field.
 
         Args:
-            field: the picture's. One of another size begins anew, and the first of a size is made whole.
+            field: field of the picture. The first one of a size is spread from nothing.
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
-            spread: how light is distributed over a circle of confusion. Another one begins anew.
-            most_px: no radius is larger.
-            extent: how much of the changes to make; what is left waits, and grows in importance.
-            cancellation: that beats between pieces of the work. What was done until it was interrupted stays done.
+            spread: distribution of light over a circle of confusion. Another one starts from nothing.
+            most_px: upper bound on the radii.
+            limit: limit on the changes that are spread; the rest waits, and grows in importance.
+            cancellation: polled between pieces of the work. Pieces that are done stay done.
 
         Returns:
-            RGBA32F: the sum of weighted light, and that of weights; valid until the next one.
+            RGBA32F: the sum of weighted light, and the sum of weights; valid until the next update.
 
         Raises:
             Cancelled: the work is stale.
         """
-        made = self._spreader
-        if made.fit(field.light.size):
-            self._make_room()
-        if made.tabled(spread, most_px) or side != self._side:
+        spreader = self._spreader
+        if spreader.resize(field.light.size):
+            self._allocate()
+        if spreader.update_tables(spread, most_px) or side != self._side:
             self._is_whole, self._side = False, side
-        pixels = made.size[0] * made.size[1]
+        pixels = spreader.size[0] * spreader.size[1]
         changed = (
-            self._compared(field, is_ordered=not extent.is_all or cancellation.is_cancellable)
+            self._compare(field, is_ordered=not limit.is_unlimited or cancellation.is_cancellable)
             if self._is_whole
             else None
         )
-        if changed is None or (extent.is_all and changed > AFRESH_SHARE * pixels):
-            self._spread_afresh(field, cancellation, pixels if changed is None else changed)
-            return made.shown
+        if changed is None or (limit.is_unlimited and changed > RESPREAD_SHARE * pixels):
+            self._respread(field, cancellation, pixels if changed is None else changed)
+            return spreader.result
         done = 0
-        for first, end in self._pieces(changed, extent, cancellation):
+        for first, end in self._pieces(changed, limit, cancellation):
             self._spread_changes(first, end)
             done = end
         self._may_wait = self._may_wait and done < changed
-        self.done = Done(changed, done, False)
-        return made.shown
+        self.stats = UpdateStats(changed, done, False)
+        return spreader.result
 
     def release(self) -> None:
-        """Give the memory back; the next field begins anew."""
+        """Release the memory; the next field is spread from nothing."""
         self._held.close()
         self._is_whole = False
         self._spreader.release()
 
-    def _make_room(self) -> None:
+    def _allocate(self) -> None:
         self._held.close()
         self._is_whole = False
-        keep, made = self._held.keep, self._spreader
-        self._light = keep(self._ctx.texture(made.size, 4, dtype="f4"))  # those of the sums
-        self._state, self._before = (keep(self._ctx.texture(made.size, 2, dtype="f4")) for _ in range(2))
-        self._sums = keep(self._ctx.buffer(reserve=32 * made.size[0] * made.size[1]))
+        keep, spreader = self._held.keep, self._spreader
+        self._light = keep(self._ctx.texture(spreader.size, 4, dtype="f4"))  # light and state that the sums belong to
+        self._state, self._before = (keep(self._ctx.texture(spreader.size, 2, dtype="f4")) for _ in range(2))
+        self._sums = keep(self._ctx.buffer(reserve=32 * spreader.size[0] * spreader.size[1]))
         self._changes, self._reaches, self._picked = (
-            keep(self._ctx.buffer(reserve=size * made.half_tiles)) for size in (16, 4, 4)
+            keep(self._ctx.buffer(reserve=size * spreader.half_tiles)) for size in (16, 4, 4)
         )
-        self._buffers = self._changes, self._reaches, keep(made.bits_of_tiles())
-        tiles = made.half_tiles // 2
-        self._reached, self._judged = (keep(self._ctx.buffer(reserve=4 * tiles)) for _ in range(2))
+        self._buffers = self._changes, self._reaches, keep(spreader.make_tile_bits())
+        tiles = spreader.half_tiles // 2
+        self._reached, self._rechecked = (keep(self._ctx.buffer(reserve=4 * tiles)) for _ in range(2))
         self._listed = keep(self._ctx.buffer(reserve=4 * (tiles + 1)))
-        self._sorter = ChangeSorter(self._ctx, self._programs, made, self._held, self._importance)
+        self._sorter = ChangeSorter(self._ctx, self._programs, spreader, self._held, self._importance)
 
-    def _compared(self, field: Field, *, is_ordered: bool) -> int | None:
-        """Take a field, and find what has changed in it: how many pixels; None where it is to be spread afresh."""
+    def _compare(self, field: Field, *, is_ordered: bool) -> int | None:
+        """Load a field and count the pixels that have changed; None where it must be spread from nothing."""
         program = self._programs.compute(
-            "linear/linear_take.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {})
+            "linear/linear_load.comp", {"COMPARE": 1} | ({"ORDERED": 1} if is_ordered else {})
         )
         self._is_ordered = is_ordered
         self._may_wait = self._may_wait or is_ordered
         if is_ordered:
             self._sorter.bind(program)
-        fits, changed = self._spreader.run_take(
+        fits, changed = self._spreader.run_load(
             program, field, self._side, self._buffers, light_last=self._light, state_last=self._state
         )
         if is_ordered and fits and changed:
             self._sorter.sort()
         return changed if fits else None
 
-    def _spread_afresh(self, field: Field, cancellation: CancellationPoint, changed: int) -> None:
-        made = self._spreader
+    def _respread(self, field: Field, cancellation: CancellationPoint, changed: int) -> None:
+        spreader = self._spreader
         self._is_whole = False
-        made.take(field, self._side)
-        made.spread_all(self._sums, cancellation)
-        made.light, self._light = self._light, made.light
-        made.state, self._state = self._state, made.state
-        self._sorter.forget()
+        spreader.load(field, self._side)
+        spreader.spread_all(self._sums, cancellation)
+        spreader.light, self._light = self._light, spreader.light
+        spreader.state, self._state = self._state, spreader.state
+        self._sorter.clear()
         self._is_whole, self._may_wait = True, False
-        self.done = Done(changed, changed, True)
+        self.stats = UpdateStats(changed, changed, True)
 
-    def _pieces(self, changed: int, extent: Extent, cancellation: CancellationPoint) -> Iterator[tuple[int, int]]:
-        """Stretches of the order, as long as there is time."""
-        wanted = int(np.ceil(extent.share * changed))
-        if extent.budget_ms is None and not cancellation.is_cancellable:
-            if wanted:
-                yield 0, wanted
+    def _pieces(self, changed: int, limit: UpdateLimit, cancellation: CancellationPoint) -> Iterator[tuple[int, int]]:
+        """Ranges of the order, as long as there is time."""
+        total = int(np.ceil(limit.share * changed))
+        if limit.budget_ms is None and not cancellation.is_cancellable:
+            if total:
+                yield 0, total
             return
         began, first = perf_counter(), 0
-        while first < wanted:
-            piece_began, end = perf_counter(), min(first + self._piece.units, wanted)
+        while first < total:
+            piece_began, end = perf_counter(), min(first + self._piece.units, total)
             yield first, end
             self._ctx.finish()
             self._piece.learn(end - first, 1000 * (perf_counter() - piece_began))
             cancellation.poll()
-            if extent.budget_ms is not None and 1000 * (perf_counter() - began) >= extent.budget_ms:
+            if limit.budget_ms is not None and 1000 * (perf_counter() - began) >= limit.budget_ms:
                 return
             first = end
 
     def _spread_changes(self, first: int, end: int) -> None:
-        """Take the old effects of some pixels of the order from the sums, and add their new ones; of all without an order."""
-        made = self._spreader
+        """Subtract the old effects of some pixels of the order and add their new ones; of all changed pixels without an
+        order.
+        """
+        spreader = self._spreader
         if self._is_ordered:
             self._pick(first, end)
         states = {
-            "light_now": made.light,
-            "state_now": made.state,
+            "light_now": spreader.light,
+            "state_now": spreader.state,
             "light_last": self._light,
             "state_last": self._state,
         }
-        mark = self._programs.compute("importance/importance_mark.comp", self._picking)
-        made.bound(mark, **states)
-        set_uniforms(mark, has_cutoff=made.has_cutoff)
-        for unit, marks in ((3, self._reached), (4, self._judged)):
+        mark = self._programs.compute("importance/importance_mark.comp", self._pick_defines)
+        spreader.bind_textures(mark, **states)
+        set_uniforms(mark, has_cutoff=spreader.has_cutoff)
+        for unit, marks in ((3, self._reached), (4, self._rechecked)):
             marks.clear()
             marks.bind_to_storage_buffer(unit)
         for unit, buffer in ((1, self._changes), (2, self._reaches), (5, self._picked)):
             buffer.bind_to_storage_buffer(unit)
-        made.run_half_tiles(mark)
-        listed = self._list(self._reached)
-        spread = made.spreading(KEEP=1, LISTED=1, DIFFERENCE=1, **self._picking)
-        made.bound(spread, **states, weights=made.tables.weights)
-        made.bind_spread(spread, self._buffers)
+        spreader.run_half_tiles(mark)
+        listed = self._list_tiles(self._reached)
+        spread = spreader.spread_program(KEEP=1, LISTED=1, DIFFERENCE=1, **self._pick_defines)
+        spreader.bind_textures(spread, **states, weights=spreader.tables.weights)
+        spreader.bind_spread(spread, self._buffers)
         self._picked.bind_to_storage_buffer(5)
         self._run_listed(spread, listed)
-        self._settle()
-        if made.has_cutoff:
-            self._rejudge()
+        self._commit()
+        if spreader.has_cutoff:
+            self._update_cutoff()
 
     @property
-    def _picking(self) -> dict[str, int]:
+    def _pick_defines(self) -> dict[str, int]:
         return {"PICKED": 1} if self._is_ordered else {}
 
     def _pick(self, first: int, end: int) -> None:
@@ -266,44 +272,46 @@ class ImportanceField:
         program.run(min(groups, 1024), -(-groups // 1024))
         self._ctx.memory_barrier()
 
-    def _settle(self) -> None:
-        """Take note that the picked pixels are spread as they are now."""
-        made = self._spreader
+    def _commit(self) -> None:
+        """Record the picked pixels' light and state as those of the sums."""
+        spreader = self._spreader
         defines = (
-            self._picking | ({"CUTOFF": 1} if made.has_cutoff else {}) | ({"WAITING": 1} if self._may_wait else {})
+            self._pick_defines
+            | ({"CUTOFF": 1} if spreader.has_cutoff else {})
+            | ({"WAITING": 1} if self._may_wait else {})
         )
-        program = self._programs.compute("importance/importance_settle.comp", defines)
-        made.bound(program, light_now=made.light, state_now=made.state)
-        set_uniforms(program, beyond_px=made.tables.beyond_px)
+        program = self._programs.compute("importance/importance_commit.comp", defines)
+        spreader.bind_textures(program, light_now=spreader.light, state_now=spreader.state)
+        set_uniforms(program, beyond_px=spreader.tables.beyond_px)
         for unit, image in enumerate((self._light, self._state, self._before, self._sorter.waiting)):
             image.bind_to_image(unit, read=unit < 2, write=True)
         for unit, buffer in (
             (1, self._changes),
-            (2, made.shedding),
-            (3, made.reaches),
-            (4, made.filled),
+            (2, spreader.emitters),
+            (3, spreader.reaches),
+            (4, spreader.tile_bits),
             (5, self._picked),
         ):
             buffer.bind_to_storage_buffer(unit)
-        made.run_half_tiles(program)
+        spreader.run_half_tiles(program)
 
-    def _rejudge(self) -> None:
-        """Judge anew what is hidden by pixels whose own state has changed."""
-        made = self._spreader
-        listed = self._list(self._judged)
-        program = made.spreading(KEEP=1, LISTED=1, REJUDGE=1)
-        made.bound(
+    def _update_cutoff(self) -> None:
+        """Test again what the pixels whose own state has changed hide."""
+        spreader = self._spreader
+        listed = self._list_tiles(self._rechecked)
+        program = spreader.spread_program(KEEP=1, LISTED=1, RECHECK=1)
+        spreader.bind_textures(
             program,
             light_now=self._light,
             state_now=self._state,
             state_before=self._before,
-            weights=made.tables.weights,
+            weights=spreader.tables.weights,
         )
-        made.bind_spread(program, (made.shedding, made.reaches, made.filled))
+        spreader.bind_spread(program, (spreader.emitters, spreader.reaches, spreader.tile_bits))
         self._run_listed(program, listed)
 
-    def _list(self, marks: moderngl.Buffer) -> int:
-        """List the tiles that are marked; how many there are."""
+    def _list_tiles(self, marks: moderngl.Buffer) -> int:
+        """List the marked tiles and return their number."""
         program = self._programs.compute("importance/importance_list.comp")
         self._listed.write(bytes(4))
         self._listed.bind_to_storage_buffer(3)

@@ -1,5 +1,4 @@
-"""The order that changes of a picture are made in: by importance (Fearing 1995, section 4.3), by a counting sort on the
-device."""
+"""Order of the changes of a picture: by importance (Fearing 1995, section 4.3), by a counting sort on the device."""
 
 from __future__ import annotations
 
@@ -39,11 +38,11 @@ class Importance:
 
 
 class ChangeSorter:
-    """Puts what has changed in a field in order. Of the size that its spreader has.
+    """Sorts the changed pixels of a field by importance. Its size is that of its spreader.
 
     Attributes:
-        waiting: of each pixel its bucket, 0 for no change, and how long it has waited.
-        order: the pixels that have changed, the most important first.
+        waiting: bucket of each pixel, 0 for no change, and for how many pictures it has waited.
+        order: changed pixels, the most important first.
     """
 
     def __init__(
@@ -51,23 +50,23 @@ class ChangeSorter:
         ctx: moderngl.Context,
         programs: ProgramCache,
         spreader: FieldSpreader,
-        held: Resources,
+        scope: Resources,
         importance: Importance,
     ) -> None:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
         self._chunks = -(-spreader.half_tiles // LANES)
-        self.waiting = held.keep(ctx.texture(spreader.size, 1, dtype="u4"))
-        self.order = held.keep(ctx.buffer(reserve=4 * 32 * LANES * self._chunks))
-        self._counts = held.keep(ctx.buffer(reserve=4 * BUCKETS * self._chunks))
-        self.forget()
+        self.waiting = scope.keep(ctx.texture(spreader.size, 1, dtype="u4"))
+        self.order = scope.keep(ctx.buffer(reserve=4 * 32 * LANES * self._chunks))
+        self._counts = scope.keep(ctx.buffer(reserve=4 * BUCKETS * self._chunks))
+        self.clear()
 
-    def forget(self) -> None:
-        """Let nothing wait."""
+    def clear(self) -> None:
+        """Clear all waiting changes."""
         width, height = self._spreader.size
         self.waiting.write(bytes(4 * width * height))
 
     def bind(self, program: moderngl.ComputeShader) -> None:
-        """Let a variant of linear/linear_take.comp count what goes into each bucket."""
+        """Bind the counts of the buckets to a variant of linear/linear_load.comp."""
         weights = self._importance
         set_uniforms(program, coc_weight=weights.coc_weight, rgb_weight=weights.rgb_weight, chunks=self._chunks)
         set_uniforms(program, is_perceptual=weights.is_perceptual)
@@ -75,7 +74,7 @@ class ChangeSorter:
         self._counts.bind_to_storage_buffer(6)
 
     def sort(self) -> None:
-        """Put in order what was counted."""
+        """Sort the counted changes."""
         scan, sort = (self._programs.compute(f"importance/importance_{name}.comp") for name in ("scan", "sort"))
         self._counts.bind_to_storage_buffer(6)
         set_uniforms(scan, chunks=self._chunks)

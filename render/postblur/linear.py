@@ -1,14 +1,16 @@
-"""The linear post-filter of Potmesil & Chakravarty (1981, "A Lens and Aperture Camera Model for Synthetic Image Generation"):
-each pixel's light is spread over its circle of confusion; a pixel is the sum of the weighted light that falls on it over the sum
-of the weights. Time grows with the area of the circles.
+"""Linear post-filter (Potmesil & Chakravarty 1981): each pixel's light is spread over its circle of confusion.
 
-It is the baseline of `render.postblur.importance`, which makes the same sums by what has changed in them. Both are exact, so that
-they can be taken apart again: light is rounded to 29 bits of a scale above the brightest in the picture, weights to 20, and of
-the sums of their products doubles lose nothing while weights add up to less than 16, which those of circles of up to 96 pixels
-do.
+"A Lens and Aperture Camera Model for Synthetic Image Generation". A pixel is the sum of the weighted light that falls
+on it over the sum of the weights. Time grows with the area of the circles.
 
-Beyond the paper: fields in front of and behind the focus are spread apart and joined, as in every engine here; and what is
-blurred much more than a pixel, and lies farther, does not shed on it (Fearing 1995, section 5), so that what is sharp stays so.
+It is the baseline of `render.postblur.importance`, which updates the same sums by the changes. Both are exact, so that
+an effect can be subtracted again: light is rounded to 29 bits of a scale above the brightest light in the picture,
+weights to 20, and sums of their products lose nothing in doubles while the weights add up to less than 16, which holds
+for circles of up to 96 pixels.
+
+Beyond the paper: the near and the far field are spread apart and composited, as in every engine here; and a pixel that
+is farther and blurred much more than another does not spread onto it (Fearing 1995, section 5), so that sharp pixels
+stay sharp.
 """
 
 from __future__ import annotations
@@ -21,9 +23,9 @@ import numpy as np
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.postblur.joined import Blurred, Joiner
-from render.postblur.shed import Field
-from render.postblur.sides import Sides
+from render.postblur.composite import BlurredPart, Compositor
+from render.postblur.focus_split import FocusSplit
+from render.postblur.point_spread import Field
 from render.postblur.spread_tables import STEP_PX, IrisImage, Spread, SpreadTables
 
 CUTOFF_PX, CUTOFF_SHARE = 1.5, 2.0
@@ -33,40 +35,40 @@ times its own.
 For a sharp pixel these are Fearing's 3 pixels of diameter; a blurred pixel hides only part of its surroundings.
 """
 NO_CUTOFF = 1e9
-"""Nothing is hidden: the method as Potmesil & Chakravarty have it."""
+"""No cut-off: the method as in Potmesil & Chakravarty."""
 LIGHT_BITS = 29
 TILE, LANES = 8, 64
 Buffers = tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]
 """Buffers that light is spread from: half tiles, their reach, and the list of tiles."""
 _HEADROOM = 2  # powers of 2 above the brightest light, so that a brighter one can join
-_LESS_LIGHT = 4  # by how many it must fall for a finer scale
+_LESS_LIGHT = 4  # powers of 2 by which light must fall for a finer scale
 _SPARE_STEPS = 8  # tables beyond those that a picture needs
 
 
 class FieldSpreader:
-    """Spreads a field of a picture, with the programs of one context. What it has made is valid until it is used again.
+    """Spreads a field of a picture, with the programs of one context. Its results are valid until it is used again.
 
     Args:
         ctx: the context.
-        programs: of it.
-        step_px: of the radius; what it changes by less is no change.
-        cutoff_px: how much something farther must be blurred for a sharp pixel to hide it; `NO_CUTOFF` for nothing.
+        programs: programs of the context.
+        step_px: step of the radius; smaller changes do not count.
+        cutoff_px: blur radius from which a sharp pixel hides a farther one; `NO_CUTOFF` for never.
 
     Attributes:
-        light: the field's, as it was taken.
-        state: number of the table of each pixel, and its radius.
-        shedding: what half tiles shed light (`linear/linear_take.comp`).
-        reaches: how far.
-        filled: in which tiles any do.
-        shown: the sum of weighted light, and that of weights.
+        light: light of the field, rounded.
+        state: table number and radius of each pixel.
+        emitters: bits of the pixels of each half tile that have light (`linear/linear_load.comp`).
+        reaches: greatest distance to which each half tile spreads light.
+        tile_bits: a bit for each tile with light.
+        result: the sum of weighted light, and the sum of weights.
     """
 
     light: moderngl.Texture
     state: moderngl.Texture
-    shedding: moderngl.Buffer
+    emitters: moderngl.Buffer
     reaches: moderngl.Buffer
-    filled: moderngl.Buffer
-    shown: moderngl.Texture
+    tile_bits: moderngl.Buffer
+    result: moderngl.Texture
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, *, step_px: float = STEP_PX, cutoff_px: float = CUTOFF_PX
@@ -76,7 +78,7 @@ class FieldSpreader:
         is_software = "llvmpipe" in ctx.info["GL_RENDERER"] or "softpipe" in ctx.info["GL_RENDERER"]
         self._rows = 8 if is_software else 2  # of pixels to a lane: few lanes with much to do each, or many
         self._piece = PieceSize(8)  # rows of tiles
-        self._told = ctx.buffer(reserve=8)
+        self._summary = ctx.buffer(reserve=8)
         self._scale: int | None = None  # power of 2 that no light is above
         self._tables: SpreadTables | None = None
         self._held = Resources()
@@ -89,47 +91,47 @@ class FieldSpreader:
 
     @property
     def half_tiles(self) -> int:
-        """Their number, each of four rows of a tile."""
+        """Number of half tiles, each of four rows of a tile."""
         return 2 * self.tiles[0] * self.tiles[1]
 
     @property
     def has_cutoff(self) -> bool:
-        """Whether what is nearer hides anything."""
+        """Whether nearer pixels hide farther ones."""
         return self._cutoff_px < NO_CUTOFF
 
     @property
     def tables(self) -> SpreadTables:
-        """Those that were made last."""
+        """Tables made by `update_tables`."""
         if self._tables is None:
             raise ValueError("no tables were made")
         return self._tables
 
-    def fit(self, size: tuple[int, int]) -> bool:
-        """Make room for fields of a size; whether it was not there yet."""
+    def resize(self, size: tuple[int, int]) -> bool:
+        """Allocate for fields of a size; true where that size is new."""
         if size == self.size:
             return False
         self._held.close()
         self.size = (0, 0)
         texture, buffer, keep = self._ctx.texture, self._ctx.buffer, self._held.keep
-        self.light, self.shown = (keep(texture(size, 4, dtype="f4")) for _ in range(2))
+        self.light, self.result = (keep(texture(size, 4, dtype="f4")) for _ in range(2))
         self.state = keep(texture(size, 2, dtype="f4"))
         self.size = size
-        self.shedding, self.reaches = (keep(buffer(reserve=size_ * self.half_tiles)) for size_ in (16, 4))
-        self.filled = keep(self.bits_of_tiles())
+        self.emitters, self.reaches = (keep(buffer(reserve=size_ * self.half_tiles)) for size_ in (16, 4))
+        self.tile_bits = keep(self.make_tile_bits())
         return True
 
-    def bits_of_tiles(self) -> moderngl.Buffer:
-        """Room for a bit for each tile, in rows."""
-        return self._ctx.buffer(reserve=4 * self._filled_words * self.tiles[1])
+    def make_tile_bits(self) -> moderngl.Buffer:
+        """Allocate a bit for each tile, in rows."""
+        return self._ctx.buffer(reserve=4 * self._tile_bit_words * self.tiles[1])
 
     @property
-    def _filled_words(self) -> int:
+    def _tile_bit_words(self) -> int:
         return self.tiles[0] // 32 + 2  # one more than is needed, for what is read across
 
-    def tabled(self, spread: Spread, most_px: float) -> bool:
-        """Make tables for radii up to one; whether there were none that are like these."""
+    def update_tables(self, spread: Spread, most_px: float) -> bool:
+        """Make tables for radii up to ``most_px``; true where they are of another spread than the last ones."""
         old = self._tables
-        if old is not None and old.serves(spread, most_px):
+        if old is not None and old.cover(spread, most_px):
             return False
         alike = old is not None and old.spread == spread
         self._tables = SpreadTables(
@@ -143,19 +145,19 @@ class FieldSpreader:
             old.release()
         return not alike
 
-    def take(self, field: Field, side: float) -> None:
-        """Take a field into `light` and `state`, and find what sheds.
+    def load(self, field: Field, side: float) -> None:
+        """Load a field into `light` and `state`, and find the pixels that have light.
 
         Args:
-            field: of the size that was fitted.
+            field: field of the size given to `resize`.
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
         """
-        program = self._programs.compute("linear/linear_take.comp")
-        buffers = self.shedding, self.reaches, self.filled
-        if not self.run_take(program, field, side, buffers)[0]:
-            self.run_take(program, field, side, buffers)  # at a scale that is its own
+        program = self._programs.compute("linear/linear_load.comp")
+        buffers = self.emitters, self.reaches, self.tile_bits
+        if not self.run_load(program, field, side, buffers)[0]:
+            self.run_load(program, field, side, buffers)  # again, at its own scale
 
-    def run_take(
+    def run_load(
         self,
         program: moderngl.ComputeShader,
         field: Field,
@@ -163,50 +165,50 @@ class FieldSpreader:
         buffers: Buffers,
         **last: moderngl.Texture,
     ) -> tuple[bool, int]:
-        """Run a variant of linear_take.comp.
+        """Run a variant of linear_load.comp.
 
         Returns:
-            Whether the field is of the scale that it was taken at, and how many of its pixels have changed. If it is not, the
-            next one is taken at this one's.
+            Whether the field fits the scale that it was rounded by, and the number of its pixels that have changed. If it does
+            not fit, the next load uses this field's scale.
         """
         tables = self.tables
-        self._told.write(bytes(8))
-        self.bound(program, light=field.light, radii=field.radii, steps=tables.steps, **last)
+        self._summary.write(bytes(8))
+        self.bind_textures(program, light=field.light, radii=field.radii, steps=tables.steps, **last)
         set_uniforms(program, channel=field.channel, side=side, step_px=self._step_px, has_cutoff=self.has_cutoff)
         set_uniforms(program, quantum=2.0 ** ((self._scale or 0) - LIGHT_BITS), quantum_alpha=2.0**-LIGHT_BITS)
         set_uniforms(program, most_even=float(tables.steps.width - 1), beyond_px=tables.beyond_px)
         self.light.bind_to_image(0, read=False, write=True)
         self.state.bind_to_image(1, read=False, write=True)
-        shedding, reaches, filled = buffers
-        filled.clear()
-        for unit, buffer in enumerate((shedding, reaches, self._told, filled), start=1):
+        emitters, reaches, tile_bits = buffers
+        tile_bits.clear()
+        for unit, buffer in enumerate((emitters, reaches, self._summary, tile_bits), start=1):
             buffer.bind_to_storage_buffer(unit)
         self.run_half_tiles(program)
-        told = self._told.read()
-        needed = max(-60, math.frexp(float(np.frombuffer(told, np.float32, 1)[0]))[1])
+        summary = self._summary.read()
+        needed = max(-60, math.frexp(float(np.frombuffer(summary, np.float32, 1)[0]))[1])
         fits = self._scale is not None and needed <= self._scale <= needed + _HEADROOM + _LESS_LIGHT
         if not fits:
             self._scale = needed + _HEADROOM
-        return fits, int(np.frombuffer(told, np.uint32)[1])
+        return fits, int(np.frombuffer(summary, np.uint32)[1])
 
     def spread_all(
         self, sums: moderngl.Buffer | None = None, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
-        """Spread all that was taken, into `shown`.
+        """Spread the loaded field into `result`.
 
         Args:
-            sums: four doubles for each pixel, to keep them in with all their bits.
-            cancellation: that beats between rows of tiles.
+            sums: four doubles for each pixel, which receive the exact sums.
+            cancellation: polled between rows of tiles.
 
         Raises:
             Cancelled: the work is stale.
         """
-        program = self.spreading(**({"KEEP": 1} if sums is not None else {}))
+        program = self.spread_program(**({"KEEP": 1} if sums is not None else {}))
         first, (across, down) = 0, self.tiles
         while first < down:
             rows = min(self._piece.units if cancellation.is_cancellable else down, down - first)
-            self.bound(program, weights=self.tables.weights, light_now=self.light, state_now=self.state)
-            self.bind_spread(program, (self.shedding, self.reaches, self.filled))
+            self.bind_textures(program, weights=self.tables.weights, light_now=self.light, state_now=self.state)
+            self.bind_spread(program, (self.emitters, self.reaches, self.tile_bits))
             if sums is not None:
                 sums.bind_to_storage_buffer(0)
             set_uniforms(program, first_tile=first)
@@ -215,35 +217,35 @@ class FieldSpreader:
             self._piece.learn(rows, cancellation.poll())
             first += rows
 
-    def spreading(self, **defines: int) -> moderngl.ComputeShader:
-        """A variant of linear_spread.comp."""
+    def spread_program(self, **defines: int) -> moderngl.ComputeShader:
+        """Variant of linear_spread.comp with these defines."""
         return self._programs.compute("linear/linear_spread.comp", {"ROWS": self._rows, **defines})
 
     def bind_spread(self, program: moderngl.ComputeShader, buffers: Buffers) -> None:
-        """Tell a variant of linear/linear_spread.comp of tiles and tables, and what it draws on."""
+        """Set the uniforms and bind the buffers of a variant of linear/linear_spread.comp."""
         half = self.tables.half
         set_uniforms(program, half_px=half, cutoff_px=self._cutoff_px, has_cutoff=self.has_cutoff, tiles=self.tiles)
         set_uniforms(program, tiles_around=-(-half // TILE), first_difference=self.tables.count)
-        set_uniforms(program, filled_words=self._filled_words, own_share=CUTOFF_SHARE)
-        self.shown.bind_to_image(0, read=False, write=True)
+        set_uniforms(program, tile_bit_words=self._tile_bit_words, own_share=CUTOFF_SHARE)
+        self.result.bind_to_image(0, read=False, write=True)
         for unit, buffer in zip((1, 2, 4), buffers, strict=True):
             buffer.bind_to_storage_buffer(unit)
 
     @staticmethod
-    def bound(program: moderngl.ComputeShader, **textures: moderngl.Texture | moderngl.TextureArray) -> None:
-        """Bind textures by the names that a program has for them."""
+    def bind_textures(program: moderngl.ComputeShader, **textures: moderngl.Texture | moderngl.TextureArray) -> None:
+        """Bind textures to the sampler uniforms of these names."""
         for unit, (name, texture) in enumerate(textures.items()):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
 
     def run_half_tiles(self, program: moderngl.ComputeShader) -> None:
-        """Run a program with a lane for each half tile, and wait until others can see what it wrote."""
-        set_uniforms(program, tiles=self.tiles, filled_words=self._filled_words)
+        """Run a program with one invocation for each half tile, and make its writes visible."""
+        set_uniforms(program, tiles=self.tiles, tile_bit_words=self._tile_bit_words)
         program.run(-(-self.half_tiles // LANES))
         self._ctx.memory_barrier()
 
     def release(self) -> None:
-        """Give the memory back; it is made anew when it is needed."""
+        """Release the memory; it is allocated again when needed."""
         self._held.close()
         self.size = (0, 0)
         if self._tables is not None:
@@ -252,7 +254,7 @@ class FieldSpreader:
 
 
 class LinearField:
-    """Spreads a field whole, each time."""
+    """Spreads a field from nothing each time."""
 
     def __init__(self, spreader: FieldSpreader) -> None:
         self._spreader = spreader
@@ -270,52 +272,52 @@ class LinearField:
         Args:
             field: what to spread.
             side: 1 in front of the focus, -1 behind it; 1 where radii are signed, above 0 in front.
-            spread: how light is distributed over a circle of confusion.
-            most_px: no radius is larger.
-            cancellation: that beats between pieces of the work.
+            spread: distribution of light over a circle of confusion.
+            most_px: upper bound on the radii.
+            cancellation: polled between pieces of the work.
 
         Returns:
-            RGBA32F: the sum of weighted light, and that of weights; valid until the next one.
+            RGBA32F: the sum of weighted light, and the sum of weights; valid until the next call.
 
         Raises:
             Cancelled: the work is stale.
         """
-        made = self._spreader
-        made.fit(field.light.size)
-        made.tabled(spread, most_px)
-        made.take(field, side)
-        made.spread_all(cancellation=cancellation)
-        return made.shown
+        spreader = self._spreader
+        spreader.resize(field.light.size)
+        spreader.update_tables(spread, most_px)
+        spreader.load(field, side)
+        spreader.spread_all(cancellation=cancellation)
+        return spreader.result
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._spreader.release()
 
 
 class LinearBlur:
-    """The engine ``linear``: both sides of the focus spread over the iris's image, and joined."""
+    """The engine ``linear``: near and far field spread over the iris's image, and composited."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
-        self._cancellation, self._joiner = cancellation, Joiner(ctx, programs)
+        self._cancellation, self._compositor = cancellation, Compositor(ctx, programs)
         self._fields = tuple(LinearField(FieldSpreader(ctx, programs)) for _ in range(2))
 
-    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
-        """As `render.postblur.sides.Blur` has it."""
+    def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
+        """See `render.postblur.focus_split.Blur`."""
         near, far = (
-            made.spread(field, side, spread, sides.most_px, self._cancellation)
-            for made, (field, side, spread) in zip(self._fields, fields_of(sides), strict=True)
+            target.spread(field, side, spread, split.most_px, self._cancellation)
+            for target, (field, side, spread) in zip(self._fields, split_fields(split), strict=True)
         )
-        return self._joiner.joined(sides, {"near": Blurred(near), "far": Blurred(far)}, held)
+        return self._compositor.composite(split, {"near": BlurredPart(near), "far": BlurredPart(far)}, scope)
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for field in self._fields:
             field.release()
 
 
-def fields_of(sides: Sides) -> tuple[tuple[Field, float, Spread], tuple[Field, float, Spread]]:
+def split_fields(split: FocusSplit) -> tuple[tuple[Field, float, Spread], tuple[Field, float, Spread]]:
     """Near and far fields with their sign and their spread."""
-    near, far = (IrisImage(sides.iris, is_behind=behind, squeeze=sides.squeeze) for behind in (False, True))
-    return (Field(sides.near, sides.radii, 0), 1.0, near), (Field(sides.far, sides.radii, 1), -1.0, far)
+    near, far = (IrisImage(split.iris, is_behind=behind, squeeze=split.squeeze) for behind in (False, True))
+    return (Field(split.near, split.radii, 0), 1.0, near), (Field(split.far, split.radii, 1), -1.0, far)

@@ -1,10 +1,10 @@
-"""A data sheet's errors as a picture takes them: over the height in it, for passes that know the picture alone (Kyaw 2013).
+"""Picture errors: a data sheet's errors over the height in the picture, for image-space passes (Kyaw 2013).
 
-It is the second form of `render.optics.data_sheet`, whose first is rays. A picture that is sharp everywhere is bent, blurred,
-smeared by coma and darkened, each by what stands in a table over the distance from the axis (Kyaw 2013, section 7.3). His blur is
-even, along the radius and then across it; this one is Gaussian with the same spread, and what both directions share of it is done
-along lines and columns, since on the axis a radius points nowhere. What depends on depth is not to
-be had so: curvature of field and axial colour are there as they blur what is in the plane of focus.
+`render.optics.data_sheet` turns the same sheet into rays. Here a sharp picture is bent, blurred, smeared by coma and
+darkened, each by a table over the distance from the axis (Kyaw 2013, section 7.3). Kyaw's blur is a box along the
+radius and then across it; this one is Gaussian with the same spread, and the part that both directions share is applied
+along rows and columns, since on the axis a radius has no direction. Depth-dependent errors are not covered: field
+curvature and axial colour appear as they blur objects in the plane of focus.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ class PictureErrors:
 
     Attributes:
         last: height of the last row.
-        source: ``(n, 3)`` for red, green and blue: height in the picture without errors that is seen there, over the height.
+        source: ``(n, 3)`` for red, green and blue: height in the error-free picture that is seen there, over the height.
         even: ``(n, 3)`` standard deviation of the blur that is the same along the radius and across it.
-        along: ``(n, 3)`` of what there is more along the radius.
-        across: ``(n, 3)`` of what there is more across it.
+        along: ``(n, 3)`` standard deviation of the additional blur along the radius.
+        across: ``(n, 3)`` standard deviation of the additional blur across it.
         coma: ``(n,)`` a third of the flare's length.
-        light: ``(n,)`` over that on the axis.
-        squeeze: what bending and blur are narrowed by from side to side (anamorphic).
+        light: ``(n,)`` light relative to the axis.
+        squeeze: anamorphic squeeze, by which bending and blur are narrower from side to side.
     """
 
     last: float
@@ -50,8 +50,9 @@ class PictureErrors:
     squeeze: float = 1.0
 
     def at(self, heights: DoubleArray) -> DoubleArray:
-        """``(..., 14)`` source, even, along and across of the three channels, coma and light, joined linearly; beyond the last
-        row they stay."""
+        """Interpolate the rows at heights: ``(..., 14)`` source, even, along and across of three channels, coma, light.
+        Clamped.
+        """
         rows = self.rows
         place = np.clip(heights / self.last, 0.0, 1.0) * (len(rows) - 1)
         low = np.minimum(place.astype(np.int64), len(rows) - 2)
@@ -60,13 +61,12 @@ class PictureErrors:
 
     @property
     def rows(self) -> DoubleArray:
-        """``(n, 14)`` all of it, in the order of `at`."""
+        """All columns ``(n, 14)``, in the order of `at`."""
         ends = [self.coma[:, None], self.light[:, None]]
         return np.concatenate([self.source, self.even, self.along, self.across, *ends], axis=1)
 
     def margin(self, view: PinholeView) -> tuple[int, int]:
-        """By how many pixels a picture has to be larger on the left and right, and at the top and bottom, so that nothing is
-        missing once it is bent and blurred."""
+        """Margin in pixels, left and right, top and bottom, that a picture needs so that nothing is missing after the passes."""
         x = np.linspace(-view.cx, view.width - view.cx, 65) / view.fx
         y = np.linspace(-view.cy, view.height - view.cy, 65) / view.fy
         left, right = (np.stack([np.full(65, edge), y], axis=1) for edge in x[[0, -1]])
@@ -103,8 +103,8 @@ def picture_errors(
         last_slope: field of the picture's farthest corner.
         squeeze: anamorphic squeeze.
         colours: whether colour errors are drawn.
-        axis_is_drawn: whether the picture has the blur of one colour that there is on the axis, as the engine `scatter` draws
-            it: over the whole picture, and changing with defocus. What is left then is what the blur has more elsewhere.
+        axis_is_drawn: whether the picture already has the axis's monochrome blur, as the engine `scatter` draws it. Only the
+            additional blur away from the axis is returned then.
     """
     slopes = np.linspace(0.0, last_slope, ROWS)
     heights = slopes * focal_length_mm

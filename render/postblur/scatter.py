@@ -1,11 +1,11 @@
 """The engine `scatter`: each point out of focus drawn as the picture of the iris (Kyaw 2013, section 7.3).
 
-Beyond the paper: fields before and behind the focus are drawn apart, and each in classes of spots, so that what is far out of
-focus leaks over nothing that is less so; every spot keeps the point's light to the last bit of a table; alike neighbours are
-drawn as one, and wide spots at less resolution, so that the time is nearly the same for all radii.
+Beyond the paper: the near and the far field are drawn apart, each in size classes of spots, so that a strong blur leaks
+over nothing that is less blurred; every spot keeps the point's light exactly; like neighbours are drawn as one splat,
+and wide spots at less resolution, so that the time is nearly independent of the radius.
 
-Memory beside the sides: 16 bytes a pixel for each of both sums, a class and the picture, 5 for plan and list, and a third of a
-class's for the reduced ones; the tables of spots hold some MB whatever the picture's size.
+Memory beside the fields: 16 bytes a pixel for each of both sums, a class and the picture, 5 for plan and list, and a
+third of a class's for the reduced ones; the spot tables take some MB whatever the picture's size.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
+from render.postblur.focus_split import FocusSplit
 from render.postblur.scatter_splats import Points, Splats
-from render.postblur.scatter_store import SPLIT_PX, SpotStore
-from render.postblur.sides import Sides
+from render.postblur.spot_cache import SPLIT_PX, SpotCache
 
 MOST_ERROR_PX = 48.0
-"""A lens whose errors send light farther than this is drawn at less resolution altogether: it shows no fine detail."""
+"""Error in pixels above which a lens is drawn at less resolution altogether: it shows no fine detail."""
 _EDGES = (0.0, 2.0, 6.0, SPLIT_PX)
-"""Circles of confusion at which the classes of the finest target begin and the last ends; each coarser one has one class."""
+"""Radii at which the size classes of the finest target begin and the last ends; each coarser target has one class."""
 
 
 class ScatterBlur:
@@ -36,70 +36,70 @@ class ScatterBlur:
     ) -> None:
         self._ctx, self._programs = ctx, programs
         self._splats = Splats(ctx, programs, cancellation)
-        self._spots = SpotStore(ctx)
+        self._spots = SpotCache(ctx)
 
-    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
-        """As `render.postblur.sides.Blur` has it."""
-        spot = self._spots.spot(sides)
-        near = Points(sides.near, sides.radii, 0, spot, behind=False)
-        far = Points(sides.far, sides.radii, 1, spot, behind=True)
-        picture = held.keep(self._ctx.texture(sides.size, 4, dtype="f4"))
-        with Resources() as passing:
-            near_sum = self._sum(near, sides.most_px, passing)
-            far_sum = self._sum(far, sides.most_px, passing)
+    def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
+        """See `render.postblur.focus_split.Blur`."""
+        spot = self._spots.spot(split)
+        near = Points(split.near, split.radii, 0, spot, behind=False)
+        far = Points(split.far, split.radii, 1, spot, behind=True)
+        picture = scope.keep(self._ctx.texture(split.size, 4, dtype="f4"))
+        with Resources() as inner_scope:
+            near_sum = self._sum(near, split.most_px, inner_scope)
+            far_sum = self._sum(far, split.most_px, inner_scope)
             program = self._programs.compute("scatter/scatter_finish.comp")
             near.bind(program)
             for unit, (name, texture) in enumerate(
-                (("far", sides.far), ("near_sum", near_sum), ("far_sum", far_sum)), start=2
+                (("far", split.far), ("near_sum", near_sum), ("far_sum", far_sum)), start=2
             ):
                 texture.use(unit)
                 set_uniforms(program, **{name: unit})
             self._run(program, picture, read=False)
         return picture
 
-    def _sum(self, points: Points, most_px: float, held: Resources) -> moderngl.Texture:
-        """All that the points of a side shed, from the front to the back."""
-        total = held.keep(self._ctx.texture(points.light.size, 4, dtype="f4"))
+    def _sum(self, points: Points, most_px: float, scope: Resources) -> moderngl.Texture:
+        """Sum the splats of a field, from the front to the back."""
+        total = scope.keep(self._ctx.texture(points.light.size, 4, dtype="f4"))
         program = self._programs.compute("scatter/scatter_sharp.comp")
         points.bind(program)
         set_uniforms(program, is_kept=points.behind)
         self._run(program, total, read=False)
         levels = self._levels(points, most_px)
         for shrink in levels if points.behind else reversed(levels):
-            with Resources() as passing:
-                for light in self._shed(points, shrink, levels[0], passing):
-                    self._join(total, light, shrink)
+            with Resources() as inner_scope:
+                for light in self._draw_splats(points, shrink, levels[0], inner_scope):
+                    self._composite(total, light, shrink)
         return total
 
     def _levels(self, points: Points, most_px: float) -> list[int]:
-        """By how much smaller targets points are spread over: the finest first, to which all belong that no other one has."""
+        """Factors by which the targets are smaller, the finest first. The finest takes all points that no other one takes."""
         first = max(int(np.ceil(np.log2(max(points.spot.error_reach_px / MOST_ERROR_PX, 1e-9)))), 0)
         last = max(int(np.floor(np.log2(max(most_px / SPLIT_PX, 1e-9)))) + 1, first)
         return [1 << level for level in range(first, last + 1)]
 
-    def _shed(self, points: Points, shrink: int, finest: int, held: Resources) -> Iterator[moderngl.Texture]:
+    def _draw_splats(self, points: Points, shrink: int, finest: int, scope: Resources) -> Iterator[moderngl.Texture]:
         """Draw the splats of one resolution, size class by size class from the front; each texture is valid until the next."""
         is_finest = shrink == finest
         tables = self._spots.tables(points.spot, shrink, behind=points.behind)
         if shrink > 1:
             bounds = 0.0 if is_finest else shrink * SPLIT_PX / 2, shrink * SPLIT_PX
-            points = self._reduced(points, shrink, bounds, held)
+            points = self._reduce(points, shrink, bounds, scope)
         edges = _EDGES if is_finest else (0.0, SPLIT_PX)
-        yield from self._splats.drawn(points, tables, edges, held, backward=not points.behind)
+        yield from self._splats.draw(points, tables, edges, scope, backward=not points.behind)
 
-    def _reduced(self, points: Points, shrink: int, bounds: tuple[float, float], held: Resources) -> Points:
+    def _reduce(self, points: Points, shrink: int, bounds: tuple[float, float], scope: Resources) -> Points:
         size = tuple(-(-side // shrink) for side in points.light.size)
-        light = held.keep(self._ctx.texture(size, 4, dtype="f4"))
-        radii = held.keep(self._ctx.texture(size, 1, dtype="f4"))
+        light = scope.keep(self._ctx.texture(size, 4, dtype="f4"))
+        radii = scope.keep(self._ctx.texture(size, 1, dtype="f4"))
         program = self._programs.compute("scatter/scatter_reduce.comp")
         points.bind(program)
         set_uniforms(program, shrink=shrink, bounds=bounds)
         radii.bind_to_image(1, read=False, write=True)
         self._run(program, light, read=False)
-        return Points(light, radii, 0, points.spot.reduced(shrink), points.behind)
+        return Points(light, radii, 0, points.spot.reduce(shrink), points.behind)
 
-    def _join(self, total: moderngl.Texture, light: moderngl.Texture, shrink: int) -> None:
-        program = self._programs.compute("scatter/scatter_join.comp")
+    def _composite(self, total: moderngl.Texture, light: moderngl.Texture, shrink: int) -> None:
+        program = self._programs.compute("scatter/scatter_composite.comp")
         light.use(0)
         set_uniforms(program, class_light=0, class_px=tuple(float(shrink * side) for side in light.size))
         self._run(program, total, read=True)
@@ -110,6 +110,6 @@ class ScatterBlur:
         self._ctx.memory_barrier()
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._spots.release()
         self._splats.release()

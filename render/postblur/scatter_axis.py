@@ -3,10 +3,6 @@
 A symmetric lens has a profile there: over the radius of the pupil, how far from the centre light lands, and where it
 passes the pupil. Both are odd polynomials, given by their values at a few radii. These values are rounded and the spot
 is computed from them alone, so that a picture does not depend on what was drawn before it.
-
-A symmetric lens has a profile there: over the radius of the pupil, how far off light lands, and where it passes the pupil.
-Both are odd polynomials, told by their values at a few radii. These are rounded, and the spot is made from them alone, so that
-a picture does not depend on what was drawn before it.
 """
 
 from __future__ import annotations
@@ -22,21 +18,22 @@ from render.trace.axis_rays import LensErrors, axis_content, axis_rays, open_axe
 from render.trace.lens_table import GridTable
 
 LANDING_PX, PUPIL = 1 / 8, 1 / 256
-"""Steps of where light lands, in pixels, and of where it passes the pupil, over its radius."""
+"""Rounding steps of the landing point, in pixels, and of the pupil point, relative to the pupil's radius."""
 ROUNDED_PX, ROUNDED_PUPIL = 0.15, 0.005
-"""By which a ray lands elsewhere in focus, or passes the pupil elsewhere, at most: pixels, and of its radius."""
+"""Greatest errors by rounding: of the landing point in focus, in pixels; of the pupil point, relative to its radius."""
 
 
 class AxisSpot(Protocol):
-    """Where the rays of a point on the axis pass and land."""
+    """Rays of a point on the axis."""
 
     @property
-    def key(self) -> Hashable:
+    def cache_key(self) -> Hashable:
         """Cache key: equal keys give equal spots."""
         ...
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """``(n, 2)`` where they pass, over the pupil's radius, and land, in pixels; those that are blocked are left out.
+        """Pupil points ``(n, 2)``, relative to the pupil's radius, and landing points ``(n, 2)`` in pixels. Blocked
+        rays are left out.
 
         Args:
             stops: ``(m, 2)`` points of the iris, of unit radius, x right and y down.
@@ -45,7 +42,7 @@ class AxisSpot(Protocol):
 
 
 def _odd_nodes(count: int) -> DoubleArray:
-    """Chebyshev's radii, from the edge inward: values that err there err nowhere by more than 1.9 times as much."""
+    """Chebyshev radii, from the edge inward: errors of the values there grow at most by a factor of 1.9 in between."""
     nodes = np.cos((2 * np.arange(count) + 1) * np.pi / (4 * count))
     return np.asarray(nodes / nodes[0])
 
@@ -74,7 +71,7 @@ class SymmetricSpot:
     opened: tuple[int, int]
 
     @classmethod
-    def of(cls, errors: LensErrors, axes: DoubleArray) -> SymmetricSpot:
+    def from_errors(cls, errors: LensErrors, axes: DoubleArray) -> SymmetricSpot:
         """Profile of a polynomial table, with the half axes of its open part."""
         across, down = (int(value) for value in np.maximum(np.round(axes / PUPIL), 1))
 
@@ -86,12 +83,12 @@ class SymmetricSpot:
         return cls(landing, pupil, (across, down))
 
     @property
-    def key(self) -> Hashable:
-        """As `AxisSpot` has it."""
+    def cache_key(self) -> Hashable:
+        """See `AxisSpot`."""
         return self
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """As `AxisSpot` has it."""
+        """See `AxisSpot`."""
         inner = stops / (np.array(self.opened) * PUPIL)
         radii = np.hypot(*inner.T)
         inner, radii = inner[radii <= 1 + 1e-6], radii[radii <= 1 + 1e-6]
@@ -111,12 +108,12 @@ class ExactSpot:
     errors: LensErrors
 
     @property
-    def key(self) -> Hashable:
-        """As `AxisSpot` has it: what of the table the axis has; the rest may differ."""
+    def cache_key(self) -> Hashable:
+        """See `AxisSpot`: the part of the table that the axis depends on."""
         return axis_content(self.errors.table), self.errors.pupil_m, self.errors.focal_px
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """As `AxisSpot` has it."""
+        """See `AxisSpot`."""
         return _in_pixels(self.errors, stops)
 
 
@@ -125,7 +122,7 @@ def axis_spot(errors: LensErrors) -> AxisSpot:
     if isinstance(errors.table, GridTable):
         return ExactSpot(errors)
     axes = np.array(open_axes(errors.table), np.float64)
-    rounded = SymmetricSpot.of(errors, axes)
+    rounded = SymmetricSpot.from_errors(errors, axes)
     stops = _SAMPLE * np.minimum(axes, np.array(rounded.opened) * PUPIL)
     pairs = zip(rounded.rays(stops), _in_pixels(errors, stops), (ROUNDED_PUPIL, ROUNDED_PX), strict=True)
     is_near = all(np.hypot(*(one - other).T).max() <= most for one, other, most in pairs)

@@ -1,4 +1,4 @@
-"""Spots on a target: which are drawn, where, and the drawing of them by the rasteriser, one quad for each."""
+"""Splats: the choice of the spots to draw, and their drawing by the rasteriser, one quad for each."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, load_source, set_uniforms
 from render.postblur.scatter_spot import STEPS, Spot
-from render.postblur.scatter_store import TableTextures
+from render.postblur.spot_cache import TableTextures
 
 WIDER = 1.0
-"""Squares of alike pixels are drawn as one where their spots' radii are at least this many times their side."""
+"""Ratio of spot radius to side from which a square of like pixels is drawn as one splat."""
 SPAN = 0.05
-"""By how much of them, and half a pixel, radii in such a square may differ."""
+"""Relative difference that radii in such a square may have, in addition to half a pixel."""
 SHIFT = 0.05
-"""By how much of the radius the middle of its light may be off its own."""
+"""Greatest offset of the square's centre of light from its middle, relative to the radius."""
 MOST_SHIFT_PX = 0.25
-"""And by no more, so that a highlight stays in its place."""
-_SIDE = 8  # of the squares that a work group has
+"""Greatest such offset in pixels, so that a highlight stays in its place."""
+_SIDE = 8  # side of a work group
 _FIRST_PIECE, _LEAST_PIECE = 1 << 17, 1 << 12  # pixels that spots cover
 _COUNTS, _OFFSETS, _SPOTS = 0, 0, 1  # as the shaders bind them
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of one side of the focus, one for each pixel.
+    """Points of the near or the far field, one for each pixel.
 
     Attributes:
         light: RGBA32F, premultiplied.
-        radii: of circles of confusion, in pixels of the light.
-        channel: of the radii.
-        spot: of the camera, in pixels of the light.
-        behind: whether they are behind the focus.
+        radii: radii of circles of confusion, in pixels of the light.
+        channel: channel of ``radii``.
+        spot: spot of the camera, in pixels of the light.
+        behind: whether the points are of the far field.
     """
 
     light: moderngl.Texture
@@ -47,7 +47,7 @@ class Points:
     behind: bool
 
     def bind(self, program: moderngl.ComputeShader | moderngl.Program) -> None:
-        """Let a shader that includes ``scatter/scatter.glsl`` know them."""
+        """Bind the textures and set the uniforms of ``scatter/scatter.glsl``."""
         self.light.use(0)
         self.radii.use(1)
         p, q, r = self.spot.moments
@@ -56,7 +56,7 @@ class Points:
 
 
 class Splats:
-    """Draws spots, with the programs of one context; the cancellation beats between some of them and the next."""
+    """Draws splats, with the programs of one context. The cancellation is polled between pieces."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
@@ -65,12 +65,12 @@ class Splats:
         self._piece = PieceSize(_FIRST_PIECE, least=_LEAST_PIECE)
         self._program: moderngl.Program | None = None
 
-    def drawn(
+    def draw(
         self,
         points: Points,
         tables: TableTextures,
         edges: tuple[float, ...],
-        held: Resources,
+        scope: Resources,
         *,
         backward: bool = False,
     ) -> Iterator[moderngl.Texture]:
@@ -80,36 +80,41 @@ class Splats:
             points: points of the near or the far field.
             tables: tables of their spots.
             edges: radii at which size classes begin, and at which the last one ends: pixels, ascending.
-            held: scope that owns the textures.
-            backward: whether the widest come first.
+            scope: scope that owns the textures.
+            backward: whether the class of the widest spots comes first.
 
         Yields:
-            RGBA32F light and how much of it there is. Classes without points are left out.
+            RGBA32F light and coverage. Classes without points are left out.
         """
         size, classes = points.light.size, len(edges) - 1
         groups = -(-size[0] // _SIDE), -(-size[1] // _SIDE)
-        plan = held.keep(self._ctx.texture(size, 1, dtype="u1"))
-        counts = self._planned(points, edges, plan, groups, held)
+        plan = scope.keep(self._ctx.texture(size, 1, dtype="u1"))
+        counts = self._plan(points, edges, plan, groups, scope)
         totals = counts.sum(axis=1)
         if not totals.any():
             return
         firsts = np.concatenate([[0], np.cumsum(totals)])
-        spots = self._listed(plan, counts, groups, held)
-        target = held.keep(self._ctx.texture(size, 4, dtype="f4"))
+        spots = self._list(plan, counts, groups, scope)
+        target = scope.keep(self._ctx.texture(size, 4, dtype="f4"))
         target.repeat_x = target.repeat_y = False
-        buffer = held.keep(self._ctx.framebuffer(color_attachments=[target]))
+        buffer = scope.keep(self._ctx.framebuffer(color_attachments=[target]))
         for kind in reversed(range(classes)) if backward else range(classes):
             if totals[kind]:
                 most_px = (2 * min(edges[kind + 1] + points.spot.error_reach_px, tables.middle) + 1) ** 2
-                self._draw(points, tables, spots, int(firsts[kind]), int(totals[kind]), buffer, most_px)
+                self._draw_class(points, tables, spots, int(firsts[kind]), int(totals[kind]), buffer, most_px)
                 yield target
 
-    def _planned(
-        self, points: Points, edges: tuple[float, ...], plan: moderngl.Texture, groups: tuple[int, int], held: Resources
+    def _plan(
+        self,
+        points: Points,
+        edges: tuple[float, ...],
+        plan: moderngl.Texture,
+        groups: tuple[int, int],
+        scope: Resources,
     ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint32]]:
-        """``(classes, groups)`` how many spots are to be drawn."""
+        """Plan the splats, and count them: ``(classes, groups)``."""
         classes = len(edges) - 1
-        counts = held.keep(self._ctx.buffer(reserve=4 * classes * groups[0] * groups[1]))
+        counts = scope.keep(self._ctx.buffer(reserve=4 * classes * groups[0] * groups[1]))
         program = self._programs.compute(
             "scatter/scatter_plan.comp",
             {"CLASSES": classes, "WIDER": WIDER, "SPAN": SPAN, "SHIFT": SHIFT, "MOST_SHIFT": MOST_SHIFT_PX},
@@ -123,16 +128,16 @@ class Splats:
         self._ctx.memory_barrier()
         return np.frombuffer(counts.read(), np.uint32).reshape(classes, -1)
 
-    def _listed(
+    def _list(
         self,
         plan: moderngl.Texture,
         counts: np.ndarray[tuple[int, ...], np.dtype[np.uint32]],
         groups: tuple[int, int],
-        held: Resources,
+        scope: Resources,
     ) -> moderngl.Buffer:
         before = np.cumsum(counts) - counts.ravel()
-        offsets = held.keep(self._ctx.buffer(before.astype(np.uint32).tobytes()))
-        spots = held.keep(self._ctx.buffer(reserve=4 * int(counts.sum())))
+        offsets = scope.keep(self._ctx.buffer(before.astype(np.uint32).tobytes()))
+        spots = scope.keep(self._ctx.buffer(reserve=4 * int(counts.sum())))
         program = self._programs.compute("scatter/scatter_list.comp", {"CLASSES": len(counts)})
         plan.use(0)
         set_uniforms(program, plan=0)
@@ -142,7 +147,7 @@ class Splats:
         self._ctx.memory_barrier()
         return spots
 
-    def _draw(
+    def _draw_class(
         self,
         points: Points,
         tables: TableTextures,
@@ -152,7 +157,7 @@ class Splats:
         target: moderngl.Framebuffer,
         most_px: float,
     ) -> None:
-        """Draw some of the spots, none of which covers more than so many pixels."""
+        """Draw one class of splats, none of which covers more than ``most_px`` pixels."""
         program = self._quads()
         points.bind(program)
         tables.weights.use(2)
@@ -167,8 +172,8 @@ class Splats:
             target.clear(0.0, 0.0, 0.0, 0.0)
             self._ctx.enable_only(moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-            with Resources() as held:
-                quad = held.keep(self._ctx.vertex_array(program, []))
+            with Resources() as scope:
+                quad = scope.keep(self._ctx.vertex_array(program, []))
                 last = first + count
                 while first < last:
                     left = last - first
@@ -186,7 +191,7 @@ class Splats:
             before.use()
 
     def _learn(self, pixels: float, took_ms: float) -> None:
-        """Take note of a piece; those much smaller than they might be say nothing of large ones."""
+        """Learn the size of a piece from its time; much smaller pieces do not predict the time of large ones."""
         if 2 * pixels >= self._piece.units:
             self._piece.learn(int(pixels), took_ms)
 
@@ -201,7 +206,7 @@ class Splats:
         return self._program
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the program."""
         if self._program is not None:
             self._program.release()
             self._program = None

@@ -1,4 +1,4 @@
-"""The picture of one point out of focus: the iris, as the lens's errors on the axis distort it, in the pixels of a target.
+"""Spot of a point out of focus: the image of the iris, distorted by the lens's errors on the axis, in target pixels.
 
 Kyaw (2013, section 7.3) draws the image of the iris over each circle of confusion and modulates it with the point spread of
 spherical aberration. Here both are one: rays through the iris, as densely as it lets light through, land where the lens sends
@@ -21,16 +21,16 @@ from render.model.lens import IrisShape
 from render.optics.iris import fill_iris
 from render.postblur.scatter_axis import AxisSpot
 
-SIDES = (1, 2, 4, 8)
-"""Sides of the squares of like pixels that are drawn as one splat."""
+SQUARE_SIDES = (1, 2, 4, 8)
+"""FocusSplit of the squares of like pixels that are drawn as one splat."""
 STEPS = 2
-"""Tables to a pixel of the circle of confusion; between two their light is mixed."""
+"""Tables per pixel of the circle of confusion; light between two is interpolated."""
 _RAYS = 1 << 16
 _LEAST_RAYS = 2048
 _RAYS_PER_PIXEL = 24.0
 _LEAST_ERROR_PX = 0.25
-"""Errors that send no ray farther than this off are left out: what is in focus stays sharp."""
-_TURNS = 0.7548776662466927, 0.5698402909980532  # R2 sequence (Roberts 2018): each beginning of it is even
+"""Error below which all errors are ignored: points in focus stay sharp."""
+_TURNS = 0.7548776662466927, 0.5698402909980532  # R2 sequence (Roberts 2018): every prefix is evenly distributed
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +38,8 @@ class Spot:
     """Rays of a point on the axis; x right, y down.
 
     Attributes:
-        pupil: ``(n, 2)`` where they pass the pupil, over its radius.
-        error_px: ``(n, 2)`` where they land in focus, in pixels; zeros for a lens without errors.
+        pupil: ``(n, 2)`` points where they pass the pupil, relative to its radius.
+        error_px: ``(n, 2)`` points where they land in focus, in pixels; zeros for a lens without errors.
     """
 
     pupil: DoubleArray
@@ -47,7 +47,7 @@ class Spot:
 
     @property
     def has_errors(self) -> bool:
-        """Whether a point in focus is no point."""
+        """Whether a point in focus is spread."""
         return bool(self.error_px.any())
 
     @cached_property
@@ -57,7 +57,9 @@ class Spot:
 
     @cached_property
     def moments(self) -> tuple[float, float, float]:
-        """``(p, q, r)``: the spot of a circle of confusion c spreads light as an even disc of radius ``√(p·c² + q·c + r)``."""
+        """Moments ``(p, q, r)``: the spot of a circle of confusion c has the spread of an even disc of radius ``√(p·c²
+        + q·c + r)``.
+        """
         own, both, error = (
             2 * float((a * b).sum(axis=1).mean())
             for a, b in ((self.pupil, self.pupil), (self.pupil, self.error_px), (self.error_px, self.error_px))
@@ -65,28 +67,28 @@ class Spot:
         return own, 2 * both, error
 
     def radius(self, c_px: DoubleArray) -> DoubleArray:
-        """Radii of even discs that spread light as far."""
+        """Radius of the even disc with the same spread."""
         p, q, r = self.moments
         return np.asarray(np.sqrt(np.maximum(p * c_px**2 + q * c_px + r, 0.0)))
 
-    def reduced(self, shrink: int) -> Spot:
-        """In pixels that are as many times larger."""
+    def reduce(self, shrink: int) -> Spot:
+        """Spot in pixels that are ``shrink`` times larger."""
         return Spot(self.pupil, self.error_px / shrink)
 
-    def lands(self, c_px: float) -> DoubleArray:
-        """``(m, 2)`` pixels, for a signed circle of confusion: as many of the rays as its size asks for."""
+    def ray_positions(self, c_px: float) -> DoubleArray:
+        """Landing points ``(m, 2)`` in pixels for a signed circle of confusion; the number of rays grows with its area."""
         area = np.pi * float(self.radius(np.array(c_px))) ** 2
         count = int(np.clip(_RAYS_PER_PIXEL * area, _LEAST_RAYS, len(self.pupil)))
         return np.asarray(c_px * self.pupil[:count] + self.error_px[:count])
 
 
-def spot_of(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Spot:
-    """The spot of a camera.
+def camera_spot(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Spot:
+    """Spot of a camera's lens.
 
     Args:
-        iris: with its blades, mask and weights.
-        squeeze: of an anamorphic lens, whose spots are narrower by it.
-        lens: where its rays land, None for one without errors.
+        iris: iris with its blades, mask and weights.
+        squeeze: anamorphic squeeze, by which spots are narrower.
+        lens: spot of the lens on its axis; None for a lens without errors.
     """
     index = np.arange(_RAYS)[:, None]
     stops = fill_iris(np.mod(0.5 + index * _TURNS, 1.0), iris) * [1.0, -1.0]
@@ -96,7 +98,7 @@ def spot_of(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Sp
         return ideal
     pupil, error_px = lens.rays(stops)
     if len(pupil) == 0:
-        return ideal  # a lens that lets nothing through shows nothing to be blurred
+        return ideal  # a lens that passes no light has nothing to blur
     real = Spot(pupil * narrowed, error_px * narrowed)
     return real if np.abs(real.error_px).max() > _LEAST_ERROR_PX else Spot(real.pupil, np.zeros_like(real.pupil))
 
@@ -106,9 +108,9 @@ class SpotTables:
     """Spots in pixels, by the size of the circle of confusion in steps of 1 / `STEPS` pixels.
 
     Attributes:
-        weights: ``(len(SIDES)·steps, side, side)`` float32: share of its light that a pixel sheds on each; then what squares of
-            2, 4 and 8 pixels shed together, whose middle is the middle pixel's upper left corner. Each adds up to 1.
-        reach: ``(len(SIDES)·steps,)`` how many pixels to the left of it and above hold light, at most.
+        weights: ``(len(SQUARE_SIDES)·steps, side, side)`` float32: share of a pixel's light on
+            each pixel; then that of squares of 2, 4 and 8 pixels, centred on the middle pixel's upper left corner. Sums are 1.
+        reach: ``(len(SQUARE_SIDES)·steps,)`` greatest number of pixels to the left and above that get light.
     """
 
     weights: FloatArray
@@ -117,7 +119,7 @@ class SpotTables:
     @property
     def steps(self) -> int:
         """Number of sizes."""
-        return len(self.weights) // len(SIDES)
+        return len(self.weights) // len(SQUARE_SIDES)
 
     @property
     def middle(self) -> int:
@@ -125,22 +127,22 @@ class SpotTables:
         return int(self.weights.shape[1]) // 2
 
 
-def spot_tables(spot: Spot, most_px: float, *, behind: bool) -> SpotTables:
-    """Tables up to a radius.
+def make_spot_tables(spot: Spot, most_px: float, *, behind: bool) -> SpotTables:
+    """Tables for circles of confusion up to a radius.
 
     Args:
-        spot: of the camera, in pixels of the target.
+        spot: spot of the camera, in pixels of the target.
         most_px: largest circle of confusion.
-        behind: for what is behind the focus.
+        behind: whether the tables are for the far field.
     """
     steps = int(np.ceil(most_px * STEPS)) + 2
     sign = 1.0 if behind else -1.0
-    landed = [spot.lands(sign * step / STEPS) for step in range(steps)]
-    middle = int(np.ceil(max(np.abs(places).max() for places in landed))) + 1 + SIDES[-1] // 2
-    tables = [np.stack([_in_pixels(places, middle) for places in landed])]
-    for side in SIDES[1:]:
-        # squares of squares half as large: of pixels, those up and left of a corner and those that begin there
-        tables.append(_doubled(tables[-1], (-1, 0) if side == 2 else (-side // 4, side // 4)))
+    positions = [spot.ray_positions(sign * step / STEPS) for step in range(steps)]
+    middle = int(np.ceil(max(np.abs(places).max() for places in positions))) + 1 + SQUARE_SIDES[-1] // 2
+    tables = [np.stack([_in_pixels(places, middle) for places in positions])]
+    for side in SQUARE_SIDES[1:]:
+        # a square is four squares of half its side
+        tables.append(_double(tables[-1], (-1, 0) if side == 2 else (-side // 4, side // 4)))
     weights = np.concatenate(tables)
     weights /= weights.sum(axis=(1, 2), keepdims=True)
     lit = np.asarray(weights.max(axis=1) + weights.max(axis=2) > 0)
@@ -152,9 +154,9 @@ def spot_tables(spot: Spot, most_px: float, *, behind: bool) -> SpotTables:
 
 
 def _in_pixels(places: DoubleArray, middle: int) -> DoubleArray:
-    """``(n, n)`` share of places in pixels around the middle one's centre, each place a square of half a pixel."""
+    """Shares ``(n, n)`` of the points in pixels around the middle one's centre; each point is a square of half a pixel."""
     side = 4 * middle + 4
-    at = 2 * places + (2 * middle + 1.5)  # in half pixels, of which the middle pixel has two
+    at = 2 * places + (2 * middle + 1.5)  # in half pixels
     low = np.floor(at).astype(np.int64)
     part = at - low
     total = np.zeros(side * side)
@@ -166,6 +168,6 @@ def _in_pixels(places: DoubleArray, middle: int) -> DoubleArray:
     return np.asarray(halves.reshape(side // 2 - 1, 2, side // 2 - 1, 2).sum(axis=(1, 3)))
 
 
-def _doubled(tables: DoubleArray, shifts: tuple[int, int]) -> DoubleArray:
+def _double(tables: DoubleArray, shifts: tuple[int, int]) -> DoubleArray:
     across = sum(np.roll(tables, shift, axis=2) for shift in shifts)
     return np.asarray(sum(np.roll(across, shift, axis=1) for shift in shifts))

@@ -17,7 +17,7 @@ from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
-from render.postblur.sides import Blur, Collector
+from render.postblur.focus_split import Blur, FocusSplitter
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import PictureFocus, picture_focus
@@ -33,7 +33,7 @@ class SingleImageBlur:
     """Peels the loaded scene and blurs it, with the programs of one context."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
-        self._collector = Collector(ctx, programs)
+        self._splitter = FocusSplitter(ctx, programs)
         self._bundles = BundleMaker(ctx, programs)
 
     def draw(
@@ -105,12 +105,12 @@ class SingleImageBlur:
         Returns:
             ``(height, width, 4)`` float32 of the layers' view, premultiplied.
         """
-        with Resources() as held:
-            sides = self._collector.sides(peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, held)
+        with Resources() as scope:
+            split = self._splitter.split(peeled, focus, pupil_px, most_px, camera.iris, camera.lens.squeeze, scope)
             if with_axis_errors:
-                sides = replace(sides, errors=self._axis_errors(camera, focus.view))
-            blurred = blur.blurred(sides, held)
-            return np.frombuffer(blurred.read(), np.float32).reshape(*sides.size[::-1], 4).copy()
+                split = replace(split, errors=self._axis_errors(camera, focus.view))
+            blurred = blur.blur(split, scope)
+            return np.frombuffer(blurred.read(), np.float32).reshape(*split.size[::-1], 4).copy()
 
     def _axis_errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
         table = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
@@ -118,7 +118,7 @@ class SingleImageBlur:
 
     def release(self) -> None:
         """Give the memory back."""
-        self._collector.release()
+        self._splitter.release()
 
 
 def largest_radius_px(focus: PictureFocus, pupil_px: float, nearest_w: float) -> float:

@@ -1,8 +1,8 @@
 """Tables of weights for spreading the light of a point out of focus, one per step of the radius (Fearing 1995, section 4.2).
 
-A circle of confusion is spread by the table whose radius is nearest to its own, so that a change below a step is no change: half
-a pixel up to a radius of 32, a 64th of the radius beyond. Weights are multiples of 2 to the power of -20, and those of a table
-add up to 1: no light is lost, and sums of them are exact (`render.postblur.linear`).
+A circle of confusion is spread by the table of the nearest radius, so that a change below a step does not count. The step is
+half a pixel up to a radius of 32, and a 64th of the radius beyond. Weights are multiples of 2 to the power of -20, and those of a
+table add up to 1: no light is lost, and sums of them are exact (`render.postblur.linear`).
 """
 
 from __future__ import annotations
@@ -19,82 +19,82 @@ from render.optics.iris import transmission
 
 STEP_PX = 0.5
 EVEN_STEPS = 64
-"""Steps that are as wide as the first; those beyond grow with the radius."""
+"""Number of equal steps; later steps grow with the radius."""
 MAX_RADIUS_PX = 96.0
-"""Larger circles are taken for as large: the method's time grows with their area, and the tables' memory with more."""
+"""Radius to which larger circles are clamped: time grows with their area, and the tables' memory even faster."""
 WEIGHT_BITS = 20
-_ROWS = 4  # of a table in one texel
+_ROWS = 4  # rows of a table in one texel
 
 
 class Spread(Protocol):
     """Distribution of light over a circle of confusion. Equal spreads have equal tables."""
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
-        """``(2·half + 1, 2·half + 1)`` how much falls on each pixel around the circle's middle, 0 or more; y down."""
+        """Weights ``(2·half + 1, 2·half + 1)`` of the pixels around the circle's middle, 0 or more; y down."""
         ...
 
 
 @dataclass(frozen=True)
 class Gaussian:
-    """A Gaussian within the circle, of half its radius as deviation: that of Fearing's tables (1995, section 6)."""
+    """Gaussian within the circle, with half its radius as standard deviation, as in Fearing's tables (1995, section 6)."""
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
-        """As `Spread` has it."""
+        """See `Spread`."""
         squares = np.arange(-half, half + 1.0) ** 2
         distances = squares[:, None] + squares
         return np.where(distances <= (radius_px + 0.5) ** 2, np.exp(-2 * distances / radius_px**2), 0.0)
 
 
 class IrisImage:
-    """The iris's own image: its blades, mask and radial weights, each pixel with as much of it as falls on it.
+    """Image of the iris: its blades, mask and radial weights, integrated over each pixel.
 
     Args:
-        iris: of the lens.
-        is_behind: of what is behind the focus, whose image stands upside down to that of what is before it.
-        squeeze: of an anamorphic lens, whose circles are narrower by it.
+        iris: iris of the lens.
+        is_behind: whether the point is behind the focus; its image is upside down to that of a point in front of it.
+        squeeze: anamorphic squeeze, by which circles are narrower.
     """
 
     def __init__(self, iris: IrisShape, *, is_behind: bool = True, squeeze: float = 1.0) -> None:
-        self._told = iris, is_behind, squeeze
+        self._key = iris, is_behind, squeeze
         image = transmission(iris) if is_behind else transmission(iris)[::-1, ::-1]
         self._summed = np.pad(image, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
 
     def weights(self, radius_px: float, half: int) -> DoubleArray:
-        """As `Spread` has it."""
-        squeeze = self._told[2]
+        """See `Spread`."""
+        squeeze = self._key[2]
         edges = np.arange(-half - 0.5, half + 1.0) / radius_px
         last = len(self._summed) - 1
         rows, columns = (np.interp(edges * narrower, [-1.0, 1.0], [0.0, last]) for narrower in (1.0, squeeze))
-        at = _between(_between(self._summed, rows).T, columns).T
+        at = _interpolate_rows(_interpolate_rows(self._summed, rows).T, columns).T
         return np.maximum(np.diff(np.diff(at, axis=0), axis=1), 0.0)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, IrisImage) and self._told == other._told
+        return isinstance(other, IrisImage) and self._key == other._key
 
     def __hash__(self) -> int:
-        return hash(self._told[1:])
+        return hash(self._key[1:])
 
 
-def _between(values: DoubleArray, rows: DoubleArray) -> DoubleArray:
-    """Rows of an array between its rows, linearly."""
+def _interpolate_rows(values: DoubleArray, rows: DoubleArray) -> DoubleArray:
+    """Interpolate linearly between the rows of an array."""
     low = np.minimum(rows.astype(int), len(values) - 2)
     share = (rows - low)[:, None]
     return np.asarray((1 - share) * values[low] + share * values[low + 1])
 
 
-def steps_to(radius_px: float, step_px: float = STEP_PX) -> int:
-    """The number of the table that a radius is spread by: 0 for a point."""
+def step_of(radius_px: float, step_px: float = STEP_PX) -> int:
+    """Number of the table for a radius; 0 for a point."""
     even = int(min(radius_px, MAX_RADIUS_PX) / step_px + 0.5)
     return even if even <= EVEN_STEPS else int(EVEN_STEPS * (1 + np.log(even / EVEN_STEPS)) + 0.5)
 
 
-def radius_of(step: int, step_px: float = STEP_PX) -> float:
-    """The radius that a table is made for, in pixels."""
+def step_radius(step: int, step_px: float = STEP_PX) -> float:
+    """Radius of a table in pixels."""
     return step_px * (step if step <= EVEN_STEPS else EVEN_STEPS * float(np.exp(step / EVEN_STEPS - 1)))
 
 
-def table_of(spread: Spread, radius_px: float, half: int) -> DoubleArray:
-    """``(2·half + 1, 2·half + 1)`` of weights that add up to 1, in whole steps of 2 to the power of -`WEIGHT_BITS`."""
+def make_table(spread: Spread, radius_px: float, half: int) -> DoubleArray:
+    """Weights ``(2·half + 1, 2·half + 1)`` that add up to 1, in whole steps of 2 to the power of -`WEIGHT_BITS`."""
     weights = np.zeros((2 * half + 1, 2 * half + 1))
     if radius_px > 0:
         weights = spread.weights(radius_px, half)
@@ -103,7 +103,7 @@ def table_of(spread: Spread, radius_px: float, half: int) -> DoubleArray:
         weights[half, half] = total = 1.0
     exact = weights / total * 2.0**WEIGHT_BITS
     whole = np.floor(exact)
-    # the largest remainders are rounded up, those of an even disc here and there, so that no side of it is brighter
+    # the largest remainders are rounded up; equal ones in random order, so that no side of an even disc is brighter
     among_equals = np.random.default_rng(0).permutation(whole.size)
     most = np.lexsort((among_equals, -np.round((exact - whole).ravel(), 6)))
     whole.flat[most[: int(2.0**WEIGHT_BITS - whole.sum())]] += 1
@@ -111,22 +111,22 @@ def table_of(spread: Spread, radius_px: float, half: int) -> DoubleArray:
 
 
 class SpreadTables:
-    """The tables of a spread on a device, as far as they are needed.
+    """Tables of a spread on the device, up to the needed radius.
 
     Args:
         ctx: the context.
-        spread: whose tables.
-        most_px: radius that is needed.
-        step_px: the radius's step.
-        with_differences: also those between one table and the next.
+        spread: spread to tabulate.
+        most_px: largest radius needed.
+        step_px: first step of the radius.
+        with_differences: whether to add the differences between successive tables.
 
     Attributes:
-        half: pixels from the middle of a table to its edge, where there is no weight.
-        count: of tables.
+        half: pixels from the middle of a table to its edge, where the weight is 0.
+        count: number of tables.
         weights: RGBA32F array, a slice for each step, and after them one for each difference. Each texel holds the weights of
             four rows, from its own on; above a table are three rows more.
-        beyond_px: how much farther than its radius a table has any weight, at most.
-        steps: RG32F, one texel for each multiple of the first step: the table's number, and the radius that it is made for.
+        beyond_px: greatest distance beyond its radius at which a table has weight.
+        steps: RG32F, one texel for each multiple of the first step: the table's number and its radius.
     """
 
     def __init__(
@@ -139,9 +139,9 @@ class SpreadTables:
         with_differences: bool = False,
     ) -> None:
         self.spread, self.step_px = spread, step_px
-        self.count = steps_to(most_px, step_px) + 1
-        radii = [radius_of(step, step_px) for step in range(self.count)]
-        self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim without weight, for all that is out of reach
+        self.count = step_of(most_px, step_px) + 1
+        radii = [step_radius(step, step_px) for step in range(self.count)]
+        self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim of weight 0, for clamped look-ups
         side = 2 * self.half + 1
         slices = 2 * self.count - 1 if with_differences else self.count
         packed = np.empty((slices, side + _ROWS - 1, side, _ROWS), np.float32)
@@ -149,7 +149,7 @@ class SpreadTables:
         offsets = np.arange(-self.half, self.half + 1.0)
         distances = np.hypot(offsets[:, None], offsets)
         for step, radius in enumerate(radii):
-            table = self._padded(table_of(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
+            table = self._padded(make_table(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
             self.beyond_px = max(self.beyond_px, float(distances[table > 0].max() - radius))
             rows = np.pad(table, ((_ROWS - 1, _ROWS - 1), (0, 0)))
             packed[step] = np.stack([rows[i : i + side + _ROWS - 1] for i in range(_ROWS)], axis=-1)
@@ -157,7 +157,7 @@ class SpreadTables:
             np.subtract(packed[1 : self.count], packed[: self.count - 1], out=packed[self.count :])
         self.weights = ctx.texture_array((side, side + _ROWS - 1, slices), 4, packed.tobytes(), dtype="f4")
         even = [
-            min(steps_to(number * step_px, step_px), self.count - 1) for number in range(int(radii[-1] / step_px) + 2)
+            min(step_of(number * step_px, step_px), self.count - 1) for number in range(int(radii[-1] / step_px) + 2)
         ]
         steps = np.array([(step, radii[step]) for step in even], np.float32)
         self.steps = ctx.texture((len(steps), 1), 2, steps.tobytes(), dtype="f4")
@@ -165,11 +165,11 @@ class SpreadTables:
     def _padded(self, table: DoubleArray) -> DoubleArray:
         return np.pad(table, self.half - len(table) // 2)
 
-    def serves(self, spread: Spread, most_px: float) -> bool:
-        """Whether these are the tables of a spread, up to a radius."""
-        return self.spread == spread and steps_to(most_px, self.step_px) < self.count
+    def cover(self, spread: Spread, most_px: float) -> bool:
+        """True where these are the tables of a spread, up to a radius."""
+        return self.spread == spread and step_of(most_px, self.step_px) < self.count
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for texture in (self.weights, self.steps):
             texture.release()

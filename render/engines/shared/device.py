@@ -10,8 +10,8 @@ from render.gl.shaders import ProgramCache
 from render.layers.movement import Movement
 from render.layers.peel import Peeler
 from render.model.arrays import FloatArray
+from render.postblur.focus_split import Blur
 from render.postblur.preview import Previewer
-from render.postblur.sides import Blur
 from render.postblur.single_image import SingleImageBlur
 from render.trace.lens import LensTracer
 from render.trace.rays import RayPattern, ray_pattern

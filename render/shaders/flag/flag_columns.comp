@@ -1,29 +1,29 @@
 #version 450 core
-// The vertical pass of FLAG: each pixel gathers, from the rows above and below, what they shed as far as this.
-// in:  piles and heights of the rows that are held (flag_rows.comp), and the largest heights in stretches of TILE rows
-// out: `blurred`: the field's light, and how much of it there is, in the rows whose neighbours are all held
+// Vertical pass of FLAG: each pixel gathers the contributions of the rows above and below that reach it.
+// in:  contributions and heights of the stored rows (flag_rows.comp), and the greatest height in each tile of TILE rows
+// out: `blurred`: light and coverage of the field, in the rows whose neighbours are all stored
 // Moersch & Hamilton 2014, section 3.2.3.
 
 layout(local_size_x = 32, local_size_y = 2) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D blurred;
 
-uniform sampler2DArray piles;
+uniform sampler2DArray contributions;
 uniform sampler2D heights;
-uniform sampler2D tallest;
-uniform int first_row;          // of those
+uniform sampler2D tile_height;
+uniform int first_row;          // first finished row
 uniform int rows;
-uniform int ring;               // rows that are held, whole stretches
+uniform int ring;               // stored rows, whole tiles
 uniform int most;
 
-// Light of the row stored in `held`, which lies `below` rows below this one, on this row.
-vec4 shed_by(int x, int held, int below)
+// Contribution to this row of the row stored in `slot`, which lies `below` rows below.
+vec4 contribution_of(int x, int slot, int below)
 {
     int z = abs(below);
-    if (float(z) > texelFetch(heights, ivec2(x, held), 0).r) return vec4(0.0);
+    if (float(z) > texelFetch(heights, ivec2(x, slot), 0).r) return vec4(0.0);
 #ifdef TWO_SIDED
-    if (below < 0) z += most + 1;       // of a row above, what it sheds below itself
+    if (below < 0) z += most + 1;       // a row above contributes by its lower half
 #endif
-    return texelFetch(piles, ivec3(x, held, z), 0);
+    return texelFetch(contributions, ivec3(x, slot, z), 0);
 }
 
 void main()
@@ -34,10 +34,10 @@ void main()
     vec4 total = vec4(0.0);
     for (int tile = low / TILE; tile <= high / TILE; ++tile) {
         int from = max(tile * TILE, low), to = min(tile * TILE + TILE - 1, high);
-        int held = tile % (ring / TILE);
+        int slot = tile % (ring / TILE);
         float nearest = float(max(max(from - at.y, at.y - to), 0));
-        if (texelFetch(tallest, ivec2(at.x, held), 0).r < nearest) continue;
-        for (int row = from; row <= to; ++row) total += shed_by(at.x, row + (held - tile) * TILE, row - at.y);
+        if (texelFetch(tile_height, ivec2(at.x, slot), 0).r < nearest) continue;
+        for (int row = from; row <= to; ++row) total += contribution_of(at.x, row + (slot - tile) * TILE, row - at.y);
     }
     imageStore(blurred, at, total);
 }

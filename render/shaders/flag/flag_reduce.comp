@@ -1,14 +1,15 @@
 #version 450 core
-// Wide blurs at less resolution: a field's light that is spread wide, and its radii, averaged over squares of pixels.
+// Reduce wide blurs to less resolution: a field's light in a window of radii, and its radii, averaged over squares of
+// pixels.
 // in:  light of a field (premultiplied), its radii in pixels
 // out: `reduced`, a `shrink`th as large on a side, and `reduced_radii` in its own pixels
-// Moersch & Hamilton 2014, section 5, propose it of all light; here what is nearly sharp keeps its resolution.
+// Moersch & Hamilton 2014, section 5, propose it for all light; here nearly sharp light keeps its resolution.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D reduced;
 layout(rg32f, binding = 1) uniform writeonly image2D reduced_radii;
 
-#include "flag/flag_window.glsl"
+#include "flag/radius_window.glsl"
 
 uniform sampler2D light;
 uniform sampler2D radii;

@@ -1,13 +1,13 @@
 // Importance of a change, and the bucket that it puts the pixel in (Fearing 1995, section 4.3).
 // out: `waiting`: bucket, 0 for no change, and 256 times the number of pictures that the pixel has waited for; `counts` of the buckets,
 //      in each chunk of 64 half tiles
-// Buckets are quarters of an octave of importance. What waits doubles in importance with each picture, so that nothing starves.
+// Buckets are quarters of an octave of importance. A waiting change doubles in importance with each picture, so that none starves.
 
 layout(r32ui, binding = 2) uniform uimage2D waiting;
 layout(std430, binding = 6) writeonly buffer Counts { uint counts[]; };
 
-uniform float coc_weight;       // of a pixel of radius
-uniform float rgb_weight;       // of a unit of light, or of a perceptual distance
+uniform float coc_weight;       // weight of a pixel of radius
+uniform float rgb_weight;       // weight of a unit of light, or of perceptual distance
 uniform bool is_perceptual;
 uniform uint chunks;
 

@@ -1,5 +1,5 @@
 #version 450 core
-// Lists the tiles that are marked.
+// List the marked tiles.
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 3) buffer Listed { uint listed_count; uint listed[]; };

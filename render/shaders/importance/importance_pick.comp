@@ -1,5 +1,5 @@
 #version 450 core
-// Picks pixels of the order: those that are spread anew now.
+// Pick the pixels of the order that are spread now.
 // in:  `order` (importance_sort.comp), from `first` to before `end`
 // out: `picked`: a bit for each pixel of a half tile
 

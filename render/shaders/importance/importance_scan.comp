@@ -1,7 +1,7 @@
 #version 450 core
-// Where the pixels of each bucket and chunk begin in their order: the scan of a counting sort. One group.
+// Scan of a counting sort: the first position of each bucket and chunk in the order. One work group.
 // in:  `counts` of each bucket in each chunk (importance_bucket.glsl)
-// out: `counts`: where they begin, the most important first
+// out: `counts`: first positions, the most important bucket first
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 6) buffer Counts { uint counts[]; };

@@ -1,7 +1,6 @@
 #version 450 core
-// Puts the pixels that have changed in the order of their importance: the scatter of a counting sort. Of equals the first comes first,
-// on every device.
-// in:  `waiting` (importance_bucket.glsl), where the buckets' parts begin (importance_scan.comp)
+// Scatter of a counting sort: order the changed pixels by importance. The sort is stable, on every device.
+// in:  `waiting` (importance_bucket.glsl), first positions of the buckets' parts (importance_scan.comp)
 // out: `order`: numbers of pixels, the half tile's 32 times and its own within it
 
 layout(local_size_x = 64) in;
@@ -12,7 +11,7 @@ layout(std430, binding = 6) readonly buffer Counts { uint counts[]; };
 uniform uint chunks;
 uniform ivec2 tiles;
 
-shared uint places[64 * 64];    // by lane and bucket
+shared uint places[64 * 64];    // by invocation and bucket
 
 uint bucket_of(int lane, int i)
 {
@@ -28,7 +27,7 @@ void main()
     for (uint bucket = 0u; bucket < 64u; ++bucket) places[own * 64u + bucket] = 0u;
     for (int i = 0; i < 32; ++i) places[own * 64u + bucket_of(lane, i)] += 1u;
     barrier();
-    uint at = counts[own * chunks + gl_WorkGroupID.x]; // here a lane is a bucket
+    uint at = counts[own * chunks + gl_WorkGroupID.x]; // here an invocation is a bucket
     for (uint other = 0u; other < 64u; ++other) {
         uint count = places[other * 64u + own];
         places[other * 64u + own] = at;

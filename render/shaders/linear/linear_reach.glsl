@@ -1,6 +1,6 @@
 // Distance to which a pixel spreads light, in pixels; below 0 where it has none.
 
-uniform float beyond_px;            // what the tables reach over the radii that they are made for, at most
+uniform float beyond_px;            // greatest distance beyond its radius at which a table has weight
 
 float reach_of(vec4 light, vec2 state)
 {

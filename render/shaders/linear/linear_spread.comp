@@ -1,16 +1,16 @@
 #version 450 core
-// Spreads light over circles of confusion: each pixel of a tile gathers, from the pixels around it that shed any, what reaches it.
-// in:  light and state of all pixels, which of them shed and how far (linear_take.comp); the tables
-// out: `shown`: the sum of weighted light, and the sum of weights; `sums`: the same with all their bits, where they are kept.
-//      LISTED: what has changed is added to both, on the tiles that are listed. DIFFERENCE: that is the new effect of each pixel less
-//      its old one (Fearing 1995, section 4.1). REJUDGE: it is what the tiles' own pixels hide no more, less what they hide now
+// Spread light over circles of confusion: each pixel of a tile gathers the light that reaches it from the pixels around it.
+// in:  light and state of all pixels, the emitters among them and their reach (linear_load.comp); the tables
+// out: `result`: the sum of weighted light, and the sum of weights; `sums`: the exact sums, with KEEP.
+//      LISTED: changes are added to the sums of the listed tiles. DIFFERENCE: a change is the new effect of a pixel less its old
+//      one (Fearing 1995, section 4.1). RECHECK: a change is the light that a pixel no longer hides, less the light it now hides
 // Potmesil & Chakravarty 1981.
 
 layout(local_size_x = 8, local_size_y = 8 / ROWS) in;
-layout(rgba32f, binding = 0) uniform writeonly image2D shown;
-layout(std430, binding = 1) readonly buffer Shedding { uvec4 shedding[]; };
+layout(rgba32f, binding = 0) uniform writeonly image2D result;
+layout(std430, binding = 1) readonly buffer Emitters { uvec4 emitters[]; };
 layout(std430, binding = 2) readonly buffer Reaches { float reaches[]; };
-layout(std430, binding = 4) readonly buffer Filled { uint filled[]; };
+layout(std430, binding = 4) readonly buffer TileBits { uint tile_bits[]; };
 #ifdef KEEP
 layout(std430, binding = 0) buffer Sums { dvec4 sums[]; };
 #endif
@@ -23,10 +23,10 @@ layout(std430, binding = 5) readonly buffer Picked { uint picked[]; };
 #ifdef DIFFERENCE
 uniform sampler2D light_last;
 uniform sampler2D state_last;
-uniform int first_difference;       // of the tables
+uniform int first_difference;       // number of the first table of differences
 #include "importance/importance_change.glsl"
 #endif
-#ifdef REJUDGE
+#ifdef RECHECK
 uniform sampler2D state_before;
 #endif
 
@@ -35,17 +35,17 @@ uniform sampler2D state_before;
 uniform sampler2D light_now;
 uniform sampler2D state_now;
 uniform ivec2 tiles;
-uniform int filled_words;           // numbers of 32 bits for each row of tiles
-uniform int tiles_around;           // that anything reaches
-uniform int first_tile;             // row of tiles that this is the first of
+uniform int tile_bit_words;         // words of 32 bits for each row of tiles
+uniform int tiles_around;           // tiles within the greatest reach
+uniform int first_tile;             // first row of tiles of this dispatch
 
-// Effects of a tile's pixels that reach another tile: bits of the two halves, of new ones and of old ones.
+// Effects of a tile's pixels that reach another tile: bits of the two halves for new effects, then for old ones.
 uvec4 reaching(ivec2 from, ivec2 to)
 {
     int number = 2 * (from.y * tiles.x + from.x);
     vec2 gap = vec2(max(abs(from - to) * 8 - 7, 0));
     bool reach = length(gap) <= max(reaches[number], reaches[number + 1]);
-    uvec4 upper = shedding[number], lower = shedding[number + 1];
+    uvec4 upper = emitters[number], lower = emitters[number + 1];
     uvec4 bits = from == to ? uvec4(upper.x, lower.x, upper.y, lower.y) : uvec4(upper.z, lower.z, upper.w, lower.w);
 #ifdef PICKED
     bits &= uvec2(picked[number], picked[number + 1]).xyxy;
@@ -53,15 +53,15 @@ uvec4 reaching(ivec2 from, ivec2 to)
     return reach ? bits : uvec4(0u);
 }
 
-// Tiles of a row, of fewer than 32, in which any pixel sheds light: bits from the first one on.
-uint filled_around(int first, int last, int y)
+// Bits of the tiles with light among fewer than 32 tiles of a row, from the first one on.
+uint tile_bits_around(int first, int last, int y)
 {
-    int word = y * filled_words + (first >> 5), shift = first & 31;
-    uint bits = filled[word] >> shift | (shift > 0 ? filled[word + 1] << (32 - shift) : 0u);
+    int word = y * tile_bit_words + (first >> 5), shift = first & 31;
+    uint bits = tile_bits[word] >> shift | (shift > 0 ? tile_bits[word + 1] << (32 - shift) : 0u);
     return bits & ((1u << (last - first + 1)) - 1u);
 }
 
-// Take the next one of the bits: pixel of the tile, and from 64 on the same of the old effects.
+// Remove the lowest set bit and return its pixel in the tile; from 64 on it is an old effect.
 int next(inout uvec4 bits)
 {
     int word = bits.x != 0u ? 0 : bits.y != 0u ? 1 : bits.z != 0u ? 2 : 3;
@@ -71,7 +71,7 @@ int next(inout uvec4 bits)
 }
 
 #ifdef DIFFERENCE
-void shed_change(ivec2 at, bool is_old, ivec2 offset)
+void spread_change(ivec2 at, bool is_old, ivec2 offset)
 {
     vec4 light = texelFetch(light_now, at, 0), before = texelFetch(light_last, at, 0);
     vec2 state = texelFetch(state_now, at, 0).xy, state_then = texelFetch(state_last, at, 0).xy;
@@ -79,7 +79,7 @@ void shed_change(ivec2 at, bool is_old, ivec2 offset)
     dvec4 effect = is_old ? -dvec4(before) : step ? dvec4(state.x > state_then.x ? light : -light)
                                                   : dvec4(light) - dvec4(is_taken ? before : vec4(0.0));
     int table = is_old ? int(state_then.x) : step ? first_difference + int(min(state.x, state_then.x)) : int(state.x);
-    shed(effect, table, is_old ? state_then.y : state.y, offset);
+    spread_light(effect, table, is_old ? state_then.y : state.y, offset);
 }
 #endif
 
@@ -101,13 +101,13 @@ void main()
 #else
         own_px[row] = texelFetch(state_now, min(own + ivec2(0, row), size - 1), 0).y;
 #endif
-#ifdef REJUDGE
+#ifdef RECHECK
         before_px[row] = texelFetch(state_before, min(own + ivec2(0, row), size - 1), 0).y;
 #endif
     }
     ivec2 low = max(tile - tiles_around, ivec2(0)), high = min(tile + tiles_around, tiles - 1);
     for (int y = low.y; y <= high.y; ++y) {
-        uint around = filled_around(low.x, high.x, y);
+        uint around = tile_bits_around(low.x, high.x, y);
         int tile_count = bitCount(around);
         for (int i_tile = 0; i_tile < tile_count; ++i_tile) {
             int x = low.x + findLSB(around);
@@ -118,10 +118,10 @@ void main()
                 int bit = next(bits);
                 ivec2 at = ivec2(x, y) * 8 + ivec2(bit & 7, (bit & 63) >> 3);
 #ifdef DIFFERENCE
-                shed_change(at, bit >= 64, own - at);
+                spread_change(at, bit >= 64, own - at);
 #else
                 vec2 state = texelFetch(state_now, at, 0).xy;
-                shed(dvec4(texelFetch(light_now, at, 0)), int(state.x), state.y, own - at);
+                spread_light(dvec4(texelFetch(light_now, at, 0)), int(state.x), state.y, own - at);
 #endif
             }
         }
@@ -136,6 +136,6 @@ void main()
 #endif
         sums[number] = total[row];
 #endif
-        imageStore(shown, at, vec4(total[row]));
+        imageStore(result, at, vec4(total[row]));
     }
 }

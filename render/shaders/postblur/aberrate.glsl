@@ -1,7 +1,7 @@
 // Picture errors of a lens over the height in the picture, shared by the image-space passes
 // (render/postblur/picture_errors.py).
-// Places are slopes of pixel centres, x right and y down; errors are slopes too, and `focal_px` makes pixels of them.
-// A row has source, even, along and across for red, green and blue each, then coma and light.
+// Positions are slopes of pixel centres, x right and y down; errors are slopes too, and `focal_px` converts them to pixels.
+// A row has source, even, along and across, each for red, green and blue, then coma and light.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) writeonly uniform image2D target;
@@ -11,8 +11,8 @@ uniform sampler2D picture;
 uniform int row_count;
 uniform float last;         // height of the last row
 uniform vec2 centre;        // pixels
-uniform vec2 focal_px;      // of the picture
-uniform float squeeze;      // bends and blurs are that many times narrower from side to side
+uniform vec2 focal_px;      // focal length of the picture
+uniform float squeeze;      // anamorphic squeeze, by which bending and blur are narrower from side to side
 
 float error_at(float height, int field)
 {
@@ -38,7 +38,7 @@ vec2 narrowed_px() { return vec2(focal_px.x / squeeze, focal_px.y); }
 
 vec4 texel(ivec2 at) { return texelFetch(picture, clamp(at, ivec2(0), textureSize(picture, 0) - 1), 0); }
 
-// At a place in pixels whose texels stand at whole numbers; in full precision, unlike a sampler's.
+// Bilinear sample at a position in pixels, with texel centres at whole numbers; in full precision, unlike a sampler's.
 vec4 bilinear(vec2 at)
 {
     ivec2 low = ivec2(floor(at));

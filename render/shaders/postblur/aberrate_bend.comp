@@ -1,7 +1,7 @@
 #version 450 core
-// Distortion and lateral colour: each channel of a pixel from where it is seen in the picture without errors.
+// Distortion and lateral colour: sample each channel of a pixel at its source in the error-free picture.
 // in:  `picture` (premultiplied, scene-linear); out: `target`, alpha with green
-// Kyaw 2013, section 11.4; Catmull-Rom cubic, kept between its four nearest texels
+// Kyaw 2013, section 11.4; Catmull-Rom cubic, clamped to its four nearest texels
 
 #include "postblur/aberrate.glsl"
 

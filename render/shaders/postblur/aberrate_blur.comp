@@ -1,5 +1,5 @@
 #version 450 core
-// Astigmatic blur, along one of four lines in turn: what is even along the pixels' rows and columns, the rest along the radius and
+// Astigmatic blur along one of four directions in turn: the even part along rows and columns, the rest along the radius and
 // across it.
 // in:  `picture`, `line`; out: `target`, alpha with green
 // Kyaw 2013, sections 11.4 and 11.5, with Gaussian weights; taps are a pixel apart along the axis that the line is nearer to

@@ -1,7 +1,7 @@
 #version 450 core
-// Coma's flare, and the light that the lens leaves: each pixel sees the picture from all over the pupil.
-// in:  `picture`, `flare` (points of the flare of a third of its length 1: along the radius and across it); out: `target`
-// Welford 1986, chapter 7: off by third * (3x^2 + y^2, 2xy) at the point (x, y) of the pupil
+// Coma and vignetting: each pixel is the mean of the picture over the pupil, times the lens's relative light.
+// in:  `picture`, `flare` (points of the flare, for a third of its length of 1: along the radius and across it); out: `target`
+// Welford 1986, chapter 7: shifted by third * (3x^2 + y^2, 2xy) at the point (x, y) of the pupil
 
 #include "postblur/aberrate.glsl"
 

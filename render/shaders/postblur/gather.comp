@@ -1,8 +1,8 @@
 #version 450 core
-// The naive gather: each pixel looks through the whole square of pixels within the largest radius, and takes of each whose circle of
-// confusion reaches it what that sheds.
-// in:  what each pixel sheds and how far (flag_shed.comp)
-// out: `blurred`: the field's light, and how much of it there is, in a rectangle
+// Naive gather: each pixel samples the whole square within the greatest radius and sums the intensity of every pixel whose
+// circle of confusion reaches it.
+// in:  intensity and radius of each pixel (flag/point_spread.comp)
+// out: `blurred`: light and coverage of the field, in a rectangle
 // Moersch & Hamilton 2014, section 3.1, with no spacing. Quadratic in the radius.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -10,20 +10,20 @@ layout(rgba32f, binding = 0) uniform writeonly image2D blurred;
 
 #include "layers/outline.glsl"
 
-uniform sampler2D shed;
-uniform sampler2D reach;
+uniform sampler2D intensity;
+uniform sampler2D radii;
 uniform ivec2 first;        // pixel of the rectangle
 uniform ivec2 piece_px;     // its size
-uniform int most;           // pixels that any circle reaches
+uniform int most;           // greatest radius in pixels
 
-// Share of what a pixel sheds that falls on another, `dx` to the right of it and `dy` below: along a column, the pixel that the
-// circle ends in has its share of it.
+// Share of a pixel's intensity on another, `dx` to the right of it and `dy` below: along a column, the last pixel of the circle
+// gets its share.
 float share_at(int dx, int dy, float radius)
 {
-    vec2 sides = reach_at(dx, radius);
-    if (dy == 0) return 0.5 * (min(2.0 * sides.x, 1.0) + min(2.0 * sides.y, 1.0));
-    float side = dy < 0 ? sides.x : sides.y;
-    return side < 0.5 ? 0.0 : clamp(side + 0.5 - abs(float(dy)), 0.0, 1.0);
+    vec2 extents = reach_at(dx, radius);
+    if (dy == 0) return 0.5 * (min(2.0 * extents.x, 1.0) + min(2.0 * extents.y, 1.0));
+    float extent = dy < 0 ? extents.x : extents.y;
+    return extent < 0.5 ? 0.0 : clamp(extent + 0.5 - abs(float(dy)), 0.0, 1.0);
 }
 
 void main()
@@ -34,11 +34,11 @@ void main()
     vec4 total = vec4(0.0);
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
-            float radius = texelFetch(reach, ivec2(x, y), 0).r;
+            float radius = texelFetch(radii, ivec2(x, y), 0).r;
             ivec2 off = at - ivec2(x, y);
             if (radius <= 0.0 || off.x != 0 && float(abs(off.x)) >= radius) continue;
             float share = share_at(off.x, off.y, radius);
-            if (share > 0.0) total += share * texelFetch(shed, ivec2(x, y), 0);
+            if (share > 0.0) total += share * texelFetch(intensity, ivec2(x, y), 0);
         }
     }
     imageStore(blurred, at, total);

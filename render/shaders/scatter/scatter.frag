@@ -1,7 +1,7 @@
 #version 450 core
 // Light of a splat on a pixel; additive blending sums the splats.
 
-flat in vec4 shed;
+flat in vec4 point_light;
 flat in ivec2 corner;
 flat in int table;
 flat in float next;
@@ -14,5 +14,5 @@ void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy) - corner;
     float here = texelFetch(weights, ivec3(at, table), 0).r, wider = texelFetch(weights, ivec3(at, table + 1), 0).r;
-    light_here = shed * mix(here, wider, next);
+    light_here = point_light * mix(here, wider, next);
 }

@@ -4,7 +4,7 @@ uniform sampler2D light;        // premultiplied
 uniform sampler2D radii;        // of circles of confusion, in pixels of the light
 uniform int channel;            // of the radii
 uniform vec3 moments;           // a spot is as wide as an even disc of radius sqrt(x·c² + y·c + z)
-uniform bool is_soft;           // errors of the lens spread even what is in focus
+uniform bool is_soft;           // whether the lens's errors spread points in focus
 
 // Radius of an even disc that spreads light as far as the spot of a circle of confusion c.
 float spot_px(float c)

@@ -1,22 +1,22 @@
 #version 450 core
-// A quad over the pixels that the light of a point falls on: of a pixel, or of a square of alike ones taken for one.
-// in:  the list of spots, one for each instance; the field that they are of
-// out: the point's light, and which pixel of which spot table a fragment is
+// Quad over the pixels that get the light of a splat: of one pixel, or of a square of like pixels drawn as one.
+// in:  list of splats, one for each instance; the field that they belong to
+// out: light of the splat, and the fragment's pixel and table
 
 #include "scatter/scatter.glsl"
 
 layout(std430, binding = 1) readonly buffer Spots { uint spots[]; };
 
-uniform isampler2D reaches;     // of the spots' tables, column by column
-uniform int first;              // of the list
+uniform isampler2D reaches;     // reach of each table in pixels
+uniform int first;              // first splat of the list
 uniform int steps;              // tables of pixels; as many follow for squares of 2, 4 and 8 of them
-uniform int middle;             // pixel of the tables
+uniform int middle;             // middle pixel of the tables
 uniform vec2 target_px;
 
-flat out vec4 shed;
-flat out ivec2 corner;          // of the target, where the table begins
-flat out int table;             // and the next one
-flat out float next;            // share of that
+flat out vec4 point_light;
+flat out ivec2 corner;          // pixel of the target where the table begins
+flat out int table;             // number of the smaller table
+flat out float next;            // weight of the next larger table
 
 void main()
 {
@@ -24,14 +24,14 @@ void main()
     ivec2 at = ivec2(spot & 0x7fffu, spot >> 15 & 0x7fffu);
     int log_side = int(spot >> 30), side = 1 << log_side;
     float c = 0.0;
-    shed = vec4(0.0);
+    point_light = vec4(0.0);
     for (int i = 0; i < side * side; ++i) {
         ivec2 pixel = at + ivec2(i % side, i / side);
-        shed += texelFetch(light, pixel, 0);
+        point_light += texelFetch(light, pixel, 0);
         c += texelFetch(radii, pixel, 0)[channel];
     }
     c /= float(side * side);
-    if (side == 1) shed *= 1.0 - sharp_share(c);
+    if (side == 1) point_light *= 1.0 - sharp_share(c);
     float size_step = min(c * STEPS, float(steps - 2));
     table = int(size_step) + log_side * steps;
     next = fract(size_step);

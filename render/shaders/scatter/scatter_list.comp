@@ -1,7 +1,8 @@
 #version 450 core
-// Lists what `scatter/scatter_plan.comp` has planned, class by class and in the order of the picture, so that sums are the same each time.
-// in:  the plan; `offsets` of the first spot of each class and square of 8 pixels in the list
-// out: `spots`: 15 bits each of column and row, and log2 of the side
+// List the splats that scatter/scatter_plan.comp has planned, by class and in the order of the picture, so that sums
+// are reproducible.
+// in:  the plan; `offsets` in the list of the first splat of each class and work group
+// out: `spots`: 15 bits each for column and row, and log2 of the side
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) readonly buffer Offsets { uint offsets[]; };

@@ -1,9 +1,9 @@
 #version 450 core
-// Which spots are drawn: of pixels alone, or of squares of 2, 4 or 8 pixels that are alike and spread much wider than they are.
+// Plan the splats: single pixels, or squares of 2, 4 or 8 like pixels whose spots are much larger than they are.
 // in:  a field's light and circles of confusion
-// out: `plan`, at the upper left pixel of what is drawn as one: 1 + its kind + CLASSES · log2 of its side; 0 for nothing.
-//      `counts` of them, by class and square of 8 pixels
-// A class is a range of circles of confusion that is drawn at once.
+// out: `plan`, at the upper left pixel of a splat: 1 + its class + CLASSES · log2 of its side; 0 for none.
+//      `counts` of splats, by class and work group
+// A class is a range of circles of confusion that is drawn together.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(r8ui, binding = 0) uniform writeonly uimage2D plan;
@@ -13,20 +13,20 @@ layout(std430, binding = 0) writeonly buffer Counts { uint counts[]; };
 
 uniform vec4 edges;             // circles of confusion at which classes begin, and the last one ends
 
-shared vec4 totals[64];         // light of the square that begins here
+shared vec4 totals[64];         // light of the square at this pixel
 shared vec2 spans[64];          // least and greatest circle of confusion in it
-shared int plans[64];           // class + CLASSES · log2 of the side of the square drawn from here; -1 for none
-shared uint waiting;            // whether anything of the group is drawn
-shared uint drawn[2 * CLASSES]; // by class, a bit for each lane
+shared int plans[64];           // class + CLASSES · log2 of the side of the square at this pixel; -1 for none
+shared uint waiting;            // whether the work group draws anything
+shared uint planned_bits[2 * CLASSES]; // by class, a bit for each invocation
 
-// Whether the light of the square's halves is so alike that its middle stands for it.
+// Whether the square's halves have so similar light that the square's middle may represent it.
 bool is_alike(vec4 one, vec4 other, float side, float px)
 {
     vec4 shift = 0.25 * side * abs(one - other), most = min(SHIFT * px, MOST_SHIFT) * (one + other);
     return all(lessThanEqual(shift, most + 1e-9));
 }
 
-bool is_joined(int lane, int half_side)
+bool can_merge(int lane, int half_side)
 {
     int right = lane + half_side, below = lane + 8 * half_side, across = below + half_side;
     int own = plans[lane];
@@ -39,7 +39,7 @@ bool is_joined(int lane, int half_side)
         && is_alike(totals[lane] + totals[right], totals[below] + totals[across], side, px);
 }
 
-void join(int lane, int half_side)
+void merge(int lane, int half_side)
 {
     int right = lane + half_side, below = lane + 8 * half_side, across = below + half_side;
     totals[lane] += totals[right] + totals[below] + totals[across];
@@ -54,7 +54,7 @@ void main()
     ivec2 at = ivec2(gl_GlobalInvocationID.xy), size = textureSize(light, 0), local = ivec2(gl_LocalInvocationID.xy);
     int lane = int(gl_LocalInvocationIndex), own = -1;
     bool is_inside = all(lessThan(at, size));
-    if (lane < 2 * CLASSES) drawn[lane] = 0u;
+    if (lane < 2 * CLASSES) planned_bits[lane] = 0u;
     totals[lane] = vec4(0.0);
     spans[lane] = vec2(0.0);
     if (is_inside) {
@@ -75,17 +75,17 @@ void main()
         for (int level = 0; level < 3; ++level) {
             int half_side = 1 << level;
             bool leads = all(equal(local & ivec2(2 * half_side - 1), ivec2(0))) && plans[lane] / CLASSES == level;
-            if (leads && is_joined(lane, half_side)) join(lane, half_side);
+            if (leads && can_merge(lane, half_side)) merge(lane, half_side);
             barrier();
         }
         own = plans[lane];
-        if (own >= 0) atomicOr(drawn[2 * (own % CLASSES) + (lane >> 5)], 1u << (lane & 31));
+        if (own >= 0) atomicOr(planned_bits[2 * (own % CLASSES) + (lane >> 5)], 1u << (lane & 31));
     }
     if (is_inside) imageStore(plan, at, uvec4(own + 1, 0u, 0u, 0u));
     barrier();
     int groups = int(gl_NumWorkGroups.x * gl_NumWorkGroups.y);
     if (lane < CLASSES) {
         int group = int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
-        counts[lane * groups + group] = uint(bitCount(drawn[2 * lane]) + bitCount(drawn[2 * lane + 1]));
+        counts[lane * groups + group] = uint(bitCount(planned_bits[2 * lane]) + bitCount(planned_bits[2 * lane + 1]));
     }
 }

@@ -1,5 +1,5 @@
 #version 450 core
-// Where the sum of a field's spots begins: behind the focus with the points that need none, which are in front of all others.
+// Initial sum of a field's splats: for the far field the sharp pixels, which are in front of all splats.
 // in:  a field's light and circles of confusion
 // out: `sum`: light that stays in its pixel
 
@@ -8,7 +8,7 @@ layout(rgba32f, binding = 0) uniform writeonly image2D sum;
 
 #include "scatter/scatter.glsl"
 
-uniform bool is_kept;           // false: it begins with nothing
+uniform bool is_kept;           // false: the sum starts at 0
 
 void main()
 {

@@ -8,7 +8,7 @@ import numpy as np
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
 from render.postblur.blur_shape import AREA_STEPS, BlurShape
-from render.postblur.shed import Field
+from render.postblur.point_spread import Field
 
 IRISES = {
     "round": IrisShape(),

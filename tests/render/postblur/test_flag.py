@@ -22,8 +22,8 @@ from render.model.lens import IrisShape
 from render.model.scene import Batch, Dome, Material, Scene
 from render.pictures.picture import make_picture
 from render.postblur.blur_shape import BlurShape, blur_shape
-from render.postblur.flag import BAND_BYTES, PILE_BYTES, Flag, Ring
-from render.postblur.shed import EVERYTHING, Field, Window
+from render.postblur.flag import BAND_BYTES, CONTRIBUTION_BYTES, Flag, Ring
+from render.postblur.point_spread import ALL_RADII, Field, RadiusWindow
 from render.shot import Shot
 from tests.render.kits.blur_fields import IRISES, blur_by_point
 from tests.render.kits.moving_shots import add_card, key_move, write_posts_shot
@@ -44,11 +44,11 @@ def blurred(
     both = ctx.texture((width, height), 2, np.stack([radii, 0 * radii], axis=-1).astype("f4").tobytes(), dtype="f4")
     target = ctx.texture((width, height), 4, dtype="f4")
     between = 0.5 * split_px, split_px
-    fine = Window(fall=between) if split_px else EVERYTHING
+    fine = RadiusWindow(fall=between) if split_px else ALL_RADII
     flag.blur(Field(sources, both, 0), shape, split_px or most_px, target, fine)
     total = np.frombuffer(target.read(), np.float32).reshape(height, width, 4).copy()
     if split_px:
-        wide = flag.reduced(Field(sources, both, 0), 2, Window(rise=between))
+        wide = flag.reduce(Field(sources, both, 0), 2, RadiusWindow(rise=between))
         coarse = ctx.texture(wide.light.size, 4, dtype="f4")
         flag.blur(wide, shape, most_px / 2, coarse)
         half = np.frombuffer(coarse.read(), np.float32).reshape(*wide.light.size[::-1], 4)
@@ -101,11 +101,11 @@ def test_wide_blurs_at_half_the_resolution_are_alike(ctx: moderngl.Context) -> N
 @pytest.mark.parametrize("most", [3, 24, 81])
 def test_memory_has_a_bound(size: tuple[int, int], most: int) -> None:
     for two_sided in (False, True):
-        ring = Ring.of(size, most, two_sided=two_sided)
+        ring = Ring.for_picture(size, most, two_sided=two_sided)
         least = 16 + 2 * 16 * -(-most // 16)
         assert ring.ahead >= most
         assert ring.slices == (most + 1) * (2 if two_sided else 1)
-        assert ring.rows * size[0] * ring.slices * PILE_BYTES <= BAND_BYTES or ring.rows == least
+        assert ring.rows * size[0] * ring.slices * CONTRIBUTION_BYTES <= BAND_BYTES or ring.rows == least
         assert ring.rows < size[1] + 2 * most + 48
 
 
@@ -116,7 +116,7 @@ def test_rows_that_are_held_in_turn_are_told_apart(ctx: moderngl.Context, monkey
     shape = blur_shape(IRISES["five, turned"], behind=True)
     whole = blurred(ctx, light, radii, shape, 5)
     monkeypatch.setattr("render.postblur.flag.BAND_BYTES", 0)
-    assert Ring.of((40, 150), 6, two_sided=True).new == 16
+    assert Ring.for_picture((40, 150), 6, two_sided=True).new == 16
     np.testing.assert_array_equal(blurred(ctx, light, radii, shape, 5), whole)
 
 

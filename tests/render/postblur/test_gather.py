@@ -16,7 +16,7 @@ from render.model.lens import IrisShape
 from render.postblur.blur_shape import blur_shape
 from render.postblur.flag import Flag
 from render.postblur.gather import Gather
-from render.postblur.shed import EVERYTHING, Field, Window
+from render.postblur.point_spread import ALL_RADII, Field, RadiusWindow
 from tests.render.kits.blur_fields import IRISES, blur_by_point
 
 
@@ -28,18 +28,18 @@ def ctx(renderer: FrameRenderer) -> moderngl.Context:
 class Stand:
     """A field on the device, blurred by one engine or another."""
 
-    def __init__(self, ctx: moderngl.Context, held: Resources, light: FloatArray, radii: FloatArray) -> None:
+    def __init__(self, ctx: moderngl.Context, scope: Resources, light: FloatArray, radii: FloatArray) -> None:
         height, width = radii.shape
         both = np.stack([0 * radii, radii], axis=-1).astype("f4")
         self.field = Field(
-            held.keep(ctx.texture((width, height), 4, light.tobytes(), dtype="f4")),
-            held.keep(ctx.texture((width, height), 2, both.tobytes(), dtype="f4")),
+            scope.keep(ctx.texture((width, height), 4, light.tobytes(), dtype="f4")),
+            scope.keep(ctx.texture((width, height), 2, both.tobytes(), dtype="f4")),
             1,
         )
         self.most_px = float(radii.max())
-        self._target = held.keep(ctx.texture((width, height), 4, dtype="f4"))
+        self._target = scope.keep(ctx.texture((width, height), 4, dtype="f4"))
 
-    def blurred(self, by: Flag | Gather, iris: IrisShape, window: Window = EVERYTHING) -> FloatArray:
+    def blurred(self, by: Flag | Gather, iris: IrisShape, window: RadiusWindow = ALL_RADII) -> FloatArray:
         by.blur(self.field, blur_shape(iris, behind=True), self.most_px, self._target, window)
         width, height = self._target.size
         return np.frombuffer(self._target.read(), np.float32).reshape(height, width, 4).copy()
@@ -56,17 +56,17 @@ def random_field(size: tuple[int, int], most_px: float) -> tuple[FloatArray, Flo
 def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: str) -> None:
     light, radii = random_field((17, 23), 6.4)
     shape = blur_shape(IRISES[iris], behind=True)
-    with Resources() as held:
-        seen = Stand(ctx, held, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
+    with Resources() as scope:
+        seen = Stand(ctx, scope, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
     np.testing.assert_allclose(seen, blur_by_point(light, radii, shape, shape.areas(8)), atol=2e-5)
 
 
-@pytest.mark.parametrize("window", [EVERYTHING, Window(rise=(2.0, 3.5)), Window(fall=(1.0, 4.0))])
-def test_flag_comes_to_the_same(ctx: moderngl.Context, window: Window) -> None:
+@pytest.mark.parametrize("window", [ALL_RADII, RadiusWindow(rise=(2.0, 3.5)), RadiusWindow(fall=(1.0, 4.0))])
+def test_flag_comes_to_the_same(ctx: moderngl.Context, window: RadiusWindow) -> None:
     light, radii = random_field((60, 90), 17.0)
     programs = ProgramCache(ctx)
-    with Resources() as held:
-        stand = Stand(ctx, held, light, radii)
+    with Resources() as scope:
+        stand = Stand(ctx, scope, light, radii)
         gather = stand.blurred(Gather(ctx, programs), IRISES["five, turned"], window)
         flag = stand.blurred(Flag(ctx, programs), IRISES["five, turned"], window)
     assert gather.max() > 0.1
@@ -76,9 +76,12 @@ def test_flag_comes_to_the_same(ctx: moderngl.Context, window: Window) -> None:
 def test_windows_that_share_the_light_share_all_of_it(ctx: moderngl.Context) -> None:
     light, radii = random_field((30, 40), 8.0)
     gather = Gather(ctx, ProgramCache(ctx))
-    with Resources() as held:
-        stand = Stand(ctx, held, light, radii)
-        parts = [stand.blurred(gather, IrisShape(), window) for window in (Window(rise=(3, 5)), Window(fall=(3, 5)))]
+    with Resources() as scope:
+        stand = Stand(ctx, scope, light, radii)
+        parts = [
+            stand.blurred(gather, IrisShape(), window)
+            for window in (RadiusWindow(rise=(3, 5)), RadiusWindow(fall=(3, 5)))
+        ]
         np.testing.assert_allclose(parts[0] + parts[1], stand.blurred(gather, IrisShape()), atol=2e-5)
 
 
@@ -97,7 +100,7 @@ def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
     ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To the same picture, and each piece looks at no more pixels than it should."""
-    monkeypatch.setattr("render.postblur.gather.FIRST_LOOKS", 1 << 17)
+    monkeypatch.setattr("render.postblur.gather.FIRST_DISPATCH_SAMPLES", 1 << 17)
     light, radii = random_field((60, 300), 15.0)
     cancellation = CancellationPoint(ctx.finish)
     beats = []
@@ -107,9 +110,9 @@ def test_work_that_is_watched_is_done_in_pieces_however_wide_the_blur(
         return False
 
     gather = Gather(ctx, ProgramCache(ctx), cancellation)
-    monkeypatch.setattr(gather._looks, "learn", lambda units, took_ms: None)
-    with Resources() as held:
-        stand = Stand(ctx, held, light, radii)
+    monkeypatch.setattr(gather._piece, "learn", lambda units, took_ms: None)
+    with Resources() as scope:
+        stand = Stand(ctx, scope, light, radii)
         whole = stand.blurred(gather, IrisShape())
         with cancellation.cancel_when(is_stale):
             pieces = stand.blurred(gather, IrisShape())
@@ -127,8 +130,8 @@ def test_it_can_be_called_off(ctx: moderngl.Context, engine: type[Gather] | type
         beats.append(1)
         return len(beats) > 2
 
-    with Resources() as held:
-        stand = Stand(ctx, held, light, radii)
+    with Resources() as scope:
+        stand = Stand(ctx, scope, light, radii)
         with pytest.raises(Cancelled), cancellation.cancel_when(is_stale):
             stand.blurred(engine(ctx, ProgramCache(ctx), cancellation), IrisShape())
     assert len(beats) == 3

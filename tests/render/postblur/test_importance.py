@@ -14,7 +14,7 @@ from render.gl.cancellation import CancellationPoint, Cancelled
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall
 from render.model.arrays import FloatArray
-from render.postblur.importance_field import ALL, NEVER_CANCELLED, Extent, ImportanceField
+from render.postblur.importance_field import NEVER_CANCELLED, UNLIMITED, ImportanceField, UpdateLimit
 from render.postblur.importance_order import Importance
 from render.postblur.linear import CUTOFF_PX, NO_CUTOFF, FieldSpreader, LinearField
 from render.postblur.spread_tables import Gaussian
@@ -50,10 +50,10 @@ class Stand:
         self.light[y[:9], x[:9]] = 0
         self.radii[y[: 2 * thirds], x[: 2 * thirds]] = self._radii((2 * thirds,))
 
-    def taken(self, extent: Extent = ALL, cancellation: CancellationPoint = NEVER_CANCELLED) -> FloatArray:
+    def taken(self, limit: UpdateLimit = UNLIMITED, cancellation: CancellationPoint = NEVER_CANCELLED) -> FloatArray:
         field = as_field(self.ctx, self.light, self.radii)
         try:
-            return as_array(self.ordered.update(field, 1.0, Gaussian(), 6.5, extent, cancellation))
+            return as_array(self.ordered.update(field, 1.0, Gaussian(), 6.5, limit, cancellation))
         finally:
             field.light.release()
             field.radii.release()
@@ -78,11 +78,11 @@ def test_all_changes_make_the_linear_picture_to_the_bit(ctx: moderngl.Context, c
     stand.taken()
     for count in (3, 200, 900, 40, 4000):
         stand.change(count)
-        part = stand.taken(Extent(share=0.4))
+        part = stand.taken(UpdateLimit(share=0.4))
         assert count < 30 or not np.array_equal(part, stand.wanted())
         stand.change(count // 2)
         assert np.array_equal(stand.taken(), stand.wanted())
-    assert stand.ordered.done.changed > 0
+    assert stand.ordered.stats.changed > 0
 
 
 def test_thousands_of_updates_do_not_drift(ctx: moderngl.Context) -> None:
@@ -90,21 +90,21 @@ def test_thousands_of_updates_do_not_drift(ctx: moderngl.Context) -> None:
     for number in range(1200):
         stand.change(60)
         stand.light[number % HEIGHT, number % WIDTH, :3] = 4096.0 if number % 2 else 1e-4
-        stand.taken(Extent(share=0.9))
-    assert not stand.ordered.done.was_afresh
+        stand.taken(UpdateLimit(share=0.9))
+    assert not stand.ordered.stats.from_scratch
     assert np.array_equal(stand.taken(), stand.wanted())
 
 
 def test_what_has_not_changed_is_not_spread(ctx: moderngl.Context) -> None:
     stand = Stand(ctx)
     first = stand.taken()
-    assert (stand.ordered.done.was_afresh, stand.ordered.done.made) == (True, HEIGHT * WIDTH)
+    assert (stand.ordered.stats.from_scratch, stand.ordered.stats.spread) == (True, HEIGHT * WIDTH)
     assert np.array_equal(stand.taken(), first)
-    assert stand.ordered.done.changed == 0
+    assert stand.ordered.stats.changed == 0
     steps = np.abs(stand.radii) * 2
     stand.radii *= np.where(np.abs(steps - np.round(steps)) < 0.4, 1 + 1e-3, 1).astype(np.float32)  # below a step
     stand.taken()
-    assert stand.ordered.done.changed == 0
+    assert stand.ordered.stats.changed == 0
 
 
 def test_the_most_important_is_first(ctx: moderngl.Context) -> None:
@@ -115,7 +115,7 @@ def test_the_most_important_is_first(ctx: moderngl.Context) -> None:
     places = {"large": (8, 8), "radius": (25, 30), "small": (42, 12)}
     stand.light[places["large"]], stand.light[places["small"]] = 3.0, 0.5001
     stand.radii[places["radius"]] = -4.0
-    made = [stand.taken(Extent(share=share)) for share in (0.3, 0.5, 1.0)]
+    made = [stand.taken(UpdateLimit(share=share)) for share in (0.3, 0.5, 1.0)]
     seen = [[bool((sums != before)[place].any()) for place in places.values()] for sums in made]
     assert seen == [[True, False, False], [True, True, False], [True, True, True]]
 
@@ -126,7 +126,7 @@ def test_weights_choose_what_is_important(ctx: moderngl.Context) -> None:
         stand.light[:], stand.radii[:] = 0.5, -2.0
         before = stand.taken()
         stand.light[8, 8], stand.radii[25, 30] = 1.0, -4.0
-        changed = (stand.taken(Extent(share=0.5)) != before).any(axis=-1)
+        changed = (stand.taken(UpdateLimit(share=0.5)) != before).any(axis=-1)
         assert changed[expected]
         assert changed.sum() < 120
 
@@ -140,7 +140,7 @@ def test_a_perceptual_distance_sees_the_dark(ctx: moderngl.Context) -> None:
         stand.light[30:] = 0.9
         before = stand.taken()
         stand.light[10, 10, :3], stand.light[40, 10, :3] = 0.03, 0.95
-        changed = (stand.taken(Extent(share=0.5)) != before).any(axis=-1)
+        changed = (stand.taken(UpdateLimit(share=0.5)) != before).any(axis=-1)
         firsts.append("dark" if changed[10, 10] else "bright")
         assert changed[10, 10] != changed[40, 10]
     assert firsts == ["bright", "dark"]
@@ -155,7 +155,7 @@ def test_what_waits_grows_until_it_is_made(ctx: moderngl.Context) -> None:
     waited = 0
     for number in range(20):
         stand.light[5:10, 5:15, :3] = number % 2
-        sums = stand.taken(Extent(share=0.97))  # all but one
+        sums = stand.taken(UpdateLimit(share=0.97))  # all but one
         if sums[40, 40, 0] != 0.5:
             break
         waited += 1
@@ -168,10 +168,10 @@ def test_time_is_kept_to_in_pieces(ctx: moderngl.Context) -> None:
     stand.change(3000)
     before = stand.wanted()
     stand.ordered._piece.units = 16
-    stand.taken(Extent(budget_ms=0.0))
-    assert 0 < stand.ordered.done.made < stand.ordered.done.changed
-    stand.taken(Extent(budget_ms=1e6))
-    assert stand.ordered.done.made == stand.ordered.done.changed
+    stand.taken(UpdateLimit(budget_ms=0.0))
+    assert 0 < stand.ordered.stats.spread < stand.ordered.stats.changed
+    stand.taken(UpdateLimit(budget_ms=1e6))
+    assert stand.ordered.stats.spread == stand.ordered.stats.changed
     assert np.array_equal(stand.taken(), before)
 
 
@@ -193,7 +193,7 @@ def test_stale_work_is_left_between_pieces_and_goes_on_from_there(ctx: moderngl.
 @pytest.mark.parametrize("bad", [{"share": 0.0}, {"share": 1.1}, {"share": float("nan")}, {"budget_ms": -1.0}])
 def test_an_extent_out_of_range_is_told(bad: dict[str, float]) -> None:
     with pytest.raises(SettingsError, match=f"{next(iter(bad))}|share"):
-        Extent(**bad)
+        UpdateLimit(**bad)
 
 
 def test_a_weight_below_zero_is_told() -> None:
@@ -209,7 +209,7 @@ def test_frames_of_a_renderer_are_those_of_the_linear_engine(renderer: FrameRend
         pulled = replace(camera, focus_distance_m=camera.focus_distance_m * distance)
         asked = replace(settings, width=size[0], height=size[1])
         made = renderer.render(scene, pulled, asked).color
-        done = renderer.engine(asked)._blur.done  # type: ignore[attr-defined]
+        done = renderer.engine(asked)._blur.stats  # type: ignore[attr-defined]
         wanted = renderer.render(scene, pulled, replace(asked, engine="linear")).color
         np.testing.assert_allclose(made, wanted, rtol=1e-5, atol=1e-6)
-        assert (distance == 1.02) == (not any(field.was_afresh for field in done))
+        assert (distance == 1.02) == (not any(field.from_scratch for field in done))

@@ -26,9 +26,9 @@ from render.postblur.spread_tables import (
     Gaussian,
     IrisImage,
     Spread,
-    radius_of,
-    steps_to,
-    table_of,
+    make_table,
+    step_of,
+    step_radius,
 )
 from tests.render.kits.blur_fields import as_array, as_field
 
@@ -60,12 +60,12 @@ def spread_by(
 def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float) -> DoubleArray:
     """The same, point by point."""
     height, width = radii.shape
-    steps = np.array([[steps_to(abs(radius)) for radius in row] for row in radii])
-    rounded = np.sign(radii) * np.array([[radius_of(step) for step in row] for row in steps])
+    steps = np.array([[step_of(abs(radius)) for radius in row] for row in radii])
+    rounded = np.sign(radii) * np.array([[step_radius(step) for step in row] for row in steps])
     total = np.zeros((height, width, 4))
     for y, x in np.argwhere((light != 0).any(axis=-1)):
         half = int(np.ceil(abs(rounded[y, x]) + 0.5))
-        table = table_of(spread, abs(rounded[y, x]), half)
+        table = make_table(spread, abs(rounded[y, x]), half)
         top, left = max(y - half, 0), max(x - half, 0)
         seen = rounded[top : y + half + 1, left : x + half + 1]
         rows, columns = seen.shape
@@ -78,9 +78,9 @@ def shed(light: FloatArray, radii: FloatArray, spread: Spread, cutoff_px: float)
 
 @given(step=st.integers(0, 80), name=st.sampled_from(sorted(SPREADS)))
 def test_a_table_is_whole_and_as_wide_as_its_circle(step: int, name: str) -> None:
-    radius = radius_of(step)
+    radius = step_radius(step)
     half = int(np.ceil(radius + 0.5))
-    table = table_of(SPREADS[name], radius, half)
+    table = make_table(SPREADS[name], radius, half)
     assert table.sum() == 1
     assert (table * 2**WEIGHT_BITS == np.round(table * 2**WEIGHT_BITS)).all()
     assert (table >= 0).all()
@@ -92,7 +92,7 @@ def test_a_table_is_whole_and_as_wide_as_its_circle(step: int, name: str) -> Non
 
 
 def test_an_even_disc_is_the_circle_of_confusion() -> None:
-    table = table_of(IrisImage(IrisShape()), 20.0, 21)
+    table = make_table(IrisImage(IrisShape()), 20.0, 21)
     y, x = np.mgrid[-21:22, -21:22]
     inside = np.hypot(x, y) < 19
     np.testing.assert_allclose(table[inside], 1 / (np.pi * 400), rtol=0.02)
@@ -100,13 +100,13 @@ def test_an_even_disc_is_the_circle_of_confusion() -> None:
 
 
 def test_steps_of_the_radius_are_half_a_pixel_and_then_a_sixty_fourth() -> None:
-    radii = [radius_of(step) for step in range(140)]
+    radii = [step_radius(step) for step in range(140)]
     assert radii[:4] == [0, 0.5, 1, 1.5]
-    assert [steps_to(radius) for radius in radii if radius < MAX_RADIUS_PX] == [
+    assert [step_of(radius) for radius in radii if radius < MAX_RADIUS_PX] == [
         step for step, radius in enumerate(radii) if radius < MAX_RADIUS_PX
     ]
     assert radii[139] / radii[138] == pytest.approx(1 + 1 / 64, rel=1e-2)
-    assert steps_to(1e9) == steps_to(MAX_RADIUS_PX)
+    assert step_of(1e9) == step_of(MAX_RADIUS_PX)
 
 
 @pytest.mark.parametrize("cutoff_px", [NO_CUTOFF, CUTOFF_PX])

@@ -16,8 +16,8 @@ from render.model.scene import Dome, Scene
 from render.optics.photometry.illuminance import light_over_picture
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace, renders_in_image_space
-from render.postblur.aberrate import aberrated
-from render.postblur.passes import aberrated_on
+from render.postblur.aberrate import aberrate
+from render.postblur.aberrate_passes import aberrate_on_device
 from render.postblur.picture_errors import PictureErrors, picture_errors
 from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, glowing_point, sheet_camera, spot_size
 
@@ -47,7 +47,7 @@ def test_a_point_is_blurred_as_wide_as_the_sheet_says(along_px: float, across_px
     sheet = DataSheet(
         (0.0, 20.0), sagittal_blur_mm=(across_px * PX_MM,) * 2, tangential_blur_mm=(along_px * PX_MM,) * 2, f_stop=2.8
     )
-    blurred = aberrated(point_at(view, 570, 20), view, errors_of(sheet, view))
+    blurred = aberrate(point_at(view, 570, 20), view, errors_of(sheet, view))
     x, y, along, across = spot_size(blurred)
     np.testing.assert_allclose([along, across], [along_px, across_px], rtol=0.025)
     np.testing.assert_allclose([x, y], [570.5, 20.5], atol=0.15)
@@ -58,7 +58,7 @@ def test_a_point_is_blurred_as_wide_as_the_sheet_says(along_px: float, across_px
 def test_aslant_the_blur_is_as_wide() -> None:
     view = view_of(141, 141)
     sheet = DataSheet((0.0, 20.0), tangential_blur_mm=(0.4, 0.4), f_stop=2.8)
-    light = aberrated(point_at(view, 105, 92), view, errors_of(sheet, view))[..., 1].astype(np.float64)
+    light = aberrate(point_at(view, 105, 92), view, errors_of(sheet, view))[..., 1].astype(np.float64)
     y, x = np.mgrid[:141, :141] - np.array([92, 105])[:, None, None]
     outward = np.array([35, 22]) / np.hypot(35, 22)
     along, across = x * outward[0] + y * outward[1], y * outward[0] - x * outward[1]
@@ -72,10 +72,10 @@ def test_distortion_lateral_colour_and_light_are_the_sheets() -> None:
     ideal_px = 80 / 0.95  # what shall be seen 80 px off the axis
     ramp = np.zeros((41, 241, 4), np.float32)
     ramp[...] = (np.arange(241) - 120 - ideal_px)[None, :, None]
-    seen = aberrated(ramp, view, errors_of(sheet, view))[20, 120 + 80] / 0.7
+    seen = aberrate(ramp, view, errors_of(sheet, view))[20, 120 + 80] / 0.7
     assert seen[1] == pytest.approx((562.5 - 510) / 175 * 3 / 0.95, abs=0.02)  # green lies in a little
     assert seen[2] - seen[0] == pytest.approx(3 / 0.95, abs=0.02)  # red lies 3 px farther out than blue
-    white = aberrated(np.ones((41, 241, 4), np.float32), view, errors_of(sheet, view))
+    white = aberrate(np.ones((41, 241, 4), np.float32), view, errors_of(sheet, view))
     np.testing.assert_allclose(white[20, 190:, :3], 0.7, atol=1e-5)
     np.testing.assert_allclose(white[20, 120], 1.0, atol=1e-4)
 
@@ -83,10 +83,10 @@ def test_distortion_lateral_colour_and_light_are_the_sheets() -> None:
 def test_comas_flare_points_outward() -> None:
     view = view_of(561, 41)
     sheet = DataSheet((0.0, 6.0, 20.0), coma_mm=(0.0, 1.2, 1.2), f_stop=2.8)
-    x, y, along, across = spot_size(aberrated(point_at(view, 545, 20), view, errors_of(sheet, view)))
+    x, y, along, across = spot_size(aberrate(point_at(view, 545, 20), view, errors_of(sheet, view)))
     assert (x - 545.5, y - 20.5) == (pytest.approx(4, abs=0.15), pytest.approx(0, abs=0.05))
     assert (along, across) == (pytest.approx(4 * np.sqrt(1 / 2), rel=0.05), pytest.approx(4 * np.sqrt(1 / 6), rel=0.08))
-    left = spot_size(aberrated(point_at(view, 15, 20), view, errors_of(sheet, view)))
+    left = spot_size(aberrate(point_at(view, 15, 20), view, errors_of(sheet, view)))
     assert left[0] == pytest.approx(561 - x, abs=0.01)
 
 
@@ -95,10 +95,10 @@ def test_the_shaders_do_what_numpy_does(renderer: FrameRenderer, squeeze: float)
     view = view_of(90, 70)
     picture = np.random.default_rng(4).uniform(0, 4, (70, 90, 4)).astype(np.float32)
     errors = errors_of(replace(SOFT_SHEET, heights_mm=(0.0, 2.0, 4.0, 6.0)), view, squeeze=squeeze)
-    ours = aberrated_on(renderer.graphics.ctx, picture, view, errors)
-    np.testing.assert_allclose(ours, aberrated(picture, view, errors), atol=2e-4)
+    ours = aberrate_on_device(renderer.graphics.ctx, picture, view, errors)
+    np.testing.assert_allclose(ours, aberrate(picture, view, errors), atol=2e-4)
     sharp = errors_of(DataSheet((0.0,)), view)
-    np.testing.assert_allclose(aberrated_on(renderer.graphics.ctx, picture, view, sharp), picture, atol=2e-5)
+    np.testing.assert_allclose(aberrate_on_device(renderer.graphics.ctx, picture, view, sharp), picture, atol=2e-5)
 
 
 def test_a_flat_chart_looks_as_through_the_rays(renderer: FrameRenderer) -> None:

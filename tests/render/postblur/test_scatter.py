@@ -16,11 +16,11 @@ from render.lab.reference.metrics import psnr_db
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.lens import AberrationScales, IrisShape, SeidelErrors
 from render.optics.iris import transmission
-from render.postblur import scatter_splats, scatter_store
+from render.postblur import scatter_splats, spot_cache
+from render.postblur.focus_split import FocusSplit
 from render.postblur.scatter import ScatterBlur
 from render.postblur.scatter_axis import axis_spot
-from render.postblur.scatter_spot import SIDES, STEPS, Spot, SpotTables, spot_of, spot_tables
-from render.postblur.sides import Sides
+from render.postblur.scatter_spot import SQUARE_SIDES, STEPS, Spot, SpotTables, camera_spot, make_spot_tables
 from render.trace.axis_rays import LensErrors
 from render.trace.seidel_table import seidel_table
 
@@ -51,19 +51,19 @@ def picture(
     errors: LensErrors | None = None,
     squeeze: float = 1.0,
 ) -> FloatArray:
-    """``(h, w)`` of grey sides, near and far with the same radii ``(h, w)``; the near one covers as much as is said."""
+    """``(h, w)`` of grey split, near and far with the same radii ``(h, w)``; the near one covers as much as is said."""
     height, width = radii.shape
     ctx = blur._ctx
-    with Resources() as held:
+    with Resources() as scope:
 
         def texture(*channels: FloatArray | float) -> moderngl.Texture:
             values = np.stack([np.broadcast_to(channel, radii.shape) for channel in channels], axis=-1)
-            return held.keep(ctx.texture((width, height), len(channels), values.astype("f4").tobytes(), dtype="f4"))
+            return scope.keep(ctx.texture((width, height), len(channels), values.astype("f4").tobytes(), dtype="f4"))
 
         before = texture(near, near, near, np.where(np.broadcast_to(near, radii.shape) > 0, cover, 0.0))
         behind = texture(far, far, far, 1.0)
-        sides = Sides(before, behind, texture(radii, radii), float(radii.max()), iris, squeeze, errors)
-        made = blur.blurred(sides, held)
+        split = FocusSplit(before, behind, texture(radii, radii), float(radii.max()), iris, squeeze, errors)
+        made = blur.blur(split, scope)
         return np.frombuffer(made.read(), np.float32).reshape(height, width, 4)[..., 0].copy()
 
 
@@ -85,16 +85,18 @@ def soft_lens(edge_px: float) -> LensErrors:
     focal_px, pupil_m = 1000.0, 0.01
     scale = {"focal_length_mm": 50.0, "pupil_radius_m": pupil_m, "last_slope": 0.4, "wavelengths_nm": (510.0,)}
     unit = seidel_table(SeidelErrors(w040=1.0), AberrationScales(), **scale)
-    slope = -float(spot_of(IRISES["round"], 1.0, axis_spot(LensErrors(unit, pupil_m, 1e9))).error_px[:, 0].max()) / 1e9
+    slope = (
+        -float(camera_spot(IRISES["round"], 1.0, axis_spot(LensErrors(unit, pupil_m, 1e9))).error_px[:, 0].max()) / 1e9
+    )
     table = seidel_table(SeidelErrors(w040=-edge_px / focal_px / slope), AberrationScales(), **scale)
     return LensErrors(table, pupil_m, focal_px)
 
 
 def test_tables_keep_all_the_light() -> None:
     for iris in (IRISES["three blades"], IRISES["ring"]):
-        tables = spot_tables(spot_of(iris, 1.0, axis_spot(soft_lens(4.0))), 12, behind=False)
+        tables = make_spot_tables(camera_spot(iris, 1.0, axis_spot(soft_lens(4.0))), 12, behind=False)
         np.testing.assert_allclose(tables.weights.sum(axis=(1, 2), dtype=np.float64), 1.0, atol=1e-6)
-        assert len(tables.weights) == len(SIDES) * tables.steps
+        assert len(tables.weights) == len(SQUARE_SIDES) * tables.steps
 
 
 def test_nothing_is_lost(blur: ScatterBlur) -> None:
@@ -141,7 +143,7 @@ def test_a_disc_is_as_wide_as_its_circle_of_confusion(blur: ScatterBlur, radius:
 def test_spherical_aberration_moves_light_as_its_rays_do(edge_px: float, behind: bool) -> None:
     """Within the ring where rays of a zone land is what passes inside the zone: ``t = c·ρ + e·ρ³`` holds ρ² of the light."""
     coc = 20.0 if behind else -20.0
-    tables = spot_tables(spot_of(IRISES["round"], 1.0, axis_spot(soft_lens(edge_px))), 20, behind=behind)
+    tables = make_spot_tables(camera_spot(IRISES["round"], 1.0, axis_spot(soft_lens(edge_px))), 20, behind=behind)
     light = tables.weights[20 * STEPS]
     off = np.hypot(*np.mgrid[-tables.middle : tables.middle + 1, -tables.middle : tables.middle + 1])
     for zone in (0.4, 0.6, 0.8):
@@ -206,17 +208,17 @@ def test_a_near_thing_has_soft_edges_over_a_sharp_background(blur: ScatterBlur) 
 def _with_far(blur: ScatterBlur, near: FloatArray, far: FloatArray, radius: float) -> FloatArray:
     """Over what is in focus."""
     ctx, (height, width) = blur._ctx, near.shape
-    with Resources() as held:
+    with Resources() as scope:
 
         def texture(values: DoubleArray) -> moderngl.Texture:
             channels = values.shape[-1]
-            return held.keep(ctx.texture((width, height), channels, values.astype("f4").tobytes(), dtype="f4"))
+            return scope.keep(ctx.texture((width, height), channels, values.astype("f4").tobytes(), dtype="f4"))
 
         before = texture(np.repeat(near[..., None], 4, axis=-1))
         grey = np.broadcast_to(far, near.shape)
         behind = texture(np.stack([grey, grey, grey, np.ones_like(near)], axis=-1))
         radii = texture(np.broadcast_to([radius, 0.0], (height, width, 2)))
-        made = blur.blurred(Sides(before, behind, radii, radius, IrisShape()), held)
+        made = blur.blur(FocusSplit(before, behind, radii, radius, IrisShape()), scope)
         return np.frombuffer(made.read(), np.float32).reshape(height, width, 4)[..., 0].copy()
 
 
@@ -278,13 +280,13 @@ def test_a_picture_finds_all_its_tables_again(blur: ScatterBlur, monkeypatch: py
 
     def counted(*arguments: Any, **named: Any) -> SpotTables:
         made.append(arguments)
-        return spot_tables(*arguments, **named)
+        return make_spot_tables(*arguments, **named)
 
-    monkeypatch.setattr(scatter_store, "spot_tables", counted)
+    monkeypatch.setattr(spot_cache, "make_spot_tables", counted)
     errors = soft_lens(3.0)
     for _ in range(2):
         picture(blur, np.full((40, 40), 500, np.float32), far=point(40), errors=errors)
-        assert len(made) == 12, "of six targets, for both sides"
+        assert len(made) == 12, "of six targets, for both split"
 
 
 def test_memory_is_given_back(blur: ScatterBlur) -> None:
@@ -297,7 +299,7 @@ def test_memory_is_given_back(blur: ScatterBlur) -> None:
 
 
 def test_a_spot_without_errors_is_a_point_in_focus() -> None:
-    spot = spot_of(IRISES["round"], 1.0)
+    spot = camera_spot(IRISES["round"], 1.0)
     assert isinstance(spot, Spot)
     assert not spot.has_errors
     np.testing.assert_allclose(spot.moments, (1, 0, 0), atol=1e-3)

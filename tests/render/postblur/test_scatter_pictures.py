@@ -19,7 +19,7 @@ from render.model.scene import Scene
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace
-from render.postblur import scatter_store
+from render.postblur import spot_cache
 from render.postblur.scatter_axis import ROUNDED_PUPIL, ROUNDED_PX, ExactSpot, SymmetricSpot, axis_spot
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
@@ -149,13 +149,13 @@ class Made:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
         self.count = 0
-        plain = getattr(scatter_store, name)
+        plain = getattr(spot_cache, name)
 
         def counted(*arguments: object, **named: object) -> object:
             self.count += 1
             return plain(*arguments, **named)
 
-        monkeypatch.setattr(scatter_store, name, counted)
+        monkeypatch.setattr(spot_cache, name, counted)
 
 
 SEIDEL = Lens("seidel", seidel=SeidelErrors(w040=40.0, reference_f_stop=1.0))
@@ -169,7 +169,7 @@ def test_a_pull_of_the_focus_keeps_its_spots(
     scene, _ = posts_before_wall()
     camera = camera_of(PLANAR) if glass else Camera(np.eye(4), 50.0, 16.0, 12.0, f_stop=1.0, near_m=0.1, lens=SEIDEL)
     settings = FrameSettings(240, 180, shading="unlit", engine="scatter", layers=2, supersample=1)
-    spots, tables = Made(monkeypatch, "spot_of"), Made(monkeypatch, "spot_tables")
+    spots, tables = Made(monkeypatch, "camera_spot"), Made(monkeypatch, "make_spot_tables")
     for distance_m in np.geomspace(2.0, 5.0, 6):
         renderer.render(scene, replace(camera, focus_distance_m=float(distance_m)), settings)
     assert 0 < spots.count <= most

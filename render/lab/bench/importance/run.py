@@ -24,9 +24,9 @@ from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.reference.metrics import psnr_db
 from render.model.arrays import FloatArray
-from render.postblur.importance_field import Extent, ImportanceField
+from render.postblur.importance_field import ImportanceField, UpdateLimit
 from render.postblur.linear import NO_CUTOFF, FieldSpreader, LinearField
-from render.postblur.shed import Field
+from render.postblur.point_spread import Field
 from render.postblur.spread_tables import STEP_PX, Gaussian
 
 GOAL_EQUAL = 1e-4
@@ -55,7 +55,7 @@ class _Stand:
             self.linear(picture)
             self.ordered(picture)
         self._ordered.release()
-        spreader.tabled(Gaussian(), self._most_px)
+        spreader.update_tables(Gaussian(), self._most_px)
 
     def none(self, picture: Picture) -> Spent:
         """Send a picture; what it cost."""
@@ -74,14 +74,14 @@ class _Stand:
         made = self._made
 
         def spread() -> None:
-            self.ordered_sums = made.update(self._send(picture), 1.0, Gaussian(), self._most_px, Extent(share))
+            self.ordered_sums = made.update(self._send(picture), 1.0, Gaussian(), self._most_px, UpdateLimit(share))
 
         return self._timed(spread)
 
     @property
     def changed(self) -> float:
         """Share of the pixels that had changed in the last picture."""
-        return self._made.done.changed / self.scene.size**2
+        return self._made.stats.changed / self.scene.size**2
 
     @property
     def _made(self) -> ImportanceField:

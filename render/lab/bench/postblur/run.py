@@ -18,7 +18,7 @@ from render.lab.bench.postblur.quality import QualityRow, quality
 from render.lab.bench.postblur.speed import Growth, growth, memory_mb
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
-from render.postblur.flag import BAND_BYTES, held_bytes
+from render.postblur.flag import BAND_BYTES, flag_bytes
 from render.postblur.flag_blur import SPLIT_PX
 
 GOAL_LINEAR, GOAL_QUADRATIC = 1.2, 1.7
@@ -95,7 +95,7 @@ def measure(plan: PostBlurPlan) -> PostBlurBench:
         naive_ms=even.naive_cpu_ms if by_processor else even.naive_ms,
         memory_mb=memory_mb(plan),
         bound_mb=BAND_BYTES / 1e6,
-        full_hd_mb=max(held_bytes(FULL_HD, SPLIT_PX, two_sided=odd) for odd in (False, True)) / 1e6,
+        full_hd_mb=max(flag_bytes(FULL_HD, SPLIT_PX, two_sided=odd) for odd in (False, True)) / 1e6,
         even=even,
         mixed=mixed,
         quality=rows,

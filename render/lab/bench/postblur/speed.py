@@ -20,9 +20,9 @@ from render.lab.bench.postblur.plan import PostBlurPlan
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
 from render.postblur.blur_shape import blur_shape
-from render.postblur.flag import Flag, held_bytes
+from render.postblur.flag import Flag, flag_bytes
 from render.postblur.gather import Gather
-from render.postblur.shed import Field
+from render.postblur.point_spread import Field
 
 SLOW = Repeats(1, most=3)
 """Repetitions of the naive gather."""
@@ -58,7 +58,7 @@ class Growth:
 
 def memory_mb(plan: PostBlurPlan) -> list[float]:
     """Megabytes (10⁶) that FLAG holds at each radius beside the picture."""
-    return [held_bytes((plan.side, plan.side), radius, two_sided=False) / 1e6 for radius in plan.radii]
+    return [flag_bytes((plan.side, plan.side), radius, two_sided=False) / 1e6 for radius in plan.radii]
 
 
 def growth(ctx: moderngl.Context, plan: PostBlurPlan, *, mixed: bool, by_processor: bool) -> Growth:
@@ -81,8 +81,8 @@ def _spent(
 ) -> tuple[Spent, Spent]:
     """Time of FLAG and of the naive gather at one radius."""
     shape = blur_shape(IrisShape(), behind=True)
-    with Resources() as held:
-        field, target = _picture(ctx, held, plan.side, radius_px, mixed=mixed)
+    with Resources() as scope:
+        field, target = _picture(ctx, scope, plan.side, radius_px, mixed=mixed)
         flag, gather = (partial(by.blur, field, shape, radius_px, target) for by in blurs)
         flag()  # compiles; a driver may do so for a size that it has not met
         if radius_px == plan.radii[0]:
@@ -141,7 +141,7 @@ def crossover(radii: Sequence[float], fast: Sequence[float], slow: Sequence[floa
 
 
 def _picture(
-    ctx: moderngl.Context, held: Resources, side: int, radius_px: float, *, mixed: bool
+    ctx: moderngl.Context, scope: Resources, side: int, radius_px: float, *, mixed: bool
 ) -> tuple[Field, moderngl.Texture]:
     """Noise, out of focus everywhere, and where it is to be blurred to."""
     light = np.random.default_rng(0).random((side, side, 4)).astype(np.float32)
@@ -149,11 +149,11 @@ def _picture(
     radii = np.full((side, side), radius_px) * (_waves(side) if mixed else 1.0)
     both = np.stack([radii, radii], axis=-1).astype("f4")
     field = Field(
-        held.keep(ctx.texture((side, side), 4, light.tobytes(), dtype="f4")),
-        held.keep(ctx.texture((side, side), 2, both.tobytes(), dtype="f4")),
+        scope.keep(ctx.texture((side, side), 4, light.tobytes(), dtype="f4")),
+        scope.keep(ctx.texture((side, side), 2, both.tobytes(), dtype="f4")),
         0,
     )
-    return field, held.keep(ctx.texture((side, side), 4, dtype="f4"))
+    return field, scope.keep(ctx.texture((side, side), 4, dtype="f4"))
 
 
 def _waves(side: int) -> FloatArray:

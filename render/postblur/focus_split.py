@@ -1,4 +1,4 @@
-"""Near and far field of a picture: its parts before and behind the focus, which every single-image engine blurs."""
+"""Split of a picture at the focus into a near and a far field, which every single-image engine blurs apart."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from render.trace.picture_focus import PictureFocus
 
 
 @dataclass(frozen=True)
-class Sides:
-    """A picture in two, parted at the focus. Its textures are valid until they are given back.
+class FocusSplit:
+    """A picture split at the focus. Its textures are valid until they are released.
 
     Attributes:
-        near: RGBA32F premultiplied: what is in front of the focus.
-        far: RGBA32F premultiplied: what is in focus or behind it, the background too; also behind what is near, where the
-            peeled layers know it. Opaque, or empty where something near hides all that they know.
-        radii: RG32F: radii of the circles of confusion of near and of far, in pixels.
-        most_px: no radius is larger.
-        iris: whose image a point out of focus is spread over.
-        squeeze: of an anamorphic lens, whose blurs are narrower by it.
-        errors: of the lens, for a blur that draws them; None where it has none.
+        near: RGBA32F premultiplied: the surfaces in front of the focus.
+        far: RGBA32F premultiplied: the surfaces in focus or behind it, and the background; also behind the near field, where the
+            peeled layers know it. Opaque, or empty where near surfaces hide all that the layers know.
+        radii: RG32F: radii of the circles of confusion of the near and the far field, in pixels.
+        most_px: upper bound on the radii.
+        iris: iris whose image a point out of focus is spread over.
+        squeeze: anamorphic squeeze, by which blurs are narrower.
+        errors: errors of the lens, for a blur that draws them; None for no errors.
     """
 
     near: moderngl.Texture
@@ -49,23 +49,31 @@ class Sides:
 class Blur(Protocol):
     """A single-image engine: spreads each point of a picture over its circle of confusion."""
 
-    def blurred(self, sides: Sides, held: Resources) -> moderngl.Texture:
-        """The picture, RGBA32F premultiplied and as large as the sides, kept by ``held``."""
+    def blur(self, split: FocusSplit, scope: Resources) -> moderngl.Texture:
+        """Blur a picture.
+
+        Args:
+            split: near and far field of the picture.
+            scope: scope that owns the result.
+
+        Returns:
+            RGBA32F premultiplied, as large as the fields.
+        """
         ...
 
     def release(self) -> None:
-        """Give back what is kept between pictures."""
+        """Release what is kept between pictures."""
         ...
 
 
-class Collector:
-    """Parts peeled layers at the focus: the circle-of-confusion pass."""
+class FocusSplitter:
+    """Splits peeled layers at the focus: the circle-of-confusion pass of Moersch & Hamilton 2014, section 3.2.1."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
         self._maps = FocalMaps(ctx, programs)
 
-    def sides(
+    def split(
         self,
         peeled: Layers,
         focus: PictureFocus,
@@ -73,23 +81,23 @@ class Collector:
         most_px: float,
         iris: IrisShape,
         squeeze: float,
-        held: Resources,
-    ) -> Sides:
-        """Part a peeled scene.
+        scope: Resources,
+    ) -> FocusSplit:
+        """Split a peeled scene at the focus.
 
         Args:
             peeled: its layers.
-            focus: where each of their pixels is focused; its view is theirs.
+            focus: focus of each of the layers' pixels; its view is the layers'.
             pupil_px: the pupil's radius times the focal length, px·m of the focus's view.
-            most_px: larger radii are taken for as large.
-            iris: of the lens.
-            squeeze: likewise.
-            held: keeps what is made.
+            most_px: bound to which radii are clamped.
+            iris: iris of the lens.
+            squeeze: anamorphic squeeze of the lens.
+            scope: scope that owns the textures.
         """
         view, affine, targets = focus.view, focus.affine, peeled.targets
-        near, far = (held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4")) for _ in range(2))
-        radii = held.keep(self._ctx.texture((view.width, view.height), 2, dtype="f4"))
-        program = self._programs.compute("postblur/sides.comp")
+        near, far = (scope.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4")) for _ in range(2))
+        radii = scope.keep(self._ctx.texture((view.width, view.height), 2, dtype="f4"))
+        program = self._programs.compute("postblur/focus_split.comp")
         sources: dict[str, moderngl.Texture | moderngl.TextureArray] = {
             "packed_w": targets.packed_w[0],
             "packed_w_far": targets.packed_w[-1],
@@ -106,8 +114,8 @@ class Collector:
             texture.bind_to_image(unit, read=False, write=True)
         program.run(-(-view.width // 8), -(-view.height // 8))
         self._ctx.memory_barrier()
-        return Sides(near, far, radii, most_px, iris, squeeze)
+        return FocusSplit(near, far, radii, most_px, iris, squeeze)
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._maps.release()

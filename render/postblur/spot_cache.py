@@ -1,4 +1,4 @@
-"""Spots and their tables, kept for the pictures to come."""
+"""Cache of spots and their tables."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 import moderngl
 
 from render.model.lens import IrisShape
+from render.postblur.focus_split import FocusSplit
 from render.postblur.scatter_axis import axis_spot
-from render.postblur.scatter_spot import Spot, SpotTables, spot_of, spot_tables
-from render.postblur.sides import Sides
+from render.postblur.scatter_spot import Spot, SpotTables, camera_spot, make_spot_tables
 
 SPLIT_PX = 24.0
-"""Circles of confusion from this radius on are drawn at half the resolution, from twice of it on at a quarter, and so on."""
-_KEPT = 4
-"""Spots, each with all of its tables: two for each target's resolution, of 4 MB, and some times that where errors reach far."""
+"""Radius from which circles of confusion are drawn at half the resolution, from twice of it on at a quarter, and so on."""
+_MAX_SPOTS = 4
+"""Spots kept, each with all its tables: two for each target's resolution, of 4 MB or more where errors reach far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +23,9 @@ class TableTextures:
 
     Attributes:
         weights: R32F array, a layer for each table.
-        reach: R32I, a column for each.
-        steps: as `SpotTables` has it.
-        middle: likewise.
+        reach: R32I, a column for each table.
+        steps: see `SpotTables`.
+        middle: see `SpotTables`.
     """
 
     weights: moderngl.Texture | moderngl.TextureArray
@@ -34,7 +34,7 @@ class TableTextures:
     middle: int
 
     @classmethod
-    def of(cls, ctx: moderngl.Context, tables: SpotTables) -> TableTextures:
+    def upload(cls, ctx: moderngl.Context, tables: SpotTables) -> TableTextures:
         """Upload tables; the caller releases them."""
         count, side, _ = tables.weights.shape
         weights = ctx.texture_array((side, side, count), 1, tables.weights.tobytes(), dtype="f4")
@@ -44,14 +44,14 @@ class TableTextures:
         return cls(weights, reach, tables.steps, tables.middle)
 
     def release(self) -> None:
-        """Give their memory back."""
+        """Release the textures."""
         self.weights.release()
         self.reach.release()
 
 
 @dataclass(frozen=True, eq=False)
-class _Kept:
-    """A spot, and its tables by what they are reduced by and whether they are behind the focus."""
+class _CachedSpot:
+    """A spot, and its tables by shrink factor and by whether they are for the far field."""
 
     spot: Spot
     tables: dict[tuple[int, bool], TableTextures] = field(default_factory=dict)
@@ -61,23 +61,23 @@ class _Kept:
             self.tables.popitem()[1].release()
 
 
-class SpotStore:
-    """The spots of one context that were asked for last, with their tables."""
+class SpotCache:
+    """Spots of one context that were used last, with their tables."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._kept: dict[tuple[object, ...], _Kept] = {}
+        self._kept: dict[tuple[object, ...], _CachedSpot] = {}
 
-    def spot(self, sides: Sides) -> Spot:
+    def spot(self, split: FocusSplit) -> Spot:
         """Spot of a picture's camera."""
-        lens = None if sides.errors is None else axis_spot(sides.errors)
-        key = (*_content(sides.iris), sides.squeeze, None if lens is None else lens.key)
+        lens = None if split.errors is None else axis_spot(split.errors)
+        key = (*_iris_key(split.iris), split.squeeze, None if lens is None else lens.cache_key)
         kept = self._kept.pop(key, None)
         if kept is None:
-            while len(self._kept) >= _KEPT:
+            while len(self._kept) >= _MAX_SPOTS:
                 self._kept.pop(next(iter(self._kept))).release()
-            kept = _Kept(spot_of(sides.iris, sides.squeeze, lens))
-        self._kept[key] = kept  # the one asked for last
+            kept = _CachedSpot(camera_spot(split.iris, split.squeeze, lens))
+        self._kept[key] = kept  # now the most recently used
         return kept.spot
 
     def tables(self, spot: Spot, shrink: int, *, behind: bool) -> TableTextures:
@@ -91,16 +91,18 @@ class SpotStore:
         tables = next(kept.tables for kept in self._kept.values() if kept.spot is spot)
         key = shrink if spot.has_errors else 1, behind
         if key not in tables:
-            tables[key] = TableTextures.of(self._ctx, spot_tables(spot.reduced(shrink), SPLIT_PX, behind=behind))
+            tables[key] = TableTextures.upload(
+                self._ctx, make_spot_tables(spot.reduce(shrink), SPLIT_PX, behind=behind)
+            )
         return tables[key]
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         while self._kept:
             self._kept.popitem()[1].release()
 
 
-def _content(iris: IrisShape) -> tuple[object, ...]:
+def _iris_key(iris: IrisShape) -> tuple[object, ...]:
     """Cache key of an iris: equal keys are equal irises."""
     mask = None if iris.mask is None else (iris.mask.shape, iris.mask.tobytes())
     return iris.blades, iris.roundness, iris.rotation_rad, mask, iris.radial_weights

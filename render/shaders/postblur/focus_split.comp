@@ -1,10 +1,11 @@
 #version 450 core
-// Parts what each pixel sees into what is in front of the focus and what is in it or behind, with their circles of confusion.
+// Split each pixel's surfaces into a near field in front of the focus and a far field in it or behind, with their
+// radii.
 // in:  peeled layers (radiance, w; 0 empty, negative partly transparent) and their background, seen by the picture's own pixels;
-//      where each pixel is focused: a plane, or a map
+//      the focus of each pixel: a plane, or a map
 // out: `near`, `far`: radiance premultiplied by opacity; `radii`: of near and far in pixels
-// The circle-of-confusion pass of Moersch & Hamilton 2014 (section 3.2.1), of two surfaces in place of one: where something near is
-// blurred and lets through what is behind it, the layers know what that is.
+// Circle-of-confusion pass of Moersch & Hamilton 2014 (section 3.2.1), for two surfaces per pixel: where a blurred near surface
+// lets light through, the layers hold the surface behind it.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D near;
@@ -12,14 +13,14 @@ layout(rgba32f, binding = 1) uniform writeonly image2D far;
 layout(rg32f, binding = 2) uniform writeonly image2D radii;
 
 uniform sampler2D packed_w;         // of layers 0 to 3
-uniform sampler2D packed_w_far;     // of layers 4 to 7, where there are so many
+uniform sampler2D packed_w_far;     // of layers 4 to 7, if any
 uniform sampler2DArray radiance;
 uniform sampler2D background;
 uniform sampler2D focal_map;        // w_f and the pupil's radius over the lens's own
 uniform bool is_mapped;
 uniform vec3 focus;                 // w_f at the pixel (x, y) is focus.x + focus.y·x + focus.z·y
 uniform float pupil_px;             // radius of the entrance pupil times the focal length, px·m
-uniform float most_px;              // largest radius that is blurred
+uniform float most_px;              // bound to which radii are clamped
 uniform int layers;
 
 const float OPAQUE = 0.999;
@@ -49,7 +50,7 @@ void main()
             if (front.a == 0.0) front_px = radius;
             front += (1.0 - front.a) * light;
         } else if (radius > 0.5 * front_px) {
-            // about as near as what hides it, and hidden where that is seen through
+            // nearly as near as the surface in front of it, and hidden where that one is transparent
             if (between.a == 0.0) between_px = radius;
             between += (1.0 - between.a) * light;
         } else {
@@ -62,7 +63,7 @@ void main()
         back = between;
         back_px = between_px;
     }
-    // where something near hides all that the layers know, the background is no more likely than what is around it
+    // where a near surface hides all that the layers hold, the background is no more likely than the surroundings
     if (front.a < OPAQUE || back.a > 0.0) back += (1.0 - back.a) * vec4(texelFetch(background, pixel, 0).rgb, 1.0);
     imageStore(near, pixel, front);
     imageStore(far, pixel, back);

@@ -1,20 +1,21 @@
 #version 450 core
-// Takes a field of a picture as it is spread: its light in whole steps, and by which table each pixel of it is. A lane takes half a tile
+// Load a field for spreading: its light rounded to whole steps, and the table of each pixel. An invocation loads half a tile
 // of 8 by 8 pixels.
 // in:  light (premultiplied), radii in pixels. COMPARE: light and state as they are in the sums
-// out: `light_now`; `state_now`: number of the table, signed radius in pixels (in front of the focus above 0, behind it below); COMPARE: of
-//      what has changed alone; `shedding`: of each half tile bits of the pixels that shed light, COMPARE: of those that have changed (x),
-//      of those whose old effect must be taken away (y), and of both those that shed on other pixels than themselves (z, w); `reaches`:
-//      how far, in pixels; `filled`: a bit for each tile in which any pixel is one of those; `brightest` light; how many have `changed`. ORDERED: `waiting` and `counts` (importance_sort.comp)
-// The circle-of-confusion pass of Potmesil & Chakravarty 1981, at the steps of Fearing 1995, section 4.2.
+// out: `light_now`; `state_now`: number of the table, signed radius in pixels (positive in front of the focus); COMPARE: only of
+//      changed pixels; `emitters`: for each half tile the bits of the pixels with light, COMPARE: of changed pixels (x), of those
+//      whose old effect must be subtracted (y), and of both those that spread beyond themselves (z, w); `reaches`: greatest reach
+//      in pixels; `tile_bits`: a bit for each tile with emitters; `brightest` light; number of pixels `changed`.
+//      ORDERED: `waiting` and `counts` (importance_sort.comp)
+// Circle-of-confusion pass of Potmesil & Chakravarty 1981, at the steps of Fearing 1995, section 4.2.
 
 layout(local_size_x = 64) in;
 layout(rgba32f, binding = 0) uniform writeonly image2D light_now;
 layout(rg32f, binding = 1) uniform writeonly image2D state_now;
-layout(std430, binding = 1) writeonly buffer Shedding { uvec4 shedding[]; };
+layout(std430, binding = 1) writeonly buffer Emitters { uvec4 emitters[]; };
 layout(std430, binding = 2) writeonly buffer Reaches { float reaches[]; };
-layout(std430, binding = 3) buffer Told { uint brightest; uint changed; };
-layout(std430, binding = 4) buffer Filled { uint filled[]; };
+layout(std430, binding = 3) buffer Summary { uint brightest; uint changed; };
+layout(std430, binding = 4) buffer TileBits { uint tile_bits[]; };
 
 uniform sampler2D light;
 uniform sampler2D radii;
@@ -22,11 +23,11 @@ uniform int channel;                // of the radii
 uniform float side;                 // 1 in front of the focus, -1 behind it; where the radii are signed, 1
 uniform float step_px;
 uniform float most_even;
-uniform sampler2D steps;            // of even steps of the radius: the table, and the radius that it is made for
-uniform float quantum;              // of light: a power of 2
+uniform sampler2D steps;            // for even steps of the radius: number of the table, and its radius
+uniform float quantum;              // step of light: a power of 2
 uniform float quantum_alpha;
 uniform ivec2 tiles;
-uniform int filled_words;           // numbers of 32 bits for each row of tiles
+uniform int tile_bit_words;         // words of 32 bits for each row of tiles
 
 #include "linear/linear_reach.glsl"
 #ifdef COMPARE
@@ -41,7 +42,7 @@ uniform sampler2D state_last;
 vec4 light_at(ivec2 at)
 {
     vec4 from = texelFetch(light, at, 0);
-    return mix(clamp(from, -1e12, 1e12), vec4(0.0), isnan(from));   // what is no number would stay in every sum for ever
+    return mix(clamp(from, -1e12, 1e12), vec4(0.0), isnan(from));   // a NaN would stay in every sum for ever
 }
 
 vec2 state_of(ivec2 at)
@@ -56,7 +57,7 @@ void main()
     int lane = int(gl_GlobalInvocationID.x);
     ivec2 tile = ivec2((lane >> 1) % tiles.x, (lane >> 1) / tiles.x), size = imageSize(light_now);
     bool is_inside = tile.y < tiles.y;
-    uvec4 sheds = uvec4(0u);
+    uvec4 emits = uvec4(0u);
     vec4 grid = vec4(vec3(quantum), quantum_alpha);
     float reach = -1.0, peak = 0.0;
 #ifdef ORDERED
@@ -79,7 +80,7 @@ void main()
         }
         bool twofold = has_changed && is_twofold(now, state, last, state_before);
         bool step = has_changed && is_step(now, state, last, state_before);
-        sheds |= uvec4(has_changed ? bit : 0u, twofold ? bit : 0u,
+        emits |= uvec4(has_changed ? bit : 0u, twofold ? bit : 0u,
                        has_changed && (state.x > 0.0 || step) ? bit : 0u, twofold && state_before.x > 0.0 ? bit : 0u);
         reach = has_changed ? max(reach, max(reach_of(now, state), reach_of(last, state_before))) : reach;
 #ifdef ORDERED
@@ -89,17 +90,17 @@ void main()
         imageStore(light_now, at, now);
         imageStore(state_now, at, vec4(state, 0.0, 0.0));
         bool has_light = now != vec4(0.0);
-        sheds |= uvec4(has_light ? bit : 0u, 0u, has_light && state.x > 0.0 ? bit : 0u, 0u);
+        emits |= uvec4(has_light ? bit : 0u, 0u, has_light && state.x > 0.0 ? bit : 0u, 0u);
         reach = max(reach, reach_of(now, state));
 #endif
     }
     if (is_inside) {
-        shedding[lane] = sheds;
+        emitters[lane] = emits;
         reaches[lane] = reach;
         atomicMax(brightest, floatBitsToUint(peak));
-        if (sheds.x != 0u) atomicOr(filled[tile.y * filled_words + (tile.x >> 5)], 1u << (tile.x & 31));
+        if (emits.x != 0u) atomicOr(tile_bits[tile.y * tile_bit_words + (tile.x >> 5)], 1u << (tile.x & 31));
 #ifdef COMPARE
-        if (sheds.x != 0u) atomicAdd(changed, uint(bitCount(sheds.x)));
+        if (emits.x != 0u) atomicAdd(changed, uint(bitCount(emits.x)));
 #endif
     }
 #ifdef ORDERED

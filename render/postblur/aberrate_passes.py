@@ -13,32 +13,34 @@ from render.postblur.aberrate import COMA_POINTS, LEAST_COMA_PX, THREE_TAPS, com
 from render.postblur.picture_errors import SIGMAS, PictureErrors
 
 _ROWS, _FLARE = 4, 5  # as the shaders bind them
-_LINES = 4  # that blur runs along: rows, columns, the radius and across it
+_LINES = 4  # directions of the blur: rows, columns, along the radius and across it
 _DEFINES = {"ROW_LENGTH": 14, "SIGMAS": SIGMAS, "THREE_TAPS": THREE_TAPS}
 _BEND, _BLUR, _COMA = "postblur/aberrate_bend.comp", "postblur/aberrate_blur.comp", "postblur/aberrate_coma.comp"
 
 
-def aberrated_on(ctx: moderngl.Context, picture: FloatArray, view: PinholeView, errors: PictureErrors) -> FloatArray:
-    """A picture through a lens; nothing of it stays on the device.
+def aberrate_on_device(
+    ctx: moderngl.Context, picture: FloatArray, view: PinholeView, errors: PictureErrors
+) -> FloatArray:
+    """Apply a lens's picture errors to a sharp picture on the device; nothing stays allocated there.
 
     Args:
-        ctx: of the calling thread.
+        ctx: context of the calling thread.
         picture: ``(height, width, 4)`` float32 scene-linear, premultiplied, sharp everywhere.
-        view: where its pixels look; its size is the picture's.
-        errors: of the lens.
+        view: view of the picture, of the same size.
+        errors: picture errors of the lens.
 
     Returns:
-        As `render.postblur.aberrate.aberrated`, to single precision.
+        As `render.postblur.aberrate.aberrate`, in single precision.
     """
     size = (view.width, view.height)
     has_coma = float(np.abs(errors.coma).max()) * max(view.fx / errors.squeeze, view.fy) >= LEAST_COMA_PX
-    with Resources() as held:
-        first, second = (held.keep(ctx.texture(size, 4, dtype="f4")) for _ in range(2))
+    with Resources() as scope:
+        first, second = (scope.keep(ctx.texture(size, 4, dtype="f4")) for _ in range(2))
         first.write(np.ascontiguousarray(picture, np.float32).tobytes())
-        held.keep(_buffer(ctx, errors.rows)).bind_to_storage_buffer(_ROWS)
-        held.keep(_buffer(ctx, coma_points())).bind_to_storage_buffer(_FLARE)
+        scope.keep(_buffer(ctx, errors.rows)).bind_to_storage_buffer(_ROWS)
+        scope.keep(_buffer(ctx, coma_points())).bind_to_storage_buffer(_FLARE)
         bend, blur, coma = (
-            held.keep(ctx.compute_shader(load_source(name, _DEFINES))) for name in (_BEND, _BLUR, _COMA)
+            scope.keep(ctx.compute_shader(load_source(name, _DEFINES))) for name in (_BEND, _BLUR, _COMA)
         )
         set_uniforms(coma, flare_points=COMA_POINTS if has_coma else 0)
         for program, line in ((bend, 0), *((blur, line) for line in range(_LINES)), (coma, 0)):

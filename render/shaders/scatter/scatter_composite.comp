@@ -1,7 +1,7 @@
 #version 450 core
-// Puts a class of spots behind the ones that stand before it.
-// in:  what the spots of one class shed: light, and how much of each pixel it fills
-// out: `sum`: the classes so far, from the front; a pixel that they fill has no room for more
+// Composite a size class of splats behind the classes in front of it.
+// in:  light and coverage of one class
+// out: `sum`: the classes so far, from the front; a fully covered pixel takes no more
 // Nearer size classes are composited over farther ones, so that a strongly blurred background does not leak over a less
 // blurred one; a surface that spans two classes fills its pixels from both.
 
@@ -9,7 +9,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
 
 uniform sampler2D class_light;
-uniform vec2 class_px;          // pixels of the picture that it covers
+uniform vec2 class_px;          // size of the class in pixels of the picture
 
 void main()
 {

@@ -1,7 +1,7 @@
 #version 450 core
-// Joins what is blurred in front of the focus with what is blurred behind it: the little blurred over what is blurred more.
-// in:  the parts blurred (light and how much there is of it), and what of them is blurred at less resolution; the far side sharp, and
-//      its radii. With MIDDLE, what is little blurred on the far side is a part of its own
+// Composite the blurred parts of a picture: near over far, and the slightly blurred far part over the strongly blurred one.
+// in:  blurred parts (light and coverage), and their wide blurs at less resolution; the far field before the blur, and
+//      its radii. With MIDDLE, the slightly blurred far field is a part of its own
 // out: `picture`: radiance premultiplied by coverage, coverage
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -11,7 +11,7 @@ uniform sampler2D near;
 uniform sampler2D far;
 uniform sampler2D near_wide;
 uniform sampler2D far_wide;
-uniform vec2 near_wide_px;      // pixels of the picture that those cover; 0 where there is none
+uniform vec2 near_wide_px;      // pixels of the picture that they cover; 0 where there is none
 uniform vec2 far_wide_px;
 #ifdef MIDDLE
 uniform sampler2D middle;
@@ -45,12 +45,12 @@ void main()
 #endif
     vec4 before = part(at, near, near_wide, near_wide_px);
     vec4 sharp = texelFetch(far_sharp, at, 0);
-    // what is hidden and would be seen around an edge is unknown: the light is that of what is known, before it if need be
+    // surfaces hidden behind an edge are unknown: use the light of what is known, in front of them if need be
     vec3 light = sharp.rgb;
     if (behind.a > 0.0) light = over(between, behind.rgb / behind.a);
     else if (between.a > 0.0) light = between.rgb / between.a;
     else if (before.a > 0.0) light = before.rgb / before.a;
-    // and the blur of what lies behind it does not reach over what is in focus
+    // the blur of a farther surface does not reach over a surface in focus
     if (sharp.a > 0.0) light = mix(sharp.rgb, light, smoothstep(0.5, 1.5, texelFetch(radii, at, 0).g));
     imageStore(picture, at, vec4(over(before, light), 1.0));
 }

@@ -47,8 +47,6 @@ Index = Annotated[int, Field(ge=-1, le=2**31 - 1)]
 Amount = Annotated[float, Field(ge=0, le=1e6)]
 Length = Annotated[float, Field(ge=-1e9, le=1e9)]
 Positive = Annotated[float, Field(gt=0, le=1e9)]
-NotNegative = Annotated[float, Field(ge=0, le=1e9)]
-Bounded = Annotated[float, Field(ge=-1e6, le=1e6)]
 Ratio = Annotated[float, Field(ge=0, le=1)]
 BarycentricWeight = Annotated[float, Field(ge=-0.01, le=1.01)]
 

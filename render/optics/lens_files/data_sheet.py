@@ -1,4 +1,4 @@
-"""Reads and writes `.lens` files: a lens by its data sheet, in a format of our own that people can type (README, "Lenses").
+"""Reads and writes `.lens` files: a lens by its data sheet, in a format of our own that people can type (docs/guide/lenses.md).
 
     # Lines of `name = value` first, then one table or more; what follows a # is a remark.
     name         = Zeiss Planar T* 1.4/50

@@ -137,9 +137,9 @@ def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
         choose_lens(str(tmp_path / "none.lens"))
 
 
-def test_the_sheet_in_the_readme_is_one() -> None:
-    text = (Path(__file__).parents[4] / "README.md").read_text()
+def test_the_sheet_in_the_guide_can_be_read() -> None:
+    text = (Path(__file__).parents[4] / "docs/guide/lenses.md").read_text()
     sheet = next(block for block in text.split("```\n") if block.startswith("name         ="))
-    lens = parse_measured_lens(sheet.encode(), "readme.lens")
+    lens = parse_measured_lens(sheet.encode(), "guide.lens")
     assert (lens.name, lens.sheet.f_stop, lens.sheet.heights_mm) == ("Some 50/1.4", 1.4, (0.0, 12.0, 21.6))
     assert lens.sheet.coma_mm[-1] == pytest.approx(0.012)

@@ -21,9 +21,9 @@ from render.shot.exposure.readout import with_exposure
 from render.shot.exposure.shot_exposure import ShotExposure
 from render.shot.film.shot_film import ShotFilm
 from render.shot.findings.shot_findings import ShotFindings
-from render.shot.focus.camera_focus import CameraFocus
 from render.shot.focus.shot_focus import ShotFocus
 from render.shot.focus.solver import FocusSolver
+from render.shot.focus.tracker import FocusTracker
 from render.shot.times import check_time
 from render.stage import AnchorReader, CameraChoice, Finding, FrameRange, StageReader, frame_range, open_stage
 
@@ -62,7 +62,7 @@ class Shot:
         self._reader = reader
         self._cameras = cameras
         self._findings = ShotFindings(stage, edits, cameras, reader)
-        self._solver = FocusSolver(stage, edits, cameras, CameraFocus(stage, anchors, reader.read), self._findings)
+        self._solver = FocusSolver(stage, edits, cameras, FocusTracker(stage, anchors, reader.read), self._findings)
         self.path = path
         self.stage = stage
         self.edits = edits

@@ -13,7 +13,7 @@ from render.model.scene import Light
 from render.near_names import hint
 from render.optics.prescription.mounting import PRESCRIBED, nearer_than_marked
 from render.shot.findings.topology_findings import topology_findings
-from render.shot.focus.focused import Focused
+from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding
 from usd_schemas import (
     AberrationScales,
@@ -146,7 +146,7 @@ def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
     return found + [Finding("shadow_maps", path, f"light {path} {full}") for path in lights_without_shadow(drawn)]
 
 
-def lost_point_findings(focused: Focused) -> list[Finding]:
+def lost_point_findings(focused: FocusedCamera) -> list[Finding]:
     """One finding for each focus point that should count, but whose target is missing or whose numbers have no meaning.
 
     Args:
@@ -162,7 +162,7 @@ def lost_point_findings(focused: Focused) -> list[Finding]:
     ]
 
 
-def unmet_findings(focused: Focused) -> list[Finding]:
+def unmet_findings(focused: FocusedCamera) -> list[Finding]:
     """A finding where a lens or its focal surface could not be set as its focus points ask.
 
     Args:
@@ -172,7 +172,7 @@ def unmet_findings(focused: Focused) -> list[Finding]:
     return [Finding("focus_not_as_asked", path, f"{path}: {focused.note}")] if focused.note else []
 
 
-def close_focus_findings(focused: Focused) -> list[Finding]:
+def close_focus_findings(focused: FocusedCamera) -> list[Finding]:
     """A finding where a camera is focused nearer than its lens is marked for: it is drawn so, as with an extension tube.
 
     A focus that its glass cannot reach is no finding, but an error when it is drawn.

@@ -16,7 +16,7 @@ from render.shot.findings.camera_findings import (
     lost_point_findings,
     unmet_findings,
 )
-from render.shot.focus.focused import Focused
+from render.shot.focus.focused_camera import FocusedCamera
 from render.stage import Finding, StageReader
 
 
@@ -48,11 +48,11 @@ class ShotFindings:
         """Keep the lights of the scene that was read last."""
         self._lights = lights
 
-    def note_close_focus(self, focused: Focused) -> None:
+    def note_close_focus(self, focused: FocusedCamera) -> None:
         """Note a camera that is focused nearer than its lens is marked for."""
         self._note(close_focus_findings(focused))
 
-    def note_points(self, focused: Focused) -> None:
+    def note_points(self, focused: FocusedCamera) -> None:
         """Note focus points that are lost, and a focus that the lens cannot meet."""
         self._note([*lost_point_findings(focused), *unmet_findings(focused)])
 

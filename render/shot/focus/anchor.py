@@ -1,4 +1,4 @@
-"""From what a click hit to a focus point that follows it."""
+"""Make a focus point from what a click hit, so that it follows the surface."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from usd_schemas import FocusPoint
 
 
 class Picked(Protocol):
-    """What a click hit; `render.frame.Pick` is one."""
+    """Surface under a click, such as `render.frame.Pick`."""
 
     @property
     def prim_path(self) -> str: ...
@@ -24,12 +24,12 @@ class Picked(Protocol):
     def instance(self) -> int: ...
 
 
-def anchored(name: str, picked: Picked) -> FocusPoint:
-    """A sharp focus point on the very spot that was hit.
+def make_point(name: str, picked: Picked) -> FocusPoint:
+    """Make a sharp focus point at the spot that was hit.
 
     Args:
-        name: the new point's name.
-        picked: what was hit.
+        name: of the new point.
+        picked: the surface that was hit.
     """
     target = (picked.prim_path,) if picked.prototype_path is None else (picked.prim_path, picked.prototype_path)
     a, b, c = (float(weight) for weight in picked.barycentric)

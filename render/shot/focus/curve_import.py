@@ -1,4 +1,4 @@
-"""Focus curves that others made, read in the time of a shot. `render.shot.focus.curve_layer` puts them onto a camera."""
+"""Read focus curves of other tools in the time of a shot. `render.shot.focus.curve_layer` authors them on a camera."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def read_for_shot(
 ) -> ReadCurve:
     """Read a focus curve in the time of a shot.
 
-    A file that counts frames, time codes or seconds keeps these; one that ran by a clock of its own, such as timecode, begins
-    where the shot does.
+    A file that counts frames, time codes or seconds keeps these. One with a clock of its own, such as timecode, begins at the
+    first frame of the shot.
 
     Args:
         stage: the shot.
         content: of the file.
-        format: which kind of file it is; None looks at it.
+        format: of the file; None detects it.
         gaps: whether rows that are missing or cannot be used are refused, held or interpolated.
-        first_frame: time code where the file's first frame comes to lie; None as said above.
+        first_frame: time code of the file's first frame; None as described above.
 
     Raises:
         InputError: the file cannot be read, or has gaps and these are refused.
-        SettingsError: ``format`` or ``gaps`` is no known word.
+        SettingsError: ``format`` or ``gaps`` is unknown.
     """
     rates = Rates(stage.GetFramesPerSecond(), stage.GetTimeCodesPerSecond())
     read = read_curve(content, rates, format=format, gaps=gaps)

@@ -1,4 +1,4 @@
-"""Focus curves as what drives a camera in USD: a layer over the shot, or specs in the stage's edit target."""
+"""Focus curves written to USD: as a layer over the shot, or in the stage's edit target."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ def curve_layer(
     comment: str,
     tolerance: float = curves.EXACT,
 ) -> str:
-    """A layer that gives a camera a focus curve, to be sublayered over the shot by any tool.
+    """Write a layer that gives a camera a focus curve, to be sublayered over the shot by any tool.
 
     It sets ``focus:mode`` to manual where the points set the distance or the tilt, so that a tool which knows the schemas takes
-    the curve and does not solve once more. A surface through points stays one, as no curve of a camera says it.
+    the curve and does not solve again. A surface through points stays one, as no curve of a camera can describe it.
 
     Args:
         stage: the shot; it is not changed.
         camera_path: of a camera.
         curve: the curve, in the shot's time.
-        columns: which of `DRIVEN` are wanted.
+        columns: which of `DRIVEN` to write.
         baked: time samples, for tools that read no splines, in place of native splines.
         comment: of the layer.
         tolerance: how far splines may be from the frames, relative to the value; more makes fewer knots.
@@ -51,11 +51,12 @@ def curve_layer(
         usda text.
 
     Raises:
-        SettingsError: a value is beyond what the camera's attribute allows, or the tolerance is no share.
+        SettingsError: a value is beyond what the camera's attribute allows, or the tolerance is not from 0 to
+            below 1.
     """
     with schema_errors_as_settings(), quiet_diagnostics():
-        values = _wanted(stage, camera_path, curve, columns)
-        tolerances = {name: checked_tolerance(tolerance) * np.abs(column) for name, column in values.items()}
+        values = _usd_columns(stage, camera_path, curve, columns)
+        tolerances = {name: check_tolerance(tolerance) * np.abs(column) for name, column in values.items()}
         form: Literal["spline", "samples"] = "samples" if baked else "spline"
         layer = curves.camera_layer(stage, camera_path, curve.time_codes, values, form, tolerances)
         layer.comment = comment
@@ -66,11 +67,11 @@ def curve_layer(
         return str(layer.ExportToString())
 
 
-def checked_tolerance(tolerance: float) -> float:
-    """A share by which a spline may be off.
+def check_tolerance(tolerance: float) -> float:
+    """Return the relative tolerance of a spline.
 
     Raises:
-        SettingsError: it is none.
+        SettingsError: it is not from 0 to below 1.
     """
     if not 0 <= tolerance < 1:
         raise SettingsError(f"the tolerance of a focus layer must be a share from 0 to below 1, got {tolerance:g}")
@@ -78,19 +79,19 @@ def checked_tolerance(tolerance: float) -> float:
 
 
 def author_curve(camera: LensCamera, curve: FocusCurve, columns: Collection[str] = DRIVEN, *, baked: bool) -> None:
-    """Give a camera a focus curve in the stage's edit target, and let it be focused by hand.
+    """Author a focus curve of a camera in the stage's edit target, and set its focus mode to manual.
 
     Args:
         camera: the camera.
         curve: the curve, in the shot's time.
-        columns: which of `DRIVEN` are wanted.
+        columns: which of `DRIVEN` to write.
         baked: time samples in place of native splines.
 
     Raises:
         SchemaError: a value is beyond what the camera's attribute allows.
     """
     stage, path = camera.prim.GetStage(), str(camera.prim.GetPath())
-    values = _wanted(stage, path, curve, columns)
+    values = _usd_columns(stage, path, curve, columns)
     if baked:
         curves.author_samples(stage, path, curve.time_codes, values)
     else:
@@ -98,10 +99,12 @@ def author_curve(camera: LensCamera, curve: FocusCurve, columns: Collection[str]
     set_focus_mode(camera, "manual")
 
 
-def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Collection[str]) -> dict[str, DoubleArray]:
-    """``(n,)`` for each attribute by USD's name, in its unit. An infinite focus is 100 km: through infinity goes no curve.
+def _usd_columns(
+    stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Collection[str]
+) -> dict[str, DoubleArray]:
+    """Columns ``(n,)`` by USD attribute, in its unit. An infinite focus becomes 100 km, as no curve passes through infinity.
 
-    A lens that is never turned, and cannot be, is not told to stay straight.
+    Tilt and swing are left out where they are 0 throughout and the camera does not author them.
     """
     distance = units_from_metres(np.minimum(curve.focus_distance_m, FAR_AWAY_M), stage)
     named = {
@@ -121,5 +124,5 @@ def _wanted(stage: Usd.Stage, camera_path: str, curve: FocusCurve, columns: Coll
 
 
 def _degrees(angles_rad: DoubleArray) -> DoubleArray:
-    """Angles without the last digits, by which radians there and back would pass an attribute's limits."""
+    """Degrees, rounded so that the way to radians and back stays within an attribute's limits."""
     return np.asarray(np.degrees(angles_rad).round(12))

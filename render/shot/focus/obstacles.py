@@ -1,8 +1,8 @@
-"""What stands between an eye and places in a scene, and how much it lets pass: numpy alone.
+"""Transmittance of a scene along bundles of lines to an eye, with numpy alone.
 
-Lines are carried into each geometry's own space, where a hierarchy of boxes around its triangles says which of them they may
-meet. The boxes are made once for each geometry, which lives as long as nothing moves its points (`render.model.scene`). Lines and
-triangles meet as Möller & Trumbore 1997 have it, "Fast, minimum storage ray/triangle intersection".
+Lines are transformed into each geometry's own space, where a bounding volume hierarchy selects the triangles that they may
+meet. A hierarchy is built once for each geometry, which lives as long as its points stay (`render.model.scene`). Lines and
+triangles are intersected by Möller & Trumbore 1997, "Fast, minimum storage ray/triangle intersection".
 """
 
 from __future__ import annotations
@@ -22,77 +22,77 @@ IndexArray = NDArray[np.int64]
 
 _LEAF = 8  # triangles in a box of the lowest level
 _BRANCHES = 4  # boxes in a box of the level above
-_OPAQUE = 0.999  # from which opacity on a surface hides what is behind it altogether, as for the layers
-_CELLS = 1024  # along each side of a geometry's box, when its triangles are sorted by place
-_SAME_PLACE = 1e-9  # share of a way within which two triangles are met at once
-_EDGE = 1e-9  # by which triangles overlap, in barycentric coordinates, so that no line slips between two
+_OPAQUE = 0.999  # opacity from which on a surface is opaque, as for the layers
+_CELLS = 1024  # along each side of a geometry's box, for the Morton order of its triangles
+_SAME_T = 1e-9  # hits within this distance in t are one hit
+_EDGE = 1e-9  # by which triangles overlap, in barycentric coordinates, so that no line passes between two
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """From each of n places a bundle of r straight lines to the eye: ``place + t · way``, t from 0 at the place to 1.
+    """From each of n origins a bundle of r straight lines to the eye: ``origin + t · way``, t from 0 at the origin to 1.
 
     Attributes:
-        places: ``(n, 3)`` metres.
+        origins: ``(n, 3)`` metres.
         ways: ``(n, r, 3)`` to the eye, metres.
         first: ``(n,)`` least t that counts.
         last: ``(n,)`` largest.
     """
 
-    places: DoubleArray
+    origins: DoubleArray
     ways: DoubleArray
     first: DoubleArray
     last: DoubleArray
 
-    def carried(self, which: IndexArray, matrices: DoubleArray) -> Lines:
-        """Some of the bundles, each carried by a matrix of its own, ``(m, 4, 4)``; t stays what it is."""
+    def transform(self, which: IndexArray, matrices: DoubleArray) -> Lines:
+        """Select bundles and transform each by its own matrix, ``(m, 4, 4)``; t is unchanged."""
         turn = matrices[:, :3, :3].transpose(0, 2, 1)
-        places = (self.places[which, None] @ turn)[:, 0] + matrices[:, :3, 3]
-        return Lines(places, self.ways[which] @ turn, self.first[which], self.last[which])
+        origins = (self.origins[which, None] @ turn)[:, 0] + matrices[:, :3, 3]
+        return Lines(origins, self.ways[which] @ turn, self.first[which], self.last[which])
 
     @property
     def middle(self) -> DoubleArray:
-        """``(n, 3)`` the way in the middle of each bundle."""
+        """``(n, 3)`` the middle way of each bundle."""
         return np.asarray((self.ways.min(axis=1) + self.ways.max(axis=1)) / 2)
 
     @property
     def spread(self) -> DoubleArray:
-        """``(n, 3)`` how far along each axis a bundle's ways lie from its middle at most, at the eye."""
+        """``(n, 3)`` largest distance of a bundle's ways from its middle along each axis, at the eye."""
         return np.asarray(np.ptp(self.ways, axis=1) / 2)
 
 
-def passed(scene: Scene, lines: Lines) -> DoubleArray:
-    """How much of each line comes through: 1 where nothing stands in its way, 0 where something opaque does.
+def transmittance(scene: Scene, lines: Lines) -> DoubleArray:
+    """Compute the transmittance of a scene along each line: 1 where nothing is in the way, 0 behind something opaque.
 
     Surfaces that are partly clear, by their material, texture or displayOpacity, let that part through; holes of cut-outs let
-    all through. One-sided surfaces stand in the way of those alone who look at their front, as they are drawn.
+    all through. One-sided surfaces are met from the front alone, as they are drawn.
 
     Args:
-        scene: what is there.
+        scene: the scene.
         lines: in the world.
 
     Returns:
         ``(n, r)`` from 0 to 1.
     """
     through = np.ones(lines.ways.shape[:2])
-    for batch, to_local, bundle in _roots_met(scene, lines):
+    for batch, to_local, bundle in _candidate_instances(scene, lines):
         open_ = through[bundle].any(axis=1)
-        local = lines.carried(bundle[open_], to_local[open_])
-        met = _boxes_of(batch.geometry).met(local, two_sided=batch.double_sided)
-        opacity = opacity_at(batch, batch.geometry.triangles[met.triangle], met.u, met.v)
+        local = lines.transform(bundle[open_], to_local[open_])
+        hits = _hierarchy_of(batch.geometry).intersect(local, two_sided=batch.double_sided)
+        opacity = opacity_at(batch, batch.geometry.triangles[hits.triangle], hits.u, hits.v)
         clear = np.where(opacity >= _OPAQUE, 0.0, 1 - opacity)
-        np.multiply.at(through, (bundle[open_][met.bundle], met.line), clear)
+        np.multiply.at(through, (bundle[open_][hits.bundle], hits.line), clear)
     return through
 
 
-def _roots_met(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, DoubleArray, IndexArray]]:
-    """For each batch, what carries bundles to the space of instances that may be in their way, and which bundles."""
+def _candidate_instances(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, DoubleArray, IndexArray]]:
+    """For each batch, transforms to the space of instances that may be in the way of bundles, and which bundles."""
     batches = [batch for batch in scene.batches if len(batch.poses) and len(batch.geometry.triangles)]
     if not batches or not lines.ways.size:
         return
     counts = np.array([len(batch.poses) for batch in batches])
     poses = np.concatenate([batch.poses for batch in batches])
-    own = np.array([(b.low, b.high) for b in (_boxes_of(batch.geometry) for batch in batches)])
+    own = np.array([(b.low, b.high) for b in (_hierarchy_of(batch.geometry) for batch in batches)])
     middle, half = (own[:, 1] + own[:, 0]) / 2, (own[:, 1] - own[:, 0]) / 2
     middle, half = (np.repeat(value, counts, axis=0)[:, :, None] for value in (middle, half))
     centres = (poses[:, :3, :3] @ middle)[..., 0] + poses[:, :3, 3]
@@ -102,17 +102,17 @@ def _roots_met(scene: Scene, lines: Lines) -> Iterator[tuple[Batch, DoubleArray,
     for number in np.flatnonzero(np.diff(ends)):
         part = slice(ends[number], ends[number + 1])
         matrices = poses[pose[part]]
-        solid = np.abs(np.linalg.det(matrices[:, :3, :3])) > 0  # what is flattened to nothing hides nothing
+        solid = np.abs(np.linalg.det(matrices[:, :3, :3])) > 0  # an instance scaled to nothing hides nothing
         if solid.any():
             yield batches[number], np.linalg.inv(matrices[solid]), bundle[part][solid]
 
 
 def _meets_ball(lines: Lines, centres: DoubleArray, radii: DoubleArray) -> NDArray[np.bool_]:
-    """``(balls, n)`` whether bundles may meet balls: a bundle is a cone about its middle, which a cylinder holds."""
+    """``(balls, n)`` true where a bundle may meet a ball. A bundle is a cone about its middle, bounded by a cylinder."""
     length = np.linalg.norm(lines.middle, axis=1)
     ahead = lines.middle / length[:, None]
-    along = centres @ ahead.T - np.sum(lines.places * ahead, axis=1)
-    square = np.sum(centres**2, axis=1)[:, None] - 2 * centres @ lines.places.T + np.sum(lines.places**2, axis=1)
+    along = centres @ ahead.T - np.sum(lines.origins * ahead, axis=1)
+    square = np.sum(centres**2, axis=1)[:, None] - 2 * centres @ lines.origins.T + np.sum(lines.origins**2, axis=1)
     reach = radii[:, None] + np.linalg.norm(lines.spread, axis=1)
     slack = 1e-9 * (square + along**2)
     beside = square - along**2 <= reach**2 + slack
@@ -120,13 +120,13 @@ def _meets_ball(lines: Lines, centres: DoubleArray, radii: DoubleArray) -> NDArr
 
 
 @dataclass(frozen=True, eq=False)
-class _Met:
-    """Meetings of lines and triangles.
+class _Hits:
+    """Intersections of lines and triangles.
 
     Attributes:
         bundle: of the line.
         line: which of its bundle.
-        triangle: which it meets.
+        triangle: of the hit.
         u: barycentric coordinate of the triangle's second corner there.
         v: and of the third.
     """
@@ -137,20 +137,20 @@ class _Met:
     u: DoubleArray
     v: DoubleArray
 
-    def among(self, which: IndexArray) -> _Met:
-        """Some of the meetings."""
-        return _Met(self.bundle[which], self.line[which], self.triangle[which], self.u[which], self.v[which])
+    def select(self, which: IndexArray) -> _Hits:
+        """Some of the hits."""
+        return _Hits(self.bundle[which], self.line[which], self.triangle[which], self.u[which], self.v[which])
 
 
-def _once(bundle: IndexArray, line: IndexArray, t: DoubleArray) -> IndexArray:
-    """Which meetings to count, so that who passes an edge that two triangles share meets one surface and not two."""
+def _unique_hits(bundle: IndexArray, line: IndexArray, t: DoubleArray) -> IndexArray:
+    """Indices of hits without repetition: a line through the shared edge of two triangles meets one surface, not two."""
     order = np.lexsort((t, line, bundle))
-    another = (np.diff(bundle[order]) != 0) | (np.diff(line[order]) != 0) | (np.diff(t[order]) > _SAME_PLACE)
-    return np.asarray(order[np.append(True, another)[: len(order)]])
+    is_new = (np.diff(bundle[order]) != 0) | (np.diff(line[order]) != 0) | (np.diff(t[order]) > _SAME_T)
+    return np.asarray(order[np.append(True, is_new)[: len(order)]])
 
 
-class _Boxes:
-    """A hierarchy of boxes around the triangles of one geometry, in its own space.
+class _BoxHierarchy:
+    """Bounding volume hierarchy of the triangles of one geometry, in its own space.
 
     Attributes:
         low: ``(3,)`` corner of the box around all.
@@ -158,23 +158,23 @@ class _Boxes:
     """
 
     def __init__(self, geometry: Geometry) -> None:
-        # the geometry itself is not kept, so that it can go when the scene does
+        # The geometry itself is not kept, so that it is freed with its scene.
         self._positions, self._triangles = geometry.positions, geometry.triangles
         self.low = self._positions.min(axis=0).astype(np.float64)
         self.high = self._positions.max(axis=0).astype(np.float64)
         self._sorted: tuple[IndexArray, list[tuple[DoubleArray, DoubleArray]]] | None = None
 
-    def met(self, lines: Lines, *, two_sided: bool) -> _Met:
-        """Every meeting of a line and a triangle.
+    def intersect(self, lines: Lines, *, two_sided: bool) -> _Hits:
+        """Find every intersection of a line and a triangle.
 
         Args:
             lines: in the geometry's own space.
-            two_sided: whether backs are met too.
+            two_sided: true to meet backs too.
         """
         bundle, triangle = self._candidates(lines)
         corners = self._positions[self._triangles[triangle]].astype(np.float64)
         a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        from_corner = lines.places[bundle] - corners[:, 0]
+        from_corner = lines.origins[bundle] - corners[:, 0]
         across, ways = np.cross(from_corner, a), lines.ways[bundle]
         with np.errstate(divide="ignore", invalid="ignore"):
             facing = (ways @ np.cross(a, b)[..., None])[..., 0]  # positive where the eye looks at the front
@@ -184,16 +184,16 @@ class _Boxes:
             hit = (u >= -_EDGE) & (v >= -_EDGE) & (u + v <= 1 + _EDGE) & ((facing > 0) | (two_sided & (facing < 0)))
             hit &= (t >= lines.first[bundle, None]) & (t <= lines.last[bundle, None])
         which, line = np.nonzero(hit)
-        met = _Met(bundle[which], line, triangle[which], u[hit], v[hit])
-        return met.among(_once(met.bundle, line, t[hit]))
+        hits = _Hits(bundle[which], line, triangle[which], u[hit], v[hit])
+        return hits.select(_unique_hits(hits.bundle, line, t[hit]))
 
     def _candidates(self, lines: Lines) -> tuple[IndexArray, IndexArray]:
         """Pairs of a bundle and a triangle that share a lowest box."""
         if self._sorted is None:
-            self._sorted = _sorted_into_boxes(self._positions, self._triangles)
+            self._sorted = _build_boxes(self._positions, self._triangles)
         order, levels = self._sorted
         middle, spread = lines.middle, lines.spread
-        bundle, box = np.arange(len(lines.places)), np.zeros(len(lines.places), np.int64)
+        bundle, box = np.arange(len(lines.origins)), np.zeros(len(lines.origins), np.int64)
         for level, (low, high) in enumerate(levels):
             if level:
                 bundle = np.repeat(bundle, _BRANCHES)
@@ -204,20 +204,20 @@ class _Boxes:
         return np.repeat(bundle, _LEAF)[triangle >= 0], triangle[triangle >= 0]
 
 
-_BOXES: WeakKeyDictionary[Geometry, _Boxes] = WeakKeyDictionary()
+_HIERARCHIES: WeakKeyDictionary[Geometry, _BoxHierarchy] = WeakKeyDictionary()
 
 
-def _boxes_of(geometry: Geometry) -> _Boxes:
-    boxes = _BOXES.get(geometry)
-    if boxes is None:
-        boxes = _BOXES[geometry] = _Boxes(geometry)
-    return boxes
+def _hierarchy_of(geometry: Geometry) -> _BoxHierarchy:
+    hierarchy = _HIERARCHIES.get(geometry)
+    if hierarchy is None:
+        hierarchy = _HIERARCHIES[geometry] = _BoxHierarchy(geometry)
+    return hierarchy
 
 
-def _sorted_into_boxes(
+def _build_boxes(
     positions: FloatArray, triangles: NDArray[np.int32]
 ) -> tuple[IndexArray, list[tuple[DoubleArray, DoubleArray]]]:
-    """Triangles in an order that keeps neighbours together, -1 for none at its end, and the boxes from the root down."""
+    """Triangles in Morton order, padded with -1, and the boxes of all levels from the root down."""
     a, b, c = (positions[triangles[:, i]] for i in range(3))
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     order = np.argsort(_morton_codes(((low + high) / 2).astype(np.float32))).astype(np.int64)
@@ -226,18 +226,18 @@ def _sorted_into_boxes(
     boxes = low[filled].reshape(-1, _LEAF, 3).min(axis=1), high[filled].reshape(-1, _LEAF, 3).max(axis=1)
     levels = [(boxes[0].astype(np.float64), boxes[1].astype(np.float64))]
     while len(levels[0][0]) > 1:
-        # NaN is no box, and no line meets it
+        # a box of NaN pads a level; no line meets it
         full = [np.pad(side, ((0, -len(side) % _BRANCHES), (0, 0)), constant_values=np.nan) for side in levels[0]]
         lows, highs = (side.reshape(-1, _BRANCHES, 3) for side in full)
         levels[:1] = [(np.fmin.reduce(lows, axis=1), np.fmax.reduce(highs, axis=1)), (full[0], full[1])]
     return np.pad(order, (0, spare), constant_values=-1), levels
 
 
-def _morton_codes(places: FloatArray) -> NDArray[np.uint32]:
-    """``(n,)`` numbers along a curve that visits near places one after another (Morton 1966)."""
-    low = places.min(axis=0)
-    size = places.max(axis=0) - low
-    share = (places - low) / np.where(size > 0, size, 1)
+def _morton_codes(positions: FloatArray) -> NDArray[np.uint32]:
+    """``(n,)`` positions along the Z-order curve, on which near points are near (Morton 1966)."""
+    low = positions.min(axis=0)
+    size = positions.max(axis=0) - low
+    share = (positions - low) / np.where(size > 0, size, 1)
     cell = np.minimum(share * _CELLS, _CELLS - 1).astype(np.uint32)
     for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
         cell = (cell | (cell << np.uint32(shift))) & np.uint32(mask)
@@ -247,12 +247,12 @@ def _morton_codes(places: FloatArray) -> NDArray[np.uint32]:
 def _meets_box(
     lines: Lines, ways: DoubleArray, bundle: IndexArray, low: DoubleArray, high: DoubleArray
 ) -> NDArray[np.bool_]:
-    """Whether lines meet boxes with sides along the axes, one each (Kay & Kajiya 1986, "Ray tracing complex scenes")."""
-    places = lines.places[bundle]
+    """True where a line meets its axis-aligned box (Kay & Kajiya 1986, "Ray tracing complex scenes")."""
+    origins = lines.origins[bundle]
     with np.errstate(divide="ignore", invalid="ignore"):
         per_way = 1 / ways[bundle]
-        a, b = (low - places) * per_way, (high - places) * per_way
-    # NaN, of a line that runs within a side, is no bound
+        a, b = (low - origins) * per_way, (high - origins) * per_way
+    # NaN, from a line within the plane of a side, is no bound
     enters, leaves = np.fmin(a, b), np.fmax(a, b)
     first = np.fmax(np.fmax(enters[:, 0], enters[:, 1]), np.fmax(enters[:, 2], lines.first[bundle]))
     last = np.fmin(np.fmin(leaves[:, 0], leaves[:, 1]), np.fmin(leaves[:, 2], lines.last[bundle]))

@@ -10,7 +10,7 @@ from render.model.scene import Batch, Image, Wrap
 
 
 def opacity_at(batch: Batch, corners: NDArray[np.int32], u: DoubleArray, v: DoubleArray) -> DoubleArray:
-    """``(n,)`` opacity from 0 to 1 at places of triangles, given by vertex indices ``(n, 3)``, as they are drawn.
+    """``(n,)`` opacity from 0 to 1 at points on triangles, given by vertex indices ``(n, 3)``, as they are drawn.
 
     Args:
         batch: whose triangles.

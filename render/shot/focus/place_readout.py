@@ -9,8 +9,8 @@ from render.errors import InputError, NotFoundError, SettingsError
 from render.model.camera import Camera
 from render.optics.distortion import seen_at
 from render.optics.view import PinholeView
-from render.shot.focus.focus_reading import see
-from render.shot.focus.focused import Focused
+from render.shot.focus.focused_camera import FocusedCamera
+from render.shot.focus.inputs import project_points
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class PlaceReadout:
         return self.coc_mm <= self.coc_limit_mm
 
 
-def read_place(focused: Focused, picture: Camera, screen: tuple[float, float], depth_m: float) -> PlaceReadout:
-    """The lens at a place of the picture.
+def read_place(focused: FocusedCamera, picture: Camera, screen: tuple[float, float], depth_m: float) -> PlaceReadout:
+    """Read the lens at a place of the picture.
 
     Args:
         focused: the solved camera.
@@ -64,8 +64,8 @@ def read_place(focused: Focused, picture: Camera, screen: tuple[float, float], d
     return _read(focused, ((x - view.cx) / view.fx, -(y - view.cy) / view.fy), screen, depth_m)
 
 
-def read_point(focused: Focused, picture: Camera, name: str) -> PlaceReadout:
-    """The lens at a focus point.
+def read_point(focused: FocusedCamera, picture: Camera, name: str) -> PlaceReadout:
+    """Read the lens at a focus point.
 
     Args:
         focused: the solved camera.
@@ -78,19 +78,21 @@ def read_point(focused: Focused, picture: Camera, name: str) -> PlaceReadout:
     """
     names = [point.name for point in focused.points]
     if name not in names:
-        told = ", ".join(names) or "none"
-        raise NotFoundError(f"camera {picture.path} has no focus point named {name!r}, it has: {told}", path=name)
+        known = ", ".join(names) or "none"
+        raise NotFoundError(f"camera {picture.path} has no focus point named {name!r}, it has: {known}", path=name)
     if name in focused.problems:
         raise InputError(focused.problems[name], code="no_place", path=name)
-    seen = see(picture, focused.positions_m[[names.index(name)]])
-    depth_m = float(seen.depths_m[0])
+    projected = project_points(picture, focused.positions_m[[names.index(name)]])
+    depth_m = float(projected.depths_m[0])
     if not depth_m > 0:
         raise InputError(f"focus point {name} lies behind the camera, {-depth_m:g} m", code="no_place", path=name)
-    (x, y), (right, up) = seen.screens[0].tolist(), seen.slopes[0].tolist()
+    (x, y), (right, up) = projected.screens[0].tolist(), projected.slopes[0].tolist()
     return _read(focused, (right, up), (x, y), depth_m)
 
 
-def _read(focused: Focused, slope: tuple[float, float], screen: tuple[float, float], depth_m: float) -> PlaceReadout:
+def _read(
+    focused: FocusedCamera, slope: tuple[float, float], screen: tuple[float, float], depth_m: float
+) -> PlaceReadout:
     field = focused.depth_of_field_at(slope)
     return PlaceReadout(
         screen=screen,

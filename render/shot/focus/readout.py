@@ -1,4 +1,4 @@
-"""What is told of a solved focus: the lens in numbers, and its focus points as they stand in the picture."""
+"""Readouts of a solved focus: the lens in numbers, and its focus points in the picture."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from render.focus.solve import PointState
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.shot.focus.focus_curve import lens_angles
-from render.shot.focus.focus_reading import see
-from render.shot.focus.focused import Focused
+from render.shot.focus.curve import lens_angles
+from render.shot.focus.focused_camera import FocusedCamera
+from render.shot.focus.inputs import project_points
 from usd_schemas import FocusPoint
 
 
@@ -20,14 +20,14 @@ class PlacedPoint:
     Attributes:
         point: what is authored, at that time.
         state: whether it counts for the focus, or why not.
-        share: its share of the weight that decides the focus, 0 to 1.
+        share: its share of the total weight, 0 to 1.
         position_m: in the world, metres, +Y up; None where its target is missing.
         depth_m: along the view axis, negative behind the camera; NaN where its target is missing.
-        screen: place in the picture: (0, 0) is the top left corner and (1, 1) the bottom right one, and a point outside
+        screen: position in the picture: (0, 0) is the top left corner and (1, 1) the bottom right one, and a point outside
             the picture lies outside these; None where it is not in front of the camera.
         visible_in_frame: whether it lies inside the picture and the clipping range (something may still hide it).
         coc_mm: diameter on the film of its circle of confusion; NaN where it is not in front of the camera.
-        problem: why it has no place, or empty.
+        problem: why it has no position, or empty.
     """
 
     point: FocusPoint
@@ -43,7 +43,7 @@ class PlacedPoint:
 
 @dataclass(frozen=True)
 class Readout:
-    """The lens at one time.
+    """The lens of a camera at one time.
 
     Attributes:
         camera: prim path of the camera, empty for a framing camera, which is no prim.
@@ -57,11 +57,11 @@ class Readout:
         coc_limit_mm: largest diameter on the film of a circle of confusion that counts as sharp.
         source: whether ``points`` decided the focus or the ``camera``'s own distance was kept.
         reason: one sentence that says why.
-        note: what could not be done as asked, in a sentence; or empty.
+        note: sentence on what could not be done as requested; or empty.
         tilt_rad: turn of the lens, positive looks up.
         swing_rad: turn of the lens before the tilt, positive looks left.
-        lens_name: what is engraved on the lens; empty where it has no name.
-        lens_model: how light passes it: pinhole, thin, seidel, spherical, heightField or prescription.
+        lens_name: engraved on the lens; empty where it has no name.
+        lens_model: model of the lens: pinhole, thin, seidel, spherical, heightField or prescription.
     """
 
     camera: str
@@ -82,32 +82,36 @@ class Readout:
     lens_model: str = "thin"
 
 
-def place_points(focused: Focused, picture: Camera) -> list[PlacedPoint]:
-    """The focus points as they stand in a picture.
+def place_points(focused: FocusedCamera, picture: Camera) -> list[PlacedPoint]:
+    """Place the focus points in a picture.
 
     Args:
         focused: the solved camera.
         picture: the same camera, its gate conformed to the picture's shape.
     """
-    seen = see(picture, focused.positions_m)
+    projected = project_points(picture, focused.positions_m)
     return [
         PlacedPoint(
             point=point,
             state=focused.solution.states[i],
             share=focused.solution.shares[i],
             position_m=None if point.name in focused.problems else _triple(focused.positions_m[i]),
-            depth_m=float(seen.depths_m[i]),
-            screen=(float(seen.screens[i, 0]), float(seen.screens[i, 1])) if seen.depths_m[i] > 0 else None,
-            visible_in_frame=bool(seen.inside[i]),
-            coc_mm=focused.coc_mm(float(seen.depths_m[i]), (float(seen.slopes[i, 0]), float(seen.slopes[i, 1]))),
+            depth_m=float(projected.depths_m[i]),
+            screen=(float(projected.screens[i, 0]), float(projected.screens[i, 1]))
+            if projected.depths_m[i] > 0
+            else None,
+            visible_in_frame=bool(projected.inside[i]),
+            coc_mm=focused.coc_mm(
+                float(projected.depths_m[i]), (float(projected.slopes[i, 0]), float(projected.slopes[i, 1]))
+            ),
             problem=focused.problems.get(point.name, ""),
         )
         for i, point in enumerate(focused.points)
     ]
 
 
-def read_out(focused: Focused) -> Readout:
-    """The solved lens in numbers.
+def make_readout(focused: FocusedCamera) -> Readout:
+    """Read the solved lens in numbers.
 
     Args:
         focused: the solved camera.

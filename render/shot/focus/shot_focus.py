@@ -15,12 +15,12 @@ from render.focus.racks import Rack
 from render.shot.camera.attributes import author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
-from render.shot.focus.anchor import Picked, anchored
+from render.shot.focus.anchor import Picked, make_point
+from render.shot.focus.curve import focus_layer, solve_curve
 from render.shot.focus.curve_layer import author_curve
-from render.shot.focus.focus_curve import focus_layer, solve_curve
 from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
 from render.shot.focus.rack import pull_rack
-from render.shot.focus.readout import PlacedPoint, Readout, place_points, read_out
+from render.shot.focus.readout import PlacedPoint, Readout, make_readout, place_points
 from render.shot.focus.solver import FocusSolver
 from render.shot.times import check_time
 from render.stage import AnchorReader
@@ -61,7 +61,7 @@ class ShotFocus:
             camera_path: of a camera.
             time: USD time code.
         """
-        return read_out(self._solver.solve(camera_path, time))
+        return make_readout(self._solver.solve(camera_path, time))
 
     def read_at(
         self,
@@ -134,7 +134,7 @@ class ShotFocus:
             SettingsError: the name is not legal or taken, or a value is not allowed.
         """
         camera = self._cameras.editable(camera_path)
-        point = anchor if isinstance(anchor, FocusPoint) else anchored(name, anchor)
+        point = anchor if isinstance(anchor, FocusPoint) else make_point(name, anchor)
         if any(view.name == name for view in camera.focus_points()):
             path = str(camera.prim.GetPath())
             raise SettingsError(f"camera {path} already has a focus point named {name!r}", code="name_taken", path=path)

@@ -11,8 +11,8 @@ from pxr import Usd
 from render.model.camera import Camera
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
-from render.shot.focus.camera_focus import CameraFocus
-from render.shot.focus.focused import Focused, without_points
+from render.shot.focus.focused_camera import FocusedCamera, focus_without_points
+from render.shot.focus.tracker import FocusTracker
 from render.shot.times import check_time
 from render.stage import conformed, read_camera
 
@@ -20,10 +20,10 @@ from render.stage import conformed, read_camera
 class FocusObserver(Protocol):
     """Receives each solved camera, such as to collect findings."""
 
-    def note_close_focus(self, focused: Focused) -> None:
+    def note_close_focus(self, focused: FocusedCamera) -> None:
         """Receive a camera that was solved at one time."""
 
-    def note_points(self, focused: Focused) -> None:
+    def note_points(self, focused: FocusedCamera) -> None:
         """Receive a camera that was solved at one time, or at one of many."""
 
 
@@ -34,20 +34,20 @@ class FocusSolver:
         stage: the shot.
         edits: their revision tells which earlier solutions still hold.
         cameras: finds cameras by path.
-        focus: focuses the stage's cameras.
+        tracker: focuses the stage's cameras.
         observer: receives each solved camera.
     """
 
     def __init__(
-        self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup, focus: CameraFocus, observer: FocusObserver
+        self, stage: Usd.Stage, edits: Edits, cameras: CameraLookup, tracker: FocusTracker, observer: FocusObserver
     ) -> None:
         self._stage = stage
         self._edits = edits
         self._cameras = cameras
-        self._focus = focus
+        self._tracker = tracker
         self._observer = observer
 
-    def solve(self, camera_path: str | None, time: float) -> Focused:
+    def solve(self, camera_path: str | None, time: float) -> FocusedCamera:
         """Solve the focus of a camera at one time. Where the default camera is a framing camera, it has no focus points.
 
         Args:
@@ -61,13 +61,13 @@ class FocusSolver:
         check_time(time)
         choice = self._cameras.default() if camera_path is None else None
         if choice is not None and choice.framing is not None:
-            return without_points(choice.framing)
-        focused = self._focus.at(self._cameras.path(camera_path), time, self._edits.revision)
+            return focus_without_points(choice.framing)
+        focused = self._tracker.at(self._cameras.path(camera_path), time, self._edits.revision)
         self._observer.note_close_focus(focused)
         self._observer.note_points(focused)
         return focused
 
-    def solve_over(self, camera_path: str, times: Sequence[float]) -> list[Focused]:
+    def solve_over(self, camera_path: str, times: Sequence[float]) -> list[FocusedCamera]:
         """Solve the focus of a camera at rising times.
 
         Args:
@@ -77,12 +77,12 @@ class FocusSolver:
         Raises:
             CameraError: there is no such camera, or its numbers are impossible.
         """
-        over = self._focus.over(camera_path, times, self._edits.revision)
+        over = self._tracker.over(camera_path, times, self._edits.revision)
         for focused in over:
             self._observer.note_points(focused)
         return over
 
-    def fit_to_picture(self, focused: Focused, time: float, aspect: float | None) -> Camera:
+    def fit_to_picture(self, focused: FocusedCamera, time: float, aspect: float | None) -> Camera:
         """Return a solved camera with its film gate conformed to a picture.
 
         Args:

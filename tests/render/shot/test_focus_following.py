@@ -10,9 +10,9 @@ import pytest
 from pxr import Usd
 
 from render.shot import Shot
-from render.shot.focus import camera_focus
-from render.shot.focus.focus_reading import FocusReading
-from render.shot.focus.focus_solving import FocusTrack, solved
+from render.shot.focus import tracker
+from render.shot.focus.inputs import FocusInputs
+from render.shot.focus.track import FocusTrack, solve_track
 from tests.render.kits.table_shot import CAMERA, on_table, write_table
 from usd_schemas import LensCamera, LensData
 
@@ -41,14 +41,14 @@ def distances_m(shot: Shot, times: list[float]) -> np.ndarray:
 
 def test_the_first_frames_of_a_long_shot_are_followed_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("MAX_FOLLOWED_FRAMES", 60), ("_PART", 30), ("_BEFORE", 60), ("_AFTER", 10)):
-        monkeypatch.setattr(camera_focus, name, value)
+        monkeypatch.setattr(tracker, name, value)
     shot = racked_shot(tmp_path, 6, 12, last=150)
     first_frames = [1.0, 6.0, 140.0]
     level = distances_m(shot, first_frames)
     shot.focus.set(CAMERA, lag=0.3)
     assert distances_m(shot, first_frames) == pytest.approx(level, rel=1e-6)
     in_one = shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m
-    monkeypatch.setattr(camera_focus, "MAX_FOLLOWED_FRAMES", 1000)
+    monkeypatch.setattr(tracker, "MAX_FOLLOWED_FRAMES", 1000)
     shot.focus.set(CAMERA, lag=0.3001)
     shot.focus.set(CAMERA, lag=0.3)
     assert in_one == pytest.approx(shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m, rel=1e-6)
@@ -71,11 +71,11 @@ def test_a_time_far_beyond_the_shot_is_answered_from_the_frames_about_it(
     shot.focus.set(CAMERA, lag=0.3)
     frames: list[int] = []
 
-    def counted(reading: FocusReading) -> FocusTrack:
-        frames.append(len(reading.times))
-        return solved(reading)
+    def counted(inputs: FocusInputs) -> FocusTrack:
+        frames.append(len(inputs.times))
+        return solve_track(inputs)
 
-    monkeypatch.setattr(camera_focus, "solved", counted)
+    monkeypatch.setattr(tracker, "solve_track", counted)
     near, far = distances_m(shot, [1.0, 1e7])
     assert far > near
     assert max(frames) < 5000

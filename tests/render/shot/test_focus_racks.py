@@ -14,8 +14,8 @@ from render.focus.racks import EASES, eased, rack
 from render.focus.tracking import FocusRing
 from render.model.camera import Camera
 from render.model.lens import Lens
-from render.shot.focus.focus_ring import close_focus_depth_m, focus_ring
 from render.shot.focus.rack import pull_rack
+from render.shot.focus.ring import close_focus_depth_m, focus_ring
 from render.stage import AnchorReader, read_camera
 from tests.render.kits.focus_shot import CAMERA, FAR, NEAR, write_shot
 from usd_schemas import FocusPoint, LensCamera

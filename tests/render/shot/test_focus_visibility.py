@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Geometry, Image, Material, Scene, TextureLookup
-from render.shot.focus.visibility import visible
+from render.shot.focus.visibility import visible_shares
 
 PINHOLE = Camera(world_from_camera=np.eye(4))
 OPEN = replace(PINHOLE, f_stop=1.0)  # a pupil of 25 mm radius
@@ -39,7 +39,7 @@ def board(
 
 
 def seen(batches: tuple[Batch, ...], *places: tuple[float, float, float], camera: Camera = PINHOLE) -> list[float]:
-    return visible(Scene(batches), camera, np.array(places, np.float64)).tolist()
+    return visible_shares(Scene(batches), camera, np.array(places, np.float64)).tolist()
 
 
 def test_what_stands_before_a_place_hides_it_and_nothing_else() -> None:
@@ -68,7 +68,7 @@ def test_a_surface_does_not_hide_its_own_places() -> None:
     sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(pose[:3, 3] - places, axis=1)
     # not those at the poles, which are slivers, and not those at the limb, where a facet's own neighbours may stand before it
     clear = (sizes > 0.01) & (np.abs(facing) > 0.1 * sizes)
-    found = visible(Scene((Batch(ball, Material(), np.eye(4)[None]),)), Camera(world_from_camera=pose), places)
+    found = visible_shares(Scene((Batch(ball, Material(), np.eye(4)[None]),)), Camera(world_from_camera=pose), places)
     np.testing.assert_array_equal(found[clear], (facing > 0)[clear])
     assert 0.3 < found.mean() < 0.6
     assert clear.mean() > 0.7
@@ -83,17 +83,18 @@ def test_a_wide_lens_looks_around_what_is_narrower_than_its_pupil() -> None:
     )
     scene = Scene((Batch(post, Material(), np.eye(4)[None]),))
     place = np.array([[0.0, 0.0, -2.0]])
-    assert visible(scene, PINHOLE, place)[0] == 0
-    assert visible(scene, OPEN, place, rays=4000)[0] == pytest.approx(1 - hidden, abs=0.002)
-    assert visible(scene, OPEN, place)[0] == pytest.approx(1 - hidden, abs=0.07)
-    assert visible(scene, replace(OPEN, f_stop=4.0), place)[0] == 0
+    assert visible_shares(scene, PINHOLE, place)[0] == 0
+    assert visible_shares(scene, OPEN, place, rays=4000)[0] == pytest.approx(1 - hidden, abs=0.002)
+    assert visible_shares(scene, OPEN, place)[0] == pytest.approx(1 - hidden, abs=0.07)
+    assert visible_shares(scene, replace(OPEN, f_stop=4.0), place)[0] == 0
 
 
 def test_a_place_is_taken_from_sight_little_by_little() -> None:
     """A board that slides before a place never takes more than a few of the pupil's places at a time."""
     edges = np.linspace(-0.02, 0.02, 41)
     shares = [
-        visible(Scene((board(x_m=float(x) - 0.5),)), OPEN, np.array([[0.0, 0.0, -2.0]]), rays=64)[0] for x in edges
+        visible_shares(Scene((board(x_m=float(x) - 0.5),)), OPEN, np.array([[0.0, 0.0, -2.0]]), rays=64)[0]
+        for x in edges
     ]
     assert shares[0] == 1
     assert shares[-1] == 0
@@ -165,7 +166,7 @@ def test_what_is_nearer_than_the_clipping_range_is_not_there() -> None:
 def test_places_that_are_not_before_the_camera_are_not_seen() -> None:
     nan = float("nan")
     assert seen((), (0, 0, 1.0), (nan, 0, -1.0), (0, 0, -0.005), (0, 0, 0)) == [0, 0, 0, 0]
-    assert visible(Scene((board(),)), OPEN, np.empty((0, 3))).shape == (0,)
+    assert visible_shares(Scene((board(),)), OPEN, np.empty((0, 3))).shape == (0,)
 
 
 def test_instances_hide_where_they_stand_and_what_is_flattened_hides_nothing() -> None:
@@ -191,7 +192,7 @@ def test_agrees_with_every_triangle_tried_in_turn(count: int, two_sided: bool) -
     scene = Scene((Batch(geometry, Material(), poses, two_sided),))
     places = rng.uniform([-2, -2, -12], [2, 2, -2], (60, 3))
     expected = [every_triangle(scene.batches[0], pupil(camera, 16), place, camera) for place in places]
-    np.testing.assert_allclose(visible(scene, camera, places), expected)
+    np.testing.assert_allclose(visible_shares(scene, camera, places), expected)
     assert count < 33 or 0.02 < np.mean(expected) < 0.98
 
 
@@ -228,9 +229,9 @@ def test_moving_scene_and_camera_together_changes_nothing(turn: tuple[float, ...
     rigid[:3, :3], rigid[:3, 3] = rotation(np.array(turn) / np.linalg.norm(turn)), move
     batches = (board(), board(1.5, 0.3, x_m=1.0, opacity=0.5), board(2.5, 2.0, x_m=-2.0))
     places = np.array([(0.2, 0.1, -2.0), (1.35, 0.1, -2.0), (-1.9, 0.3, -3.0), (0.3, 1.2, -2.1), (0.0, -0.4, -0.8)])
-    here = visible(Scene(batches), OPEN, places)
+    here = visible_shares(Scene(batches), OPEN, places)
     moved = Scene(tuple(replace(b, poses=rigid @ b.poses) for b in batches))
-    there = visible(moved, replace(OPEN, world_from_camera=rigid), places @ rigid[:3, :3].T + rigid[:3, 3])
+    there = visible_shares(moved, replace(OPEN, world_from_camera=rigid), places @ rigid[:3, :3].T + rigid[:3, 3])
     np.testing.assert_allclose(there, here)
     assert here.tolist() == [0, 0.5, 0, 1, 1]
 

@@ -16,7 +16,7 @@ from render.model.camera import Camera
 from render.model.lens import AIR, AberrationScales, Glass, Lens, Prescription, SeidelErrors, Surface
 from render.optics.view import PinholeView
 from render.shot import Shot
-from render.shot.focus.focused import without_points
+from render.shot.focus.focused_camera import focus_without_points
 from render.shot.lens.lens_choice import choose_lens
 from render.trace.field_focus import field_focus, field_shifts_w
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR
@@ -68,7 +68,7 @@ def test_readouts_have_the_measured_focus_all_over_the_picture(
     seen = np.interp(places, field.heights, field.seen) / places
     slopes = np.stack([(x - view.cx) / view.fx * seen, -(y - view.cy) / view.fy * seen], axis=-1)
     depths_m = aovs["depth"].astype(np.float64)
-    told_mm = without_points(camera).cocs_mm(depths_m.ravel(), slopes.reshape(-1, 2)).reshape(80, 120)
+    told_mm = focus_without_points(camera).cocs_mm(depths_m.ravel(), slopes.reshape(-1, 2)).reshape(80, 120)
     measured_mm = 2 * np.abs(aovs["coc"]) * 36 / 120
     a_pixel_mm = 36 / WIDTH
     off = np.abs(told_mm - measured_mm)

@@ -16,7 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 from render.frame import FrameRenderer
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
-from render.shot.focus.visibility import visible
+from render.shot.focus.visibility import visible_shares
 from render.stage import AnchorReader, StageReader, default_camera, open_stage
 from tests.render.kits.stages import ASSETS, add_mesh, needs_assets, new_stage
 from usd_schemas import FocusPoint
@@ -254,7 +254,7 @@ def test_the_picture_shows_that_spot_where_the_point_is(way: str, renderer: Fram
         assert pick is not None
         found = (pick.prim_path,) if pick.prototype_path is None else (pick.prim_path, pick.prototype_path)
         clicked.append((found, pick.instance, pick.face, pick.fan_triangle) == (target, instance, FACE, FAN))
-        assert clicked[-1] == visible(scene, camera, position_m[None])[0]
+        assert clicked[-1] == visible_shares(scene, camera, position_m[None])[0]
         if clicked[-1]:
             assert np.linalg.norm(pixel(camera, np.asarray(pick.position_m)) - [x, y]) < 0.5
     assert sum(clicked) >= 4

@@ -1,7 +1,7 @@
-"""Which numbers of a camera's focus and of its focus points make sense.
+"""Checks of the numbers of a camera's focus settings and focus points.
 
-A point with a number that has no meaning is left out and named, so that the others still focus the shot. How the focus is found
-has nothing to fall back to: there such a number is an error.
+A point with a number that has no meaning is left out and named, so that the other points still focus the shot. Focus settings
+have no fallback: there such a number is an error.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ _FIELDS = {
     "falloffs": "falloff",
     "extents": "extent",
 }
-"""Names in `render.focus.points.FocusTargets`, and of the fields of `FocusPoint`."""
+"""Fields of `FocusPoint` by the names that `render.focus.points.FocusTargets` has for them."""
 
 NUMBERS = tuple(_FIELDS.values())
-"""Fields of `FocusPoint` that say how much a point counts, and for what."""
+"""Fields of `FocusPoint` that weight and shape its effect."""
 
 _PLACES = {"offset": "offset", "barycentric": "barycentric coordinates"}
 
 
 @dataclass(frozen=True, eq=False)
 class PointNumbers:
-    """What k focus points say at n times, without what has no meaning.
+    """Numeric fields of k focus points at n times, with defaults where a number has no meaning.
 
     Attributes:
-        columns: ``(n, k)`` by their names in `render.focus.points.FocusTargets`, lengths in metres. What has no meaning
-            at a time is as of a new point then.
-        faults: for each time, what is wrong with points, by name, in a sentence.
-        points: for each time, all of them, with what a new one says where that has no meaning.
+        columns: ``(n, k)`` by their names in `render.focus.points.FocusTargets`, lengths in metres. A number without meaning
+            at a time is replaced by its default.
+        faults: for each time, a sentence for each point at fault, by name.
+        points: for each time, all points, with defaults in place of fields at fault.
     """
 
     columns: dict[str, DoubleArray]
@@ -52,8 +52,8 @@ class PointNumbers:
     points: tuple[tuple[FocusPoint, ...], ...]
 
     @classmethod
-    def of(cls, points: Sequence[Sequence[FocusPoint]], metres_in_a_unit: float) -> PointNumbers:
-        """Look over what points say.
+    def from_points(cls, points: Sequence[Sequence[FocusPoint]], metres_in_a_unit: float) -> PointNumbers:
+        """Check focus points.
 
         Args:
             points: for each of n times, all k of them.
@@ -64,7 +64,7 @@ class PointNumbers:
         sound = tuple(tuple(row) for row in points)
         if any(faults):
             rows = zip(points, faults, strict=True)
-            sound = tuple(tuple(_mended(p) if p.name in told else p for p in row) for row, told in rows)
+            sound = tuple(tuple(_repair(p) if p.name in faulty else p for p in row) for row, faulty in rows)
             columns = _columns(sound)
         return cls(columns | {"surface_offsets_m": columns["surface_offsets_m"] * metres_in_a_unit}, faults, sound)
 
@@ -76,8 +76,8 @@ def _columns(points: Sequence[Sequence[FocusPoint]]) -> dict[str, DoubleArray]:
     }
 
 
-def _mended(point: FocusPoint) -> FocusPoint:
-    """A point with what a new one says where what it says has no meaning."""
+def _repair(point: FocusPoint) -> FocusPoint:
+    """Replace fields without meaning by their defaults."""
     new = FocusPoint("new")
     bad = [field for name, field in _FIELDS.items() if number_faults([""], {name: np.array([getattr(point, field)])})]
     bad += [field for field in _PLACES if not all(map(math.isfinite, getattr(point, field)))]
@@ -87,10 +87,10 @@ def _mended(point: FocusPoint) -> FocusPoint:
 
 def _faults(points: Sequence[Sequence[FocusPoint]], numbers: Mapping[str, DoubleArray]) -> list[dict[str, str]]:
     names = [point.name for point in points[0]]
-    if not number_faults(names, numbers):  # as ever, so that all times are looked at at once
+    if not number_faults(names, numbers):  # the usual case: all times are checked at once
         return [_other_faults(row) for row in points]
     rows = ({name: column[i] for name, column in numbers.items()} for i in range(len(points)))
-    return [number_faults(names, row) | _other_faults(of_time) for row, of_time in zip(rows, points, strict=True)]
+    return [number_faults(names, row) | _other_faults(at_time) for row, at_time in zip(rows, points, strict=True)]
 
 
 def _other_faults(points: Sequence[FocusPoint]) -> dict[str, str]:
@@ -106,19 +106,19 @@ def _other_faults(points: Sequence[FocusPoint]) -> dict[str, str]:
 
 
 def check_settings(prim: Usd.Prim, focus: Sequence[FocusData]) -> None:
-    """Check the numbers and words by which points focus a camera; one that is focused by hand needs none of them.
+    """Check the settings by which points focus a camera; a camera that is focused by hand needs none of them.
 
     Args:
         prim: the camera.
-        focus: what it asks of the focus, at all times that matter.
+        focus: its focus settings at all times that matter.
 
     Raises:
         CameraError: a number is not finite, or a value is beyond what the schema allows.
     """
     if focus[0].mode == "manual":
         return
-    said = dict.fromkeys(pair for data in focus for pair in property_values(data) if isinstance(pair[1], float | str))
-    for name, value in said:
+    values = dict.fromkeys(pair for data in focus for pair in property_values(data) if isinstance(pair[1], float | str))
+    for name, value in values:
         attribute = prim.GetAttribute(name)
         tokens, wrong = attribute.GetMetadata("allowedTokens"), limit_problem(attribute, value)
         if tokens and value not in tokens:

@@ -1,4 +1,4 @@
-"""Where a camera's focus points stand at one time, and the focus that they ask for."""
+"""A camera at one time with its focus solved: focal surface, depth of field and circles of confusion."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ from render.optics.depth_of_field import DepthOfField
 from render.optics.focus_law import focus_law
 from render.optics.thin_lens import focal_surface, focus_w
 from render.optics.view import PinholeView
-from render.shot.focus.focus_reading import FocusReading
-from render.shot.focus.focus_request import coc_limit_mm
-from render.shot.focus.focus_solving import FocusTrack
+from render.shot.focus.inputs import FocusInputs, coc_limit_mm
+from render.shot.focus.track import FocusTrack
 from render.trace.field_focus import FieldFocus, field_focus
 from usd_schemas import FocusData, FocusPoint
 
-_ON_THE_WAY = 1e-4  # share of w: less than that off is there
+_SAME_W = 1e-4
+"""Inverse depths within this share of each other are the same focus."""
 
 
 @dataclass(frozen=True, eq=False)
-class Focused:
+class FocusedCamera:
     """A camera at one time, its focus solved.
 
     Attributes:
         camera: with its own film gate, focused at the solution.
-        focus: what the camera asks of the focus.
+        focus: its focus settings.
         points: its focus points.
-        targets: the same points as the lens sees them.
-        positions_m: ``(k, 3)`` where they stand in the world; NaN where the target is missing.
-        problems: why points have no place, by name.
+        targets: the same points in the lens's terms.
+        positions_m: ``(k, 3)`` in the world; NaN where the target is missing.
+        problems: why points have no position, by name.
         solution: whose focus it is, and why.
-        note: what could not be done as asked, in a sentence; or empty.
-        at_fault: names of points that say what has no meaning.
+        note: sentence on what could not be done as requested; or empty.
+        at_fault: names of points with a value that has no meaning.
     """
 
     camera: Camera
@@ -64,22 +64,22 @@ class Focused:
 
     @cached_property
     def law(self) -> LensLaw:
-        """What focusing does to the lens."""
+        """How focusing changes the lens."""
         return focus_law(self.camera).at_stops(self.camera.f_stop)
 
     @cached_property
     def _field(self) -> FieldFocus | None:
-        """Where the lens is sharpest beside its focal surface."""
+        """Sharpest focus across the field, relative to the focal surface; None for a lens without errors."""
         return field_focus(self.camera)
 
     @property
     def depth_of_field(self) -> DepthOfField:
-        """What is sharp before and behind the plane of focus on the view axis. What a surface bends from it is told by place."""
+        """Depth of field on the view axis, about the plane of focus. `depth_of_field_at` has that of a bent focal surface."""
         plane = focal_surface(self.camera).plane
         return self._depth_of_field(plane.w0, float(self.law.coc_slope_mm_m(np.array([plane.w0]))[0]))
 
     def depth_of_field_at(self, slope: tuple[float, float]) -> DepthOfField:
-        """What is sharp before and behind the focal surface at a place of the picture.
+        """Depth of field about the focal surface at a place of the picture.
 
         Args:
             slope: of the place in object space, x right and y up.
@@ -100,7 +100,7 @@ class Focused:
         )
 
     def focused_m_at(self, slope: tuple[float, float]) -> float:
-        """Depth of the focal surface at a place of the picture; infinite where it is passed at its vanishing line.
+        """Depth of the focal surface at a place of the picture; infinite at and beyond its vanishing line.
 
         Args:
             slope: of the place in object space, x right and y up.
@@ -113,37 +113,37 @@ class Focused:
 
         Args:
             depth_m: its depth.
-            slope: where it stands, in slopes of object space, x right and y up.
+            slope: of the point in object space, x right and y up.
         """
         return float(self.cocs_mm(np.array([depth_m]), np.array([slope]))[0])
 
     def cocs_mm(self, depths_m: DoubleArray, slopes: DoubleArray) -> DoubleArray:
-        """``(k,)`` the same of k points.
+        """``(k,)`` diameters on the film of the circles of confusion of k points, as `coc_mm`.
 
         Args:
             depths_m: ``(k,)``.
-            slopes: ``(k, 2)``; what they are where a depth is not in front of the camera does not matter.
+            slopes: ``(k, 2)``; ignored where a depth is not in front of the camera.
         """
         ahead = depths_m > 0
         w_f, growth = self._sharpness(np.where(ahead[:, None], slopes, 0.0))
         return np.where(ahead, growth * np.abs(1 / np.where(ahead, depths_m, 1.0) - w_f), math.nan)
 
     def _sharpness(self, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """``(...)`` where places ``(..., 2)`` are focused, 1/m, and how fast the circle of confusion grows from there, mm·m."""
+        """Focus ``(...)`` at slopes ``(..., 2)``, 1/m, and growth of the circle of confusion from there, mm·m."""
         surface = focal_surface(self.camera)
         w, pupil = focused_at(surface, slopes)
         growth = self.law.coc_slope_mm_m(np.array([surface.plane.w0]))[0]
         if self._field is None:
             return w, np.asarray(growth * pupil)
-        shift, seen = self._field.at(slopes)
-        return w + shift / pupil, np.asarray(growth * pupil * seen)
+        shift, share = self._field.at(slopes)
+        return w + shift / pupil, np.asarray(growth * pupil * share)
 
 
-def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
-    """A camera at one time of what was read.
+def focus_camera(inputs: FocusInputs, track: FocusTrack, index: int) -> FocusedCamera:
+    """Focus a camera at one time of its track.
 
     Args:
-        reading: of the camera.
+        inputs: of the camera.
         track: its focus at the same times.
         index: of the time.
 
@@ -151,58 +151,58 @@ def focused(reading: FocusReading, track: FocusTrack, index: int) -> Focused:
         CameraError: a number of the camera or of a point has no meaning.
     """
     plane, solution = track.plane(index), track.solutions.at(index)
-    wanted, w0 = float(track.wanted_w[index]), plane.w0
-    if abs(wanted - w0) > _ON_THE_WAY * max(wanted, w0):
-        to = f"{1 / wanted:.4g} m" if wanted > 0 else "infinity"
+    requested_w, w0 = float(track.requested_w[index]), plane.w0
+    if abs(requested_w - w0) > _SAME_W * max(requested_w, w0):
+        to = f"{1 / requested_w:.4g} m" if requested_w > 0 else "infinity"
         solution = replace(solution, reason=f"{solution.reason}, on the way to {to}")
-    own = reading.cameras[index]
+    own = inputs.cameras[index]
     distance_m = 1 / w0 if w0 > 0 else math.inf
-    if w0 == focus_w(own):  # to the last digit, as it is authored
+    if w0 == focus_w(own):  # keep the last digit as authored
         distance_m = own.focus_distance_m or math.inf
     solution = replace(solution, focus_distance_m=distance_m)
     camera = replace(own, focus_distance_m=distance_m, f_stop=float(track.f_stops[index]))
     try:
-        surface = _surface(reading, camera, plane, track, index)
+        surface = _surface(inputs, camera, plane, track, index)
     except SettingsError as error:  # the numbers are the shot's, not the caller's
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
-    return Focused(
+    return FocusedCamera(
         camera=replace(camera, focal_surface=surface),
-        focus=reading.focus[index],
-        points=reading.points[index],
-        targets=reading.targets.at(index),
-        positions_m=reading.positions_m[index],
-        problems=reading.problems[index],
+        focus=inputs.focus[index],
+        points=inputs.points[index],
+        targets=inputs.targets.at(index),
+        positions_m=inputs.positions_m[index],
+        problems=inputs.problems[index],
         solution=solution,
         note="; ".join(
-            note for note in (track.notes[index], _slowness(track, index), _crowding(surface, solution)) if note
+            note for note in (track.notes[index], _speed_note(track, index), _crowding_note(surface, solution)) if note
         ),
-        at_fault=frozenset(reading.numbers.faults[index]),
+        at_fault=frozenset(inputs.numbers.faults[index]),
     )
 
 
-def _slowness(track: FocusTrack, index: int) -> str:
-    """That the hand on the focus ring cannot be as fast as it would have to be, in a sentence; or empty."""
-    is_slow = track.slowed_w[index] > _ON_THE_WAY * max(float(track.wanted_w[index]), track.plane(index).w0)
+def _speed_note(track: FocusTrack, index: int) -> str:
+    """A sentence where the hand on the focus ring is too slow; or empty."""
+    is_slow = track.slowed_w[index] > _SAME_W * max(float(track.requested_w[index]), track.plane(index).w0)
     return "the hand on the focus ring is slower than the focus that is asked for" if is_slow else ""
 
 
-def _crowding(surface: FocalSurface | None, solution: FocusSolution) -> str:
-    """That a focal surface has no room for all points that count, in a sentence; or empty."""
+def _crowding_note(surface: FocalSurface | None, solution: FocusSolution) -> str:
+    """A sentence where more points count than a focal surface has controls; or empty."""
     if surface is None or surface.controls is None or solution.states.count("used") <= MAX_CONTROLS:
         return ""
     return f"a focal surface has room for {MAX_CONTROLS} focus points, so only the strongest shape it"
 
 
 def _surface(
-    reading: FocusReading, camera: Camera, plane: FocalPlane, track: FocusTrack, index: int
+    inputs: FocusInputs, camera: Camera, plane: FocalPlane, track: FocusTrack, index: int
 ) -> FocalSurface | None:
-    """The focal surface; None where it is the upright plane at the camera's focus distance."""
-    focus, frame = reading.focus[index], _frame(camera)
-    surface = FocalSurface(plane, halves=_halves(reading, index, frame))
+    """Build the focal surface; None where it is the upright plane at the camera's focus distance."""
+    focus, frame = inputs.focus[index], _frame(camera)
+    surface = FocalSurface(plane, halves=_halves(inputs, index, frame))
     if focus.mode == "surface" and focus.expressive > 0:
         growth = focus_law(camera).at_stops(camera.f_stop).coc_slope_mm_m(np.array([plane.w0]))
         controls = focal_controls(
-            _surface_points(reading, track, index),
+            _surface_points(inputs, track, index),
             plane=plane,
             coc_slope_mm_m=float(growth[0]),
             frame_width=frame.width,
@@ -225,13 +225,13 @@ def _surface(
 
 
 def _frame(camera: Camera) -> Frame:
-    """The gate in slopes, as much narrower as a lens that breathes makes its picture larger."""
+    """The film gate in slopes; a lens that breathes makes it narrower as it makes its picture larger."""
     stretch = PinholeView.from_camera(camera, 1, 1).fx * camera.horizontal_aperture_mm / camera.focal_length_mm
     return Frame.of(camera, stretch)
 
 
-def _surface_points(reading: FocusReading, track: FocusTrack, index: int) -> SurfacePoints:
-    t = reading.targets
+def _surface_points(inputs: FocusInputs, track: FocusTrack, index: int) -> SurfacePoints:
+    t = inputs.targets
     with np.errstate(divide="ignore"):
         depths_m = 1 / track.points_w[index]
     return SurfacePoints(
@@ -249,26 +249,26 @@ def _surface_points(reading: FocusReading, track: FocusTrack, index: int) -> Sur
     )
 
 
-def _halves(reading: FocusReading, index: int, frame: Frame) -> tuple[HalfLens, ...]:
-    d = reading.diopters[index]
-    unit = reading.metres_in_a_unit
-    both = (
+def _halves(inputs: FocusInputs, index: int, frame: Frame) -> tuple[HalfLens, ...]:
+    d = inputs.diopters[index]
+    unit = inputs.metres_in_a_unit
+    halves = (
         (d.offset1, d.width1, d.focus_distance1 * unit),
         (d.offset2, d.width2, d.focus_distance2 * unit),
     )
-    return half_lenses(both[: max(0, d.count)], math.radians(d.angle), frame)
+    return half_lenses(halves[: max(0, d.count)], math.radians(d.angle), frame)
 
 
-def without_points(camera: Camera) -> Focused:
-    """A camera that is no prim, and so has no focus points.
+def focus_without_points(camera: Camera) -> FocusedCamera:
+    """Focus a camera that is no prim, and so has no focus points.
 
     Args:
         camera: such as one that frames the whole stage.
     """
-    return Focused(camera, FocusData(), (), (), np.empty((0, 3)), {}, _kept_by_hand(camera, 0))
+    return FocusedCamera(camera, FocusData(), (), (), np.empty((0, 3)), {}, _manual_solution(camera, 0))
 
 
-def _kept_by_hand(camera: Camera, point_count: int) -> FocusSolution:
+def _manual_solution(camera: Camera, point_count: int) -> FocusSolution:
     by_hand: PointState = "by_hand"
     return FocusSolution(
         focus_distance_m=camera.focus_distance_m or math.inf,

@@ -1,4 +1,4 @@
-"""The focus curve of a camera: the solved focus over time, and the layer that carries it to other tools."""
+"""Focus curve of a camera: its focus solved over time, and the layer that carries it to other tools."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from render.focus.tilt import tilt_and_swing
 from render.model.arrays import DoubleArray
 from render.optics.thin_lens import focal_surface
 from render.shot.focus.curve_layer import curve_layer
-from render.shot.focus.focused import Focused
+from render.shot.focus.focused_camera import FocusedCamera
 from usd_schemas.curves import EXACT
 
 MAX_CURVE_FRAMES = 100_000
-"""About an hour at 24 frames a second: more than that in one curve is a slip of the hand."""
+"""About an hour at 24 frames a second; more in one curve is taken as a mistake."""
 
 
 def solve_curve(
-    stage: Usd.Stage, camera_path: str, frames: Sequence[float], focus_over: Callable[[list[float]], list[Focused]]
+    stage: Usd.Stage, camera_path: str, frames: Sequence[float], solve: Callable[[list[float]], list[FocusedCamera]]
 ) -> FocusCurve:
-    """The lens of a camera over some frames, its focus solved at each.
+    """Solve the focus of a camera at some frames.
 
     Args:
         stage: the stage.
         camera_path: of a camera.
         frames: rising USD time codes.
-        focus_over: focuses the camera at such times.
+        solve: focuses the camera at such times.
 
     Raises:
         SettingsError: there are no frames, too many, or they do not rise.
@@ -43,35 +43,35 @@ def solve_curve(
     times = np.array(frames, np.float64)
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0):
         raise SettingsError("the frames of a focus curve must be finite and rise", code="bad_frames")
-    solved = focus_over(times.tolist())
-    angles = np.array([lens_angles(s) for s in solved])
-    fields = [s.depth_of_field for s in solved]
+    cameras = solve(times.tolist())
+    angles = np.array([lens_angles(c) for c in cameras])
+    fields = [c.depth_of_field for c in cameras]
     time_codes_per_second = stage.GetTimeCodesPerSecond()
     return FocusCurve(
         camera=camera_path,
         frames_per_second=stage.GetFramesPerSecond(),
         time_codes_per_second=time_codes_per_second,
         time_codes=times,
-        focus_distance_m=np.array([s.camera.focus_distance_m for s in solved]),
-        f_stop=np.array([s.camera.f_stop for s in solved]),
-        focal_length_mm=np.array([s.camera.focal_length_mm for s in solved]),
+        focus_distance_m=np.array([c.camera.focus_distance_m for c in cameras]),
+        f_stop=np.array([c.camera.f_stop for c in cameras]),
+        focal_length_mm=np.array([c.camera.focal_length_mm for c in cameras]),
         near_m=np.array([f.near_m for f in fields]),
         far_m=np.array([f.far_m for f in fields]),
         hyperfocal_m=np.array([f.hyperfocal_m for f in fields]),
-        coc_limit_mm=np.array([s.coc_limit_mm for s in solved]),
-        sources=tuple(s.solution.source for s in solved),
-        reasons=tuple(s.solution.reason for s in solved),
-        points=_tracks(solved),
+        coc_limit_mm=np.array([c.coc_limit_mm for c in cameras]),
+        sources=tuple(c.solution.source for c in cameras),
+        reasons=tuple(c.solution.reason for c in cameras),
+        points=_point_tracks(cameras),
         tilt_rad=angles[:, 0],
         swing_rad=angles[:, 1],
-        limited=np.array([bool(s.solution.limit or s.note) for s in solved]),
-        lens_name=solved[0].camera.lens.name,
-        gate_mm=(solved[0].camera.horizontal_aperture_mm, solved[0].camera.vertical_aperture_mm),
+        limited=np.array([bool(c.solution.limit or c.note) for c in cameras]),
+        lens_name=cameras[0].camera.lens.name,
+        gate_mm=(cameras[0].camera.horizontal_aperture_mm, cameras[0].camera.vertical_aperture_mm),
     )
 
 
-def lens_angles(focused: Focused) -> tuple[float, float]:
-    """Tilt and swing in radians of the lens that has the plane of focus.
+def lens_angles(focused: FocusedCamera) -> tuple[float, float]:
+    """Tilt and swing in radians of a lens with this plane of focus.
 
     Args:
         focused: the solved camera.
@@ -81,10 +81,10 @@ def lens_angles(focused: Focused) -> tuple[float, float]:
 
 
 def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: float = EXACT) -> str:
-    """A layer that gives the camera all that drives it, to be sublayered over the shot by any tool (`curve_layer`).
+    """Write a layer that drives a camera by its focus curve, to be sublayered over the shot by any tool (`curve_layer`).
 
     Args:
-        stage: the stage that the curve is of.
+        stage: the shot of the curve.
         curve: the curve.
         baked: time samples, for tools that read no splines, in place of native splines.
         tolerance: how far a spline may be off, relative to the value; more makes fewer knots.
@@ -99,19 +99,21 @@ def focus_layer(stage: Usd.Stage, curve: FocusCurve, *, baked: bool, tolerance: 
     return curve_layer(stage, curve.camera, curve, baked=baked, comment=comment, tolerance=tolerance)
 
 
-def _tracks(solved: Sequence[Focused]) -> tuple[PointTrack, ...]:
-    """The focus points through all frames; which points there are does not change over time."""
-    names = [point.name for point in solved[0].points]
-    shape = len(solved), len(names)
+def _point_tracks(cameras: Sequence[FocusedCamera]) -> tuple[PointTrack, ...]:
+    """The focus points over all frames; a camera has the same points at all times."""
+    names = [point.name for point in cameras[0].points]
+    shape = len(cameras), len(names)
 
-    def column(values: Callable[[Focused], Iterable[float]]) -> DoubleArray:
-        return np.array([list(values(s)) for s in solved], np.float64).reshape(shape)
+    def column(values: Callable[[FocusedCamera], Iterable[float]]) -> DoubleArray:
+        return np.array([list(values(c)) for c in cameras], np.float64).reshape(shape)
 
-    depths_m = column(lambda s: (target.depth_m for target in s.targets))
-    weights = column(lambda s: (target.weight for target in s.targets))
-    shares = column(lambda s: s.solution.shares)
-    slopes = np.array([[target.slope for target in s.targets] for s in solved], np.float64).reshape(*shape, 2)
-    cocs_mm = np.array([s.cocs_mm(*places) for s, *places in zip(solved, depths_m, slopes, strict=True)]).reshape(shape)
+    depths_m = column(lambda c: (target.depth_m for target in c.targets))
+    weights = column(lambda c: (target.weight for target in c.targets))
+    shares = column(lambda c: c.solution.shares)
+    slopes = np.array([[target.slope for target in c.targets] for c in cameras], np.float64).reshape(*shape, 2)
+    cocs_mm = np.array([c.cocs_mm(*places) for c, *places in zip(cameras, depths_m, slopes, strict=True)]).reshape(
+        shape
+    )
     return tuple(
         PointTrack(
             name=name,
@@ -119,7 +121,7 @@ def _tracks(solved: Sequence[Focused]) -> tuple[PointTrack, ...]:
             weight=weights[:, i],
             share=shares[:, i],
             coc_mm=cocs_mm[:, i],
-            states=tuple(s.solution.states[i] for s in solved),
+            states=tuple(c.solution.states[i] for c in cameras),
         )
         for i, name in enumerate(names)
     )

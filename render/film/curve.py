@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray, FloatArray
+from usd_schemas.settings.tables import FILM_SETTINGS
 
 Knots = tuple[tuple[float, float], ...]
 """(log10 exposure, density), log exposure increasing."""
 
 
-MAX_LOG_EXPOSURE = 30.0
+MAX_LOG_EXPOSURE = FILM_SETTINGS["curve_middle_gray"].accepted.most
 """Greatest magnitude of a curve's log10 exposures: ten times any film's range, and within single precision."""
 MAX_DENSITY = 20.0
 """Four times what any film reaches."""

@@ -15,13 +15,14 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.model.arrays import DoubleArray, FloatArray
+from usd_schemas.settings.tables import FILM_SETTINGS
 
 BASE_INDEX = 1.48
 """Refractive index of a film base of cellulose triacetate."""
 _WITHIN = ((BASE_INDEX - 1) / (BASE_INDEX + 1)) ** 2  # Fresnel's reflection at right angles
 _TAN_CRITICAL = 1 / math.sqrt(BASE_INDEX**2 - 1)
 _SKIRT = 4.0  # radii of the ring at which the skirt, then under 1/100 of the ring, is cut off
-MAX_RADIUS_MM = 5.0
+MAX_RADIUS_MM = FILM_SETTINGS["halation_radius_mm"].accepted.most
 """The widest ring: twenty times that of a film base of 0.13 mm."""
 _FINE_PX = 256  # pixels, or parts of pixels, of a ring's radius that are fine enough for its edge
 _SUPERSAMPLE = 2, 8

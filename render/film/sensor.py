@@ -11,11 +11,11 @@ from render.errors import SettingsError
 from render.film.noise import normal_noise
 from render.film.stock import MIDDLE_GREY
 from render.model.arrays import DoubleArray, FloatArray
+from usd_schemas.settings import FilmData, Sensor
+from usd_schemas.settings.tables import FILM_SETTINGS
 
-MIN_ISO, MAX_ISO = 0.01, 1e7
-"""The slowest plates, and beyond the fastest sensors."""
-MAX_CLIP_STOPS = 40.0
-"""Far beyond any sensor's range."""
+_SPEEDS = FILM_SETTINGS["speed"].accepted
+_CLIPS = FILM_SETTINGS["sensor_clip_stops"].accepted
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class SensorSettings:
     Attributes:
         full_well_e: electrons at which a photosite is full, at the base speed.
         read_noise_e: standard deviation of reading one photosite, in electrons, in addition to photon noise.
-        clip_stops: stops from middle grey to where it clips, at most `MAX_CLIP_STOPS`, the same at each speed; 0 never
+        clip_stops: stops from middle grey to where it clips, the same at each speed; 0 never
             clips, and the full well then is at scene-linear 1.
         sensitivity: relative sensitivity of red, green and blue photosites: weaker ones get fewer electrons and are noisier.
             All clip together, at the light that fills the strongest, so that highlights stay white.
@@ -37,29 +37,29 @@ class SensorSettings:
         SettingsError: a number is out of range.
     """
 
-    full_well_e: float = 40000.0
-    read_noise_e: float = 0.0
-    clip_stops: float = 0.0
-    sensitivity: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    full_well_e: float = Sensor.full_well_e
+    read_noise_e: float = Sensor.read_noise_e
+    clip_stops: float = Sensor.clip_stops
+    sensitivity: tuple[float, float, float] = Sensor.sensitivity
     base_iso: float = 100.0
     iso: float = 100.0
-    photosites: tuple[int, int] = (0, 0)
+    photosites: tuple[int, int] = FilmData.resolution
 
     def __post_init__(self) -> None:
         positive = (self.full_well_e, *self.sensitivity)
         if not all(0 < number < math.inf for number in positive):
             raise _bad(f"a full well and sensitivities above 0, got {', '.join(f'{n:g}' for n in positive)}")
-        if not all(MIN_ISO <= speed <= MAX_ISO for speed in (self.base_iso, self.iso)):
+        if not all(_SPEEDS.least <= speed <= _SPEEDS.most for speed in (self.base_iso, self.iso)):
             raise _bad(
-                f"speeds from ISO {MIN_ISO:g} to {MAX_ISO:g}, got base {self.base_iso:g} and set to {self.iso:g}"
+                f"speeds from ISO {_SPEEDS.least:g} to {_SPEEDS.most:g}, got base {self.base_iso:g} and set to {self.iso:g}"
             )
         if not (0 <= self.read_noise_e < math.inf and min(self.photosites) >= 0):
             raise _bad(
                 f"read noise and photosites from 0 up, got {self.read_noise_e:g}, "
                 f"{self.photosites[0]} x {self.photosites[1]}"
             )
-        if not 0 <= self.clip_stops <= MAX_CLIP_STOPS:
-            raise _bad(f"a clip from 0 to {MAX_CLIP_STOPS:g} stops above middle grey, got {self.clip_stops:g}")
+        if not _CLIPS.holds(self.clip_stops):
+            raise _bad(f"a clip from 0 to {_CLIPS.most:g} stops above middle grey, got {self.clip_stops:g}")
 
     @property
     def clip(self) -> float:

@@ -8,15 +8,18 @@ from typing import get_args
 from render.errors import SettingsError
 from render.film.balance import balance_gains
 from render.film.halation import halation_shares
-from render.film.ranges import MAX_GRAIN, MAX_GRAIN_UM, MAX_PUSH, check_numbers
+from render.film.ranges import check_numbers
 from render.film.sensor import SensorSettings
 from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
 from render.near_names import hint
-from usd_schemas import FilmData
-from usd_schemas.settings import FilmProcess
+from usd_schemas.settings import FilmData, FilmProcess, Grain, Halation
+from usd_schemas.settings.tables import FILM_SETTINGS
 
 DEFAULT_PRINTS = {"negative": "vision_2383", "monochrome": "print_2302"}
 PROCESSES: tuple[str, ...] = get_args(FilmProcess)
+PUSHES = FILM_SETTINGS["push"].accepted
+_GRAIN_AMOUNTS = FILM_SETTINGS["grain_amount"].accepted
+_GRAIN_SIZES = FILM_SETTINGS["grain_size_um"].accepted
 
 
 @dataclass(frozen=True)
@@ -24,23 +27,23 @@ class GrainSettings:
     """Film grain.
 
     Attributes:
-        amount: factor, at most `render.film.ranges.MAX_GRAIN`; 0 none, 1 as the stock has it.
+        amount: factor; 0 none, 1 as the stock has it.
         size_um: correlation length on the film in micrometres; 0 takes `render.film.grain.GRAIN_SIZE_UM`.
         seed: which grain.
     """
 
-    amount: float = 0.0
-    size_um: float = 0.0
-    seed: int = 0
+    amount: float = Grain.amount
+    size_um: float = Grain.size_um
+    seed: int = Grain.seed
 
 
 @dataclass(frozen=True)
 class HalationSettings:
     """Light that the base throws back: its part, the ring's radius on the film, and its ratio in each channel."""
 
-    amount: float = 0.0
-    radius_mm: float = 0.1
-    color: tuple[float, float, float] = (1.0, 0.3, 0.1)
+    amount: float = Halation.amount
+    radius_mm: float = Halation.radius_mm
+    color: tuple[float, float, float] = Halation.color
 
 
 @dataclass(frozen=True)
@@ -63,22 +66,22 @@ class FilmSettings:
         SettingsError: the stocks do not go with the process, or a number is out of range.
     """
 
-    process: FilmProcess = "none"
+    process: FilmProcess = FilmData.process
     stock: Stock | None = None
     print_stock: Stock | None = None
-    push: float = 0.0
-    white_balance_k: float = 0.0
-    tint: float = 0.0
+    push: float = FilmData.push
+    white_balance_k: float = FilmData.white_balance_k
+    tint: float = FilmData.tint
     grain: GrainSettings = GrainSettings()
     halation: HalationSettings = HalationSettings()
     sensor: SensorSettings = field(default_factory=SensorSettings)
 
     def __post_init__(self) -> None:
-        if not -MAX_PUSH <= self.push <= MAX_PUSH:
-            raise SettingsError(f"push is from {-MAX_PUSH:g} to {MAX_PUSH:g} stops, got {self.push:g}")
-        if not (0 <= self.grain.amount <= MAX_GRAIN and 0 <= self.grain.size_um <= MAX_GRAIN_UM):
+        if not PUSHES.holds(self.push):
+            raise SettingsError(f"push is from {PUSHES.least:g} to {PUSHES.most:g} stops, got {self.push:g}")
+        if not (_GRAIN_AMOUNTS.holds(self.grain.amount) and _GRAIN_SIZES.holds(self.grain.size_um)):
             raise SettingsError(
-                f"grain needs an amount from 0 to {MAX_GRAIN:g} and a size from 0 to {MAX_GRAIN_UM:g} µm, "
+                f"grain needs an amount {_GRAIN_AMOUNTS} and a size {_GRAIN_SIZES}, "
                 f"got {self.grain.amount:g} and {self.grain.size_um:g}"
             )
         balance_gains(self.white_balance_k, self.tint)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from render.errors import NotFoundError, SettingsError
-from render.film.ranges import MAX_PUSH
+from render.film.settings import PUSHES
 from render.film.stock import library_stock
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot.lens.lens_choice import LensChoice, choose_lens
@@ -111,7 +111,7 @@ def _stop(word: str) -> Choice:
 
 
 def _push(word: str) -> Choice:
-    number = _number("push", word, -MAX_PUSH, MAX_PUSH)
+    number = _number("push", word, PUSHES.least, PUSHES.most)
     if number == 0:
         return Choice("developed as usual", number)
     return Choice(f"{'pushed' if number > 0 else 'pulled'} {_stops(abs(number))}", number)

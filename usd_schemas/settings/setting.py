@@ -27,6 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
+from math import inf
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 Floats = tuple[float, ...]
@@ -223,6 +224,14 @@ class Setting:
         """Whether REST sets keys of it: of numbers that may change over time, and of the focus's switches."""
         numbers = (float, bool) if self.rest == "focus" else (float,)
         return self.keyable and self.type in numbers
+
+    @property
+    def accepted(self) -> Range:
+        """The numbers that a picture can be made with."""
+        if self.accepts is not None:
+            return self.accepts
+        least, most = self.hard
+        return Range(-inf if least is None else least, inf if most is None else most)
 
     @property
     def sent(self) -> Bounds:

@@ -41,7 +41,7 @@ def test_what_is_animated_is_read_at_each_time(camera: LensCamera) -> None:
         assert (len(set(map(repr, at_each))) > 1) == (view is not camera.tilt_shift)
 
 
-def test_what_is_not_applied_or_not_asked_for_is_read_too(camera: LensCamera) -> None:
+def test_unapplied_schemas_and_no_times_are_read_too(camera: LensCamera) -> None:
     assert camera.focus.read_over([]) == ()
     camera.prim.RemoveAppliedSchema("TiltShiftAPI")
     assert camera.tilt_shift.read_over(TIMES) == (TiltShiftData(),) * len(TIMES)

@@ -75,7 +75,7 @@ def test_a_file_that_was_edited_is_read_again(tmp_path: Path) -> None:
         ("7", "expected one of 'sh010', 'sh020', 'sh030'"),
     ],
 )
-def test_an_unknown_correction_is_told_with_the_near_ones(correction: str, expected: str, tmp_path: Path) -> None:
+def test_an_unknown_correction_is_reported_with_the_near_ones(correction: str, expected: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_cdl(written(tmp_path, "show.ccc", COLLECTION), correction)
 

@@ -136,7 +136,7 @@ def test_a_broken_configuration_is_one_clear_sentence(tmp_path: Path, text: byte
     assert caught.value.code == "bad_colour_config"
 
 
-def test_unknown_names_are_told_with_those_they_are_near_to() -> None:
+def test_unknown_names_are_reported_with_those_they_are_near_to() -> None:
     with pytest.raises(InputError, match=r"'ACEScgg' is not known: did you mean 'ACEScg'"):
         to_working(np.zeros(3, np.float32), "ACEScgg")
     with pytest.raises(SettingsError, match=r"did you mean 'ocio://studio-config-v5.0.0_aces-v2.1_ocio-v2.6'"):

@@ -25,7 +25,7 @@ def test_an_even_picture_stays_even() -> None:
     assert add_halation(light, 0.5, 0.4, RED, (0.1, 0.08)) == pytest.approx(light, rel=1e-5)
 
 
-def test_light_comes_back_as_a_ring_of_the_radius_that_is_said() -> None:
+def test_light_comes_back_as_a_ring_of_the_given_radius() -> None:
     light = np.zeros((201, 201, 3), np.float32)
     light[100, 100] = 1.0
     glowing = add_halation(light, 0.1, 1.0, (1, 1, 1), (0.05, 0.05))[100, 100:, 1]

@@ -108,7 +108,7 @@ def test_light_below_nought_and_very_bright_light_stay_finite() -> None:
         assert developed.dtype == np.float32
 
 
-def test_grain_and_halation_are_on_the_picture_when_asked_for() -> None:
+def test_grain_and_halation_are_on_the_picture_on_request() -> None:
     spot = np.full((64, 96, 3), 0.18, np.float32)
     spot[32, 48] = 5000.0
     plain = shown(spot, film_settings(FilmData(), name="5219"))

@@ -131,7 +131,7 @@ def test_without_points_the_camera_keeps_focus_and_stop():
     assert stops_for(none, THIN, LIMIT_MM).focus.focus_distance_m.tolist() == [math.inf] * 3
 
 
-def test_out_of_reach_of_the_iris_is_said():
+def test_points_beyond_the_reach_of_the_iris_are_reported():
     targets = FocusTargets.of("ab", [0.4, 8.0])
     found = stops_for(targets, THIN, LIMIT_MM, f_stop_range=(1.4, 22))
     assert not found.holds[0]

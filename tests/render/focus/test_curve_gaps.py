@@ -62,7 +62,7 @@ def test_angles_come_in_degrees_or_radians():
     assert read.said == {"focus_distance_m", "tilt_rad", "swing_rad"}
 
 
-def test_columns_that_nobody_knows_are_named():
+def test_unknown_columns_are_named():
     read = read_curve(table("1,2,5,6", header="frame,focus_distance_m,iso,pan"), RATES)
     assert messages(read) == "columns that are not used: iso, pan"
 
@@ -90,7 +90,7 @@ def test_a_broken_row_is_refused_by_its_number(row, told):
 
 @pytest.mark.parametrize(("row", "told"), BROKEN.items())
 @pytest.mark.parametrize(("gaps", "distance_m"), [("hold", 2.0), ("interpolate", 3.0)])
-def test_a_broken_row_is_held_or_interpolated_when_asked(row, told, gaps, distance_m):
+def test_a_broken_row_is_held_or_interpolated_on_request(row, told, gaps, distance_m):
     read = read_curve(table("1,2", row, "3,6", "4,6", "5,6"), RATES, gaps=gaps)
     assert told in messages(read)
     assert read.curve.frames.tolist() == [1, 2, 3, 4, 5]
@@ -173,13 +173,13 @@ def test_too_many_missing_frames_are_a_slip():
         ("[" * 100_000, "JSON"),
     ],
 )
-def test_what_is_no_curve_is_told_in_one_sentence(content, told):
+def test_a_file_that_is_no_curve_is_reported_in_one_sentence(content, told):
     with pytest.raises(InputError, match=re.escape(told)) as caught:
         read_curve(content, RATES)
     assert "\n" not in caught.value.detail
 
 
-def test_words_that_nobody_knows_are_refused():
+def test_unknown_words_are_refused():
     with pytest.raises(SettingsError, match="refuse, hold, interpolate"):
         read_curve(table("1,2"), RATES, gaps="guess")
     with pytest.raises(SettingsError, match="json, csv, otio, opentrackio"):

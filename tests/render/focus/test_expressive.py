@@ -62,7 +62,7 @@ def random_points(count, seed, **columns):
 
 
 @given(st.integers(1, 32), st.integers(0, 1000), st.floats(2, 4), st.sampled_from([0.0, 1.0]))
-def test_at_every_point_the_wanted_focus_holds(count, seed, exponent, near_priority):
+def test_every_point_has_the_focus_it_needs(count, seed, exponent, near_priority):
     made = random_points(count, seed, extents=np.random.default_rng(seed).uniform(0.3, 4, count))
     shown = surface(made, TILTED, exponent=exponent, near_priority=near_priority)
     w, pupil = focused_at(shown, made.slopes)
@@ -119,7 +119,7 @@ def test_no_points_leave_the_plane():
     assert focal_controls(points([], []), plane=TILTED, coc_slope_mm_m=SLOPE_MM_M, frame_width=WIDTH) is None
 
 
-def test_nearer_points_count_more_where_they_are_asked_to():
+def test_nearer_points_count_more_on_request():
     made = points([[-0.2, 0], [0.2, 0]], [1.0, 4.0])
     middle = np.array([0.0, 0.0])
     even = w_at(made, middle)

@@ -65,7 +65,7 @@ def test_what_stands_still_is_left_alone(curve, hand):
 
 
 @given(curves())
-def test_a_hand_that_is_asked_for_nothing_does_what_was_wanted(curve):
+def test_a_hand_without_limits_follows_exactly(curve):
     times, w = curve
     np.testing.assert_array_equal(drive(times, w), w)
 
@@ -179,7 +179,7 @@ def test_the_ring_is_at_its_stops_at_infinity_and_at_close_focus():
     assert RING.w_at(RING.turn_rad(0.37)) == pytest.approx(0.37)
 
 
-def test_a_drive_turns_the_ring_no_faster_than_asked():
+def test_a_drive_turns_the_ring_no_faster_than_its_limit():
     focus = drive(SECONDS, step_at(SECONDS), ring=RING, max_speed_rad_s=math.radians(45))
     assert np.abs(np.diff(RING.turn_rad(focus))).max() * FPS == pytest.approx(math.radians(45))
 

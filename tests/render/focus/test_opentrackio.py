@@ -182,6 +182,6 @@ def test_older_names_are_read():
         ('{"protocol": {"name": "OpenTrackIO"}', "JSON"),
     ],
 )
-def test_what_cannot_be_read_is_told(text, told):
+def test_an_unreadable_file_is_reported(text, told):
     with pytest.raises(InputError, match=re.escape(told)):
         read_curve(text, RATES, format="opentrackio")

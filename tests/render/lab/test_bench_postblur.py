@@ -30,7 +30,7 @@ def test_the_crossover_lies_where_both_take_as_long() -> None:
     assert crossover(RADII, slow, fast) is None
 
 
-def test_times_are_judged_by_the_clock_that_is_asked_for() -> None:
+def test_times_are_judged_by_the_requested_clock() -> None:
     spent = [(Spent(radius, 50.0), Spent(radius**2, 25.0)) for radius in QUICK.radii]
     wall, processor = (judged(QUICK, spent, by_processor=by) for by in (False, True))
     assert wall.ahead == pytest.approx(QUICK.radii)

@@ -220,7 +220,7 @@ def test_four_layers_of_1024_by_768_take_at_most_64_megabytes(ctx: moderngl.Cont
     assert held[8] < 2 * held[4]
 
 
-def test_what_nobody_asks_for_takes_no_memory(peeler: Peeler) -> None:
+def test_unused_nbuffers_take_no_memory(peeler: Peeler) -> None:
     """One layer for a pinhole; and all that eight took is given back where the size changes."""
     peeler.load(cards())
     wide = replace(VIEW, width=200, height=150)

@@ -156,7 +156,7 @@ def test_places_and_sharpness_know_the_sheet() -> None:
         ({"f_stop": -1.0}, "f-number must be from 0 to 1000"),
     ],
 )
-def test_tables_that_no_lens_has_are_told(wrong: dict[str, object], words: str) -> None:
+def test_impossible_tables_are_reported(wrong: dict[str, object], words: str) -> None:
     with pytest.raises(SettingsError) as caught:
         DataSheet(**{"heights_mm": (0.0, 10.0, 20.0)} | wrong)  # type: ignore[arg-type]
     assert words in caught.value.detail

@@ -303,7 +303,7 @@ def test_a_measurement_that_has_no_place_is_refused(aovs: dict[str, np.ndarray],
         exr(frame)
 
 
-def test_how_the_light_is_meant_to_be_shown_is_said() -> None:
+def test_the_header_says_how_the_light_is_to_be_shown() -> None:
     look = "ACES 1.3 Reference Gamut Compression"
     grade = Grade(
         display="Display P3 - Display", look=look, cdl=Cdl((1.1, 1, 0.9), (0, 0.25, 0), (1, 1, 2), saturation=0.5)

@@ -109,7 +109,7 @@ def test_memory_has_a_bound(size: tuple[int, int], most: int) -> None:
         assert ring.rows < size[1] + 2 * most + 48
 
 
-def test_rows_that_are_held_in_turn_are_told_apart(ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_that_are_held_in_turn_are_distinguished(ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(8)
     light = random.random((150, 40, 4)).astype(np.float32)
     radii = (5 * random.random((150, 40))).astype(np.float32)

@@ -191,12 +191,12 @@ def test_stale_work_is_left_between_pieces_and_goes_on_from_there(ctx: moderngl.
 
 
 @pytest.mark.parametrize("bad", [{"share": 0.0}, {"share": 1.1}, {"share": float("nan")}, {"budget_ms": -1.0}])
-def test_an_extent_out_of_range_is_told(bad: dict[str, float]) -> None:
+def test_an_extent_out_of_range_is_reported(bad: dict[str, float]) -> None:
     with pytest.raises(SettingsError, match=f"{next(iter(bad))}|share"):
         UpdateLimit(**bad)
 
 
-def test_a_weight_below_zero_is_told() -> None:
+def test_a_weight_below_zero_is_reported() -> None:
     with pytest.raises(SettingsError, match="rgb_weight must be 0 or more, got -1"):
         Importance(rgb_weight=-1)
 

@@ -240,7 +240,7 @@ def test_the_same_picture_each_time(blur: ScatterBlur) -> None:
     np.testing.assert_array_equal(picture(blur, 30 * radii, far=light), first)
 
 
-def test_what_nobody_waits_for_is_left(renderer: FrameRenderer) -> None:
+def test_a_cancelled_blur_stops(renderer: FrameRenderer) -> None:
     ctx = renderer.graphics.ctx
     cancellation = CancellationPoint(ctx.finish)
     blur = ScatterBlur(ctx, ProgramCache(ctx), cancellation)

@@ -89,7 +89,7 @@ def test_all_of_them_may_be_sharp(renderer: FrameRenderer) -> None:
 
 
 @pytest.mark.parametrize("blur_mm", [0.25, 0.5])
-def test_the_asked_blur_is_the_picture_s(renderer: FrameRenderer, blur_mm: float) -> None:
+def test_the_picture_has_the_requested_blur(renderer: FrameRenderer, blur_mm: float) -> None:
     """The card looks as through a plain lens that is focused so far before it."""
     scene, camera = shot(2.5)
     bent = renderer.render(scene, replace(camera, focal_surface=surface(camera, [0, blur_mm, 0])), SETTINGS).color

@@ -125,14 +125,14 @@ def test_what_is_written_is_read_again() -> None:
         ("focal length = 50\nmeasured at = -2\nheight_mm light_%\n0 1\n", "line 2: the measured at must be 0 or more"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_told_by_its_line(text: str, words: str) -> None:
+def test_a_fault_in_a_file_is_reported_with_its_line(text: str, words: str) -> None:
     with pytest.raises(InputError) as caught:
         parse_measured_lens(text.encode(), "x.lens")
     assert caught.value.code == "bad_lens_file"
     assert words in caught.value.detail
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file"):
         choose_lens(str(tmp_path / "none.lens"))
 

@@ -151,7 +151,7 @@ def test_optical_bench_coefficients_begin_where_the_constants_say() -> None:
         _read("zoom.txt", odd)
 
 
-def test_a_format_is_told_by_content_where_the_suffix_does_not() -> None:
+def test_a_format_is_recognised_by_content_without_a_suffix() -> None:
     for text in (DOUBLE_GAUSS_DAT, TRIPLET_ZMX, ACHROMAT_SEQ, ZOOM_TXT):
         assert len(_read("lens", text).surfaces) > 2
         assert len(_read("lens.txt", text).surfaces) > 2

@@ -118,7 +118,7 @@ def test_a_flickering_lamp_makes_no_flicker() -> None:
 
 
 @given(st.lists(st.floats(-8, 8), min_size=2, max_size=60), st.floats(0.05, 5))
-def test_keys_stay_among_what_is_wanted_and_change_slowly(wanted: list[float], smoothing_s: float) -> None:
+def test_keys_stay_within_the_given_values_and_change_slowly(wanted: list[float], smoothing_s: float) -> None:
     times = np.arange(len(wanted)) / 24
     keys = smoothed_keys(times, wanted, smoothing_s)
     spread = max(wanted) - min(wanted)

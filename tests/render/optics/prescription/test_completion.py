@@ -110,7 +110,7 @@ def test_solved_clear_diameters_pass_about_half_the_light_at_a_corner(lens: Know
     assert 0.5 < share_past_rims(whole, lens.field_mm) < 0.65
 
 
-def test_a_field_that_light_does_not_reach_is_said() -> None:
+def test_a_field_without_light_is_reported() -> None:
     whole = completed(without_diameters(FISHEYE), image_height_mm=30.0)
     assert any("not the 30 mm of the field" in note for note in whole.notes)
 
@@ -137,7 +137,7 @@ def test_a_lens_without_air_gaps_has_its_stop_at_the_front_rim() -> None:
     assert len(whole.surfaces) == 2
 
 
-def test_a_rim_that_limits_the_axial_beam_is_said() -> None:
+def test_a_rim_that_limits_the_axial_beam_is_reported() -> None:
     whole = completed(changed(DOUBLE_GAUSS.prescription, 8, semi_diameter_mm=5.0))
     assert any("Surface 9 cuts the beam on the axis to f/" in note for note in whole.notes)
 

@@ -216,7 +216,7 @@ def test_an_iris_wider_than_the_stop_opens_it_no_further() -> None:
     assert traced.stopped_by[0] == 5
 
 
-def test_rays_that_miss_and_rays_totally_reflected_are_told_apart() -> None:
+def test_rays_that_miss_and_rays_totally_reflected_are_distinguished() -> None:
     ball = lens_of(Surface(10.0, 20.0, Glass(INDEX)), Surface(-10.0, 0.0))
     missing = trace_forward(ball, *rays([10.5], [0.0]))
     assert (missing.stopped_by[0], missing.fates[0]) == (0, Fate.MISSES)

@@ -165,7 +165,7 @@ def test_an_instance_that_is_invisible_keeps_its_place() -> None:
 
 
 @pytest.mark.parametrize("ids", [[5, 5, 6], [5, 6], [-1, 0, 1], [0, 1, 2**40]])
-def test_ids_that_tell_nothing_apart_are_told_and_indices_are_used(ids: list[int]) -> None:
+def test_ids_that_repeat_are_reported_and_indices_are_used(ids: list[int]) -> None:
     stage = new_stage()
     add_mesh(stage, "/dots/a")
     instancer(stage, "/dots", ["/dots/a"], [0, 0, 0]).CreateIdsAttr(ids)
@@ -313,7 +313,7 @@ def test_a_focus_point_whose_face_is_keyed_goes_from_face_to_face() -> None:
     assert found[1, 0, 0] - found[0, 0, 0] == pytest.approx(1)
 
 
-def test_points_and_faces_that_cannot_be_used_are_told() -> None:
+def test_points_and_faces_that_cannot_be_used_are_reported() -> None:
     stage = new_stage()
     add_mesh(stage, "/few", points=QUAD_POINTS[:3])
     add_mesh(stage, "/nan", points=[(0, 0, 0), (1, 0, 0), (np.nan, 1, 0), (0, 1, 0)])

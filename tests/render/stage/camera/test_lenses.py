@@ -321,7 +321,7 @@ def test_a_data_sheet_goes_through_usd_and_back(stage: Usd.Stage, camera: LensCa
     assert _read(stage).lens.data_sheet == sheet  # the f-number wide open stands for one that is not said
 
 
-def test_a_data_sheet_that_no_lens_has_is_told(stage: Usd.Stage, camera: LensCamera) -> None:
+def test_an_impossible_data_sheet_is_reported(stage: Usd.Stage, camera: LensCamera) -> None:
     camera.lens.author(LensData(model="dataSheet"))
     with pytest.raises(CameraError, match=r"lens:table of camera /cam: .* must increase from 0, got none"):
         _read(stage)

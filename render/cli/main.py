@@ -1,21 +1,18 @@
-"""The `pullfocus` command: its argument tree, and the one place where errors become a line and an exit status.
+"""The `pullfocus` command: dispatch to a command, and the one place where errors become a line and an exit status.
 
 Exit status: 0 done, 1 failed, 2 wrong arguments, 130 stopped by Ctrl-C.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import metadata
 
-from render.cli import bodies, demo, films, focus_curve, inspect, lenses, meter, record
-from render.cli.parser import WRONG_ARGUMENTS, Parser
+from render.cli.parser import WRONG_ARGUMENTS
 from render.cli.report import say
 from render.errors import PullfocusError, SettingsError
-from render.stage.opening import quiet_diagnostics
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
@@ -69,27 +66,16 @@ def _run(typed: list[str]) -> int:
         )
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
-    parsed = _argument_tree(list(added)).parse_args(typed)
-    run: Callable[[argparse.Namespace], None] = parsed.run
-    with quiet_diagnostics():
-        run(parsed)
+    # Imported here because these commands import USD and GL, which the process of an added command (`serve`) does not load.
+    from render.cli.commands import run_command
+
+    run_command(typed, list(added))
     sys.stdout.flush()
     return DONE
 
 
 def _added_commands() -> dict[str, metadata.EntryPoint]:
     return {entry.name: entry for entry in metadata.entry_points(group=ENTRY_POINT_GROUP)}
-
-
-def _argument_tree(added: Sequence[str]) -> argparse.ArgumentParser:
-    parser = Parser(prog="pullfocus", description="See a USD shot through a real lens.")
-    parser.add_argument("--version", action="version", version=f"%(prog)s {metadata.version('pullfocus')}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for module in (record, inspect, focus_curve, meter, lenses, films, bodies, demo):
-        module.add_parser(commands)
-    for name in added:
-        commands.add_parser(name, help=f"pullfocus {name} --help says what it does")
-    return parser
 
 
 def _drop_output() -> None:

@@ -8,13 +8,15 @@ import re
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, RenderableType
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from render.errors import one_line
-from render.stage.findings import Finding
+
+if TYPE_CHECKING:
+    from render.stage.findings import Finding  # its room imports USD, which `pullfocus serve` does not load
 
 MAX_WARNINGS = 8
 _PIPED_WIDTH = 240

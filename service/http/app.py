@@ -1,4 +1,4 @@
-"""The application: rooms, doors and the order in which a request meets them."""
+"""The application: its routes, its middleware and its lifespan."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from render.errors import PullfocusError
-from service.http.errors import ServiceError, install_error_handlers
+from service.http.errors import install_error_handlers
 from service.http.guard import GuardMiddleware
-from service.http.hub import Hub
 from service.http.metrics import MetricsMiddleware
 from service.http.page import install_page
 from service.http.routes import (
@@ -31,10 +30,12 @@ from service.http.routes import (
     solving,
     system,
 )
+from service.http.service import Service
 from service.http.settings import Settings
 from service.picture.calls import frames as picture_frames
 from service.stage.calls import shots as stage_shots
 from service.workers.calls import call
+from service.workers.errors import WorkerError
 
 log = logging.getLogger("pullfocus.service")
 
@@ -55,16 +56,16 @@ def create_app(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        hub = Hub.start(settings)
-        app.state.hub = hub
+        service = Service.start(settings)
+        app.state.service = service
         try:
-            hub.pictures.submit(call(picture_frames.warm_up))  # not awaited: makes the first picture quicker
+            service.picture_queue.submit(call(picture_frames.warm_up))  # not awaited: makes the first picture quicker
             if settings.demo:
-                await _ensure_demo(hub)
+                await _ensure_demo(service)
             yield
         finally:
-            hub.exposures.close()
-            await run_in_threadpool(hub.close)
+            service.long_exposures.close()
+            await run_in_threadpool(service.close)
 
     app = FastAPI(
         title="Pullfocus",
@@ -85,14 +86,14 @@ def create_app(settings: Settings) -> FastAPI:
     return app
 
 
-async def _ensure_demo(hub: Hub) -> None:
+async def _ensure_demo(service: Service) -> None:
     """Write the demo shot where there is none. A service without it is still a service."""
-    if any(record.id == DEMO_ID for record in hub.store.list()):
+    if any(record.id == DEMO_ID for record in service.store.list()):
         return
-    begun = hub.store.begin("Demo shot", DEMO_ID)
+    begun = service.store.begin("Demo shot", DEMO_ID)
     try:
-        root = await hub.ask_stage(stage_shots.write_demo, begun.files)
-        await run_in_threadpool(hub.store.accept, begun, root)
-    except (PullfocusError, ServiceError) as error:
+        root = await service.call_stage(stage_shots.write_demo, begun.files)
+        await run_in_threadpool(service.store.accept, begun, root)
+    except (PullfocusError, WorkerError) as error:
         log.error("the demo shot could not be written: %s", error)
-        hub.store.discard(begun)
+        service.store.discard(begun)

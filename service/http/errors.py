@@ -1,7 +1,7 @@
-"""The one shape of every error, and the translation of exceptions into it.
+"""Translation of exceptions into HTTP answers, all with the body ``{code, detail, path, errors}``.
 
-Whatever goes wrong, the answer's body is ``{code, detail, path, errors}``: a short stable word for programs, one sentence
-for people, the file, prim or parameter that it is about, and the single findings where there are several.
+``code`` is a short stable word for programs, ``detail`` one sentence for people, ``path`` the file, prim or parameter concerned,
+and ``errors`` the single findings where there are several.
 """
 
 from __future__ import annotations
@@ -28,12 +28,20 @@ from render.errors import (
     SettingsError,
 )
 from render.model.edit_history import EndOfHistoryError
-from service.terms import ChangedMeanwhileError
+from service.edit_context import ChangedMeanwhileError
+from service.workers.errors import (
+    QueueFullError,
+    StoppingError,
+    SupersededError,
+    WorkerDiedError,
+    WorkerError,
+    WorkerTimeoutError,
+)
 
 log = logging.getLogger("pullfocus.service")
 
-# Nearest base class first: the first that matches gives the status.
-STATUS_OF_ERROR: tuple[tuple[type[PullfocusError], int], ...] = (
+# Derived classes first: the first match gives the status.
+STATUS_OF_ERROR: tuple[tuple[type[PullfocusError | WorkerError], int], ...] = (
     (NotFoundError, 404),
     (ChangedMeanwhileError, 412),
     (EndOfHistoryError, 409),
@@ -41,13 +49,18 @@ STATUS_OF_ERROR: tuple[tuple[type[PullfocusError], int], ...] = (
     (InputError, 422),
     (GraphicsError, 503),
     (OutputError, 507),
+    (SupersededError, 409),
+    (QueueFullError, 503),
+    (StoppingError, 503),
+    (WorkerDiedError, 503),
+    (WorkerTimeoutError, 504),
 )
 RETRY_AFTER = {"Retry-After": "1"}
 CODE_OF_STATUS = {404: "not_found", 405: "method_not_allowed", 413: "too_large", 415: "unsupported_type"}
 
 
 class ServiceError(Exception):
-    """A request that the service itself refuses or cannot serve.
+    """A request that the HTTP process refuses.
 
     Attributes:
         status: HTTP status.
@@ -83,35 +96,42 @@ def problem(
     errors: list[dict[str, str]] | None = None,
     headers: Mapping[str, str] | None = None,
 ) -> JSONResponse:
-    """An answer in the one shape."""
+    """Return an answer with the body of an error."""
     body = {"code": code, "detail": detail, "path": path, "errors": errors or []}
     return JSONResponse(body, status, dict(headers or {}))
 
 
-def status_of(error: PullfocusError) -> int:
-    """HTTP status of an error of the library."""
+def status_of(error: PullfocusError | WorkerError) -> int:
+    """Return the HTTP status of an error of the library or of a worker."""
     return next((status for kind, status in STATUS_OF_ERROR if isinstance(error, kind)), 500)
 
 
 def answer_to(error: Exception) -> JSONResponse:
-    """The answer to a request that failed with an error which is no fault of the program; a fault is raised again."""
+    """Return the answer to a request that failed. An error that is a bug is raised again."""
     match error:
         case ServiceError():
             return problem(error.status, error.code, error.detail, path=error.path, headers=error.headers)
         case PullfocusError():
             status = status_of(error)
-            headers = RETRY_AFTER if status == 503 else None
-            return problem(status, error.code, error.detail, path=error.path, headers=headers)
+            return problem(status, error.code, error.detail, path=error.path, headers=_retry_headers(status))
+        case WorkerError():
+            status = status_of(error)
+            return problem(status, error.code, str(error), headers=_retry_headers(status))
         case RequestValidationError() | ValidationError():
-            found = [_finding(e) for e in error.errors()]
-            detail = "; ".join(f"{f['path']}: {f['detail']}" for f in found)
-            return problem(422, "invalid_request", detail, path=found[0]["path"] if found else None, errors=found)
+            findings = [_finding(e) for e in error.errors()]
+            detail = "; ".join(f"{f['path']}: {f['detail']}" for f in findings)
+            path = findings[0]["path"] if findings else None
+            return problem(422, "invalid_request", detail, path=path, errors=findings)
     raise error
 
 
+def _retry_headers(status: int) -> Mapping[str, str] | None:
+    return RETRY_AFTER if status == 503 else None
+
+
 def install_error_handlers(app: FastAPI) -> None:
-    """Answer every exception in the one shape."""
-    for known in (ServiceError, PullfocusError, RequestValidationError):
+    """Translate every exception into an answer."""
+    for known in (ServiceError, PullfocusError, WorkerError, RequestValidationError):
         app.add_exception_handler(known, _known_error)
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(OSError, _os_error)
@@ -119,9 +139,9 @@ def install_error_handlers(app: FastAPI) -> None:
 
 
 class FaultMiddleware:
-    """Answers a fault of the program in the one shape, and logs it.
+    """Logs an unexpected exception and answers with status 500.
 
-    Starlette's own last resort answers too, and then raises on, whereupon the server drops the connection.
+    Starlette's own handler answers too, but raises the exception again, whereupon the server drops the connection.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -131,13 +151,13 @@ class FaultMiddleware:
         """Answer one request."""
         started = False
 
-        async def send_and_see(message: Message) -> None:
+        async def send_and_note(message: Message) -> None:
             nonlocal started
             started = True
             await send(message)
 
         try:
-            await self.app(scope, receive, send_and_see)
+            await self.app(scope, receive, send_and_note)
         except Exception:
             if started or scope["type"] != "http":
                 raise
@@ -151,7 +171,7 @@ async def _known_error(_: Request, error: Exception) -> JSONResponse:
 
 
 def _finding(error: Mapping[str, Any]) -> dict[str, str]:
-    """One finding of the validator; what was sent is left out, since it may be large or hold NaN."""
+    """Return one finding of the validator, without the input, which may be large or hold NaN."""
     return {"path": ".".join(str(part) for part in error["loc"]), "detail": str(error["msg"])}
 
 
@@ -159,7 +179,7 @@ async def _http_exception(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
     code = CODE_OF_STATUS.get(error.status_code, "bad_request" if error.status_code < 500 else "internal")
     detail = str(error.detail)
-    if detail == HTTPStatus(error.status_code).phrase:  # the framework's own words name nothing
+    if detail == HTTPStatus(error.status_code).phrase:  # Starlette's default message names nothing
         detail = f"{request.method} {request.url.path}: {detail.lower()}."
     return problem(error.status_code, code, detail, path=request.url.path, headers=error.headers)
 

@@ -6,20 +6,17 @@ import asyncio
 import secrets
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from render.errors import PullfocusError
 from render.model.shutter_intervals import ShutterInterval
 from service.http.errors import ServiceError
 from service.models.long_exposure import LongExposureBegin, LongExposureState
-from service.picture.calls import long_exposure
+from service.picture.calls import long_exposure, state
 from service.picture.requests import ExposureProgress, FrameRequest
 from service.storage.store import ShotRecord
 from service.workers.calls import call
-from service.workers.lane import Lane
-
-if TYPE_CHECKING:
-    from service.picture.state import PictureWorkerState
+from service.workers.errors import QueueFullError, WorkerError
+from service.workers.worker_queue import WorkerQueue
 
 BUSY_PAUSE_S = 0.5
 
@@ -83,7 +80,7 @@ class Exposures:
         max_px: pixels of one picture; more are not rendered.
     """
 
-    def __init__(self, pictures: Lane[PictureWorkerState], max_px: int) -> None:
+    def __init__(self, pictures: WorkerQueue[state.PictureWorkerState], max_px: int) -> None:
         self._pictures = pictures
         self._max_px = max_px
         self._of_shot: dict[str, _Exposure] = {}
@@ -152,7 +149,7 @@ class Exposures:
         dropping.add_done_callback(self._dropping.discard)
 
     async def _drop(self, key: str) -> None:
-        with suppress(ServiceError, PullfocusError):
+        with suppress(WorkerError, PullfocusError):
             await self._pictures.result(call(long_exposure.discard_exposure, key))
 
     def close(self) -> None:
@@ -181,10 +178,10 @@ class Exposures:
             interval = call(long_exposure.expose_interval, exposure.key, exposure.record, exposure.edits, begin, end)
             try:
                 exposure.exposed = await self._pictures.result(interval)
-            except ServiceError as error:
-                if error.code == "busy":  # others come first
-                    await asyncio.sleep(BUSY_PAUSE_S)
-                    continue
+            except QueueFullError:
+                await asyncio.sleep(BUSY_PAUSE_S)
+                continue
+            except WorkerError as error:
                 exposure.problem = str(error)
             except PullfocusError as error:
                 exposure.problem = error.detail

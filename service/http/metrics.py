@@ -1,4 +1,4 @@
-"""Counters for Prometheus: what was asked, how long it took, and how the workers are doing."""
+"""Counters for Prometheus: requests, their times, and the state of the workers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.workers.lane import Lane
+from service.workers.worker_queue import WorkerQueue
 
 BUCKETS_S = (0.005, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 60)
 LIVE_BUCKETS_S = (0.03, 0.06, 0.09, 0.12, 0.18, 0.25, 0.4, 0.8, 1.6, 4)
@@ -20,13 +20,13 @@ LABELS = ("method", "route", "status")
 
 
 class Metrics:
-    """The counters of one service; each has a registry of its own, so that two can live in one process.
+    """Counters of one service, in a registry of their own so that two services can share a process.
 
     Args:
-        lanes: whose queues and workers are watched.
+        queues: queues of the workers, which are measured too.
     """
 
-    def __init__(self, lanes: Sequence[Lane[Any]]) -> None:
+    def __init__(self, queues: Sequence[WorkerQueue[Any]]) -> None:
         self.registry = CollectorRegistry()
         self.requests = Histogram(
             "pullfocus_request_seconds", "Time to answer a request.", LABELS, buckets=BUCKETS_S, registry=self.registry
@@ -44,18 +44,18 @@ class Metrics:
             registry=self.registry,
         )
         self.live_viewers = Gauge("pullfocus_live_viewers", "Open live connections.", registry=self.registry)
-        self.registry.register(_LaneCollector(lanes))
+        self.registry.register(_QueueCollector(queues))
 
     def text(self) -> bytes:
         """All counters in Prometheus' text format."""
         return generate_latest(self.registry)
 
 
-class _LaneCollector(Collector):
-    """Reads the lanes when somebody asks."""
+class _QueueCollector(Collector):
+    """Measures the queues when the counters are read."""
 
-    def __init__(self, lanes: Sequence[Lane[Any]]) -> None:
-        self._lanes = lanes
+    def __init__(self, queues: Sequence[WorkerQueue[Any]]) -> None:
+        self._queues = queues
 
     def collect(self) -> Iterable[Metric]:
         return self._families()
@@ -64,17 +64,17 @@ class _LaneCollector(Collector):
         waiting = GaugeMetricFamily("pullfocus_lane_waiting", "Requests that wait for a worker.", labels=["worker"])
         busy = GaugeMetricFamily("pullfocus_lane_busy", "Whether a worker is at work.", labels=["worker"])
         starts = CounterMetricFamily("pullfocus_worker_starts", "Times a worker was started.", labels=["worker"])
-        for lane in self._lanes:
-            waiting.add_metric([lane.worker.name], lane.waiting)
-            busy.add_metric([lane.worker.name], lane.busy)
-            starts.add_metric([lane.worker.name], lane.worker.starts)
+        for queue in self._queues:
+            waiting.add_metric([queue.worker.name], queue.waiting)
+            busy.add_metric([queue.worker.name], queue.busy)
+            starts.add_metric([queue.worker.name], queue.worker.starts)
         yield waiting
         yield busy
         yield starts
 
 
 class MetricsMiddleware:
-    """Times each request. Routes count by their template, so that addresses do not become labels without end."""
+    """Times each request. Labels hold the template of a route and not its address, so that their number is bounded."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -87,16 +87,16 @@ class MetricsMiddleware:
         status = 500
         began_s = time.perf_counter()
 
-        async def send_and_see(message: Message) -> None:
+        async def send_and_note(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
             await send(message)
 
         try:
-            await self.app(scope, receive, send_and_see)
+            await self.app(scope, receive, send_and_note)
         finally:
             route = getattr(scope.get("route"), "path", "none")
-            histogram = scope["app"].state.hub.metrics.requests
+            histogram = scope["app"].state.service.metrics.requests
             method = scope["method"] if scope["method"] in METHODS else "other"
             histogram.labels(method, route, str(status)).observe(time.perf_counter() - began_s)

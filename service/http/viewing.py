@@ -9,27 +9,25 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
 from service.http.errors import ServiceError, answer_to
-from service.http.hub import Hub
 from service.http.routes.frames import FrameQuery, PictureQuery, frame_request, tag_of_frame
+from service.http.service import Service
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming, UnsavedEdit
 from service.models.picture_size import check_pixels
-from service.picture.calls import live
+from service.picture.calls import live, state
 from service.picture.requests import LivePicture
 from service.storage.store import ShotRecord
 from service.workers.calls import stream_call
-from service.workers.lane import Stream
-
-if TYPE_CHECKING:
-    from service.picture.state import PictureWorkerState
+from service.workers.errors import SupersededError
+from service.workers.worker_queue import QueuedStream
 
 MOST_IN_FLIGHT = 2
 """Pictures that were sent and not acknowledged."""
@@ -58,17 +56,17 @@ class Viewer:
     """Serves one connection. Lives in the event loop; the lane calls back from a thread of its own.
 
     Args:
-        hub: of the service.
+        service: of the service.
         socket: accepted.
         shot: id of the shot that is looked at.
     """
 
-    def __init__(self, hub: Hub, socket: WebSocket, shot: str) -> None:
-        self._hub = hub
+    def __init__(self, service: Service, socket: WebSocket, shot: str) -> None:
+        self._service = service
         self._socket = socket
         self._shot = shot
         self._loop = asyncio.get_running_loop()
-        self._stream: Stream[PictureWorkerState] | None = None
+        self._stream: QueuedStream[state.PictureWorkerState] | None = None
         self._problems: deque[str] = deque()
         self._readout: str | None = None  # the newest that was not sent
         self._picture: tuple[_Asked, LivePicture] | None = None  # likewise
@@ -118,19 +116,19 @@ class Viewer:
     async def _begin(self, asked: _Asked) -> None:
         """Have pictures made, in place of those that were asked for before."""
         request = asked.request
-        check_pixels(request.width, request.height, self._hub.settings.max_picture_px)
-        record = self._hub.store.get(self._shot)
+        check_pixels(request.width, request.height, self._service.settings.max_picture_px)
+        record = self._service.store.get(self._shot)
         edits = await run_in_threadpool(record.edit_text)
         if not request.moving and request.edit is None:
             asked.tag = self._tag(record, edits, request)
-            kept = self._hub.frames.get(asked.tag)
+            kept = self._service.frame_cache.get(asked.tag)
             if kept is not None:
                 self._drop()
-                self._hub.metrics.frames.labels("cache").inc()
+                self._service.metrics.frames.labels("cache").inc()
                 self._take(asked, _as_kept(kept, request.rays))
                 return
-        frame = frame_request(self._hub, record, edits, request)
-        self._stream = self._hub.pictures.stream(
+        frame = frame_request(self._service, record, edits, request)
+        self._stream = self._service.picture_queue.submit_stream(
             stream_call(live.stream_pictures, frame, request.edit, request.budget_ms, request.moving),
             on_item=self._from_thread(lambda item: self._take(asked, item)),
             on_end=self._from_thread(lambda error: self._end(asked, error)),
@@ -146,7 +144,7 @@ class Viewer:
     def _tag(self, record: ShotRecord, edits: str, request: LiveRequest) -> str:
         """By which the final picture lies in the cache of frames, with those that were asked for over HTTP."""
         same = {name: getattr(request, name) for name in PictureQuery.model_fields}
-        return tag_of_frame(self._hub, record, edits, FrameQuery(**same))
+        return tag_of_frame(self._service, record, edits, FrameQuery(**same))
 
     def _from_thread(self, hear: Callable[[Heard], None]) -> Callable[[Heard], None]:
         def call(heard: Heard) -> None:
@@ -169,20 +167,20 @@ class Viewer:
             return
         if not asked.is_better(item):  # made again, since the work was put off
             return
-        metrics = self._hub.metrics
+        metrics = self._service.metrics
         metrics.live_pictures.labels(item.stage).inc()
         if asked.best is None:
             metrics.live_first.observe(asked.age_ms() / 1e3)
         asked.best, asked.answered_ms = item, asked.age_ms()
         if item.is_final and asked.tag is not None:
-            self._hub.frames.put(asked.tag, item.data)
+            self._service.frame_cache.put(asked.tag, item.data)
         self._since = asked.number
         self._picture = asked, item
         self._something.set()
 
     def _end(self, asked: _Asked, error: Exception | None) -> None:
         is_late = asked.number < self._since
-        if error is not None and not is_late and not (isinstance(error, ServiceError) and error.code == "superseded"):
+        if error is not None and not is_late and not isinstance(error, SupersededError):
             self._complain(asked.request.id, error)
 
     def _complain(self, request_id: Any, error: Exception) -> None:
@@ -213,7 +211,7 @@ class Viewer:
 
     def _drop(self) -> None:
         if self._stream is not None:
-            self._hub.pictures.drop(self._stream)
+            self._service.picture_queue.cancel_stream(self._stream)
         self._stream = None
 
 

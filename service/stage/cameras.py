@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from service.edit_context import EditContext
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.stage.applying import apply_to_camera
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import as_place_readout, as_readout, camera_tag, read_camera_state, read_cameras
 from service.storage.store import ShotRecord
-from service.terms import Terms
 
 
 @stage_function
@@ -26,11 +26,11 @@ def read_camera(opened: OpenedShots, record: ShotRecord, camera: str | None, tim
 
 @stage_function
 def edit_camera(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: CameraEdit, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: CameraEdit, context: EditContext
 ) -> CameraState:
     """Set values of a camera and read it again. Raises `CameraError` or `SettingsError`."""
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         apply_to_camera(shot, camera, edit)
         return read_camera_state(shot, camera, shot.frame_range.start if edit.time is None else edit.time)
 

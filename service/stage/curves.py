@@ -7,11 +7,11 @@ from typing import Literal
 from render.errors import SettingsError
 from render.focus.files import curve_to_text
 from render.shot.focus.curve_import import read_for_shot
+from service.edit_context import EditContext
 from service.models.curve import CurveFileFormat, CurveFinding, ImportedCurve
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import camera_tag, curve_frames, read_camera_state
 from service.storage.store import ShotRecord
-from service.terms import Terms
 
 _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]], ...] = (
     ("focus_distance_m", "focusDistance"),
@@ -50,7 +50,7 @@ def import_curve(
     first_frame: float | None,
     baked: bool,
     max_frames: int,
-    terms: Terms,
+    context: EditContext,
 ) -> ImportedCurve:
     """Put a focus curve of another tool onto a camera.
 
@@ -58,8 +58,8 @@ def import_curve(
         InputError: the file cannot be used.
         SettingsError: it has too many frames.
     """
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         read = read_for_shot(shot.stage, content, gaps=gaps, first_frame=first_frame)
         times = read.curve.time_codes
         if len(times) > max_frames:

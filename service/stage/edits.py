@@ -6,12 +6,12 @@ from typing import Literal
 
 from render.errors import NotFoundError
 from render.model.edit_history import EditHistory as KeptHistory
+from service.edit_context import EditContext, edits_tag
 from service.models.edits import EditHistory, EditStep
 from service.models.shots import Shot
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import describe
 from service.storage.store import ShotRecord
-from service.terms import Terms, edits_tag
 
 
 @stage_function
@@ -22,10 +22,12 @@ def read_history(opened: OpenedShots, record: ShotRecord) -> EditHistory:
 
 
 @stage_function
-def walk_history(opened: OpenedShots, record: ShotRecord, step: Literal["undo", "redo"], terms: Terms) -> EditHistory:
+def walk_history(
+    opened: OpenedShots, record: ShotRecord, step: Literal["undo", "redo"], context: EditContext
+) -> EditHistory:
     """Undo or redo one step. Raises `EndOfHistoryError`."""
     with opened.change(record) as shot:
-        terms.check(edits_tag(shot.edits.history.present.revision), "the edit layer")
+        context.check_tag(edits_tag(shot.edits.history.present.revision), "the edit layer")
         if step == "undo":
             shot.edits.undo()
         else:
@@ -34,14 +36,14 @@ def walk_history(opened: OpenedShots, record: ShotRecord, step: Literal["undo", 
 
 
 @stage_function
-def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, terms: Terms) -> Shot:
+def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, context: EditContext) -> Shot:
     """Restore the edits of an earlier revision, as an edit that can be undone.
 
     Raises:
         NotFoundError: the revision is no longer kept.
     """
-    with opened.edit(record, terms, f"go back to revision {revision}") as shot:
-        terms.check(edits_tag(shot.edits.history.present.revision), "the edit layer")
+    with opened.edit(record, context, f"go back to revision {revision}") as shot:
+        context.check_tag(edits_tag(shot.edits.history.present.revision), "the edit layer")
         state = shot.edits.history.find(revision)
         if state is None:
             raise NotFoundError(

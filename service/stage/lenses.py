@@ -10,12 +10,12 @@ from render.optics.report import lens_report
 from render.shot.lens.lens_alone import library_lens_alone
 from render.shot.lens.lens_choice import THIN, LensChoice, file_choice, library_choice, library_entry
 from render.stage.camera.lenses import lens_of
+from service.edit_context import EditContext
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import camera_tag, read_camera_state
 from service.storage.store import ShotRecord
-from service.terms import Terms
 from usd_schemas import LibraryLens, library_lenses
 
 
@@ -70,7 +70,7 @@ def _sheet_png(name: str) -> bytes:
 
 @stage_function
 def mount_lens_file(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, data: bytes, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, data: bytes, context: EditContext
 ) -> CameraState:
     """Mount the lens of an uploaded file.
 
@@ -79,8 +79,8 @@ def mount_lens_file(
         InputError: it is no lens file, or its numbers make no lens.
     """
     choice = file_choice(data, name)
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         shot.camera.mount_lens(camera, choice)
         return read_camera_state(shot, camera, shot.frame_range.start)
 

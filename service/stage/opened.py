@@ -9,9 +9,9 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from render.errors import NotFoundError, PullfocusError
 from render.shot import Shot
+from service.edit_context import ANY_CONTEXT, EditContext
 from service.storage.edit_files import load_history, save_history
 from service.storage.store import ShotRecord
-from service.terms import ANY_TERMS, Terms
 from service.workers.calls import register
 
 MAX_OPEN = 4
@@ -48,7 +48,7 @@ class OpenedShots:
             raise _error_as_sent(error, record) from error
 
     @contextmanager
-    def edit(self, record: ShotRecord, terms: Terms = ANY_TERMS, label: str = "") -> Iterator[Shot]:
+    def edit(self, record: ShotRecord, context: EditContext = ANY_CONTEXT, label: str = "") -> Iterator[Shot]:
         """Change a shot, in one step of its history. What was changed is on disk when this ends, or it never was.
 
         Args:
@@ -56,7 +56,7 @@ class OpenedShots:
             terms: its gesture; the tag is for the caller to check, who knows what is edited.
             label: what is done; empty takes what the shot says of its edits.
         """
-        with self.change(record) as shot, shot.edits.transaction(label, terms.gesture):
+        with self.change(record) as shot, shot.edits.transaction(label, context.gesture):
             yield shot
 
     @contextmanager

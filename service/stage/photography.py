@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from service.edit_context import EditContext
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
@@ -12,7 +13,6 @@ from service.stage.field_names import photography_setting
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import camera_tag
 from service.storage.store import ShotRecord
-from service.terms import Terms
 
 
 @stage_function
@@ -45,11 +45,11 @@ def read_grade_choices(opened: OpenedShots, record: ShotRecord, camera: str | No
 
 @stage_function
 def edit_exposure_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: ExposureSettingsEdit, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: ExposureSettingsEdit, context: EditContext
 ) -> ExposureSettings:
     """Change how a camera exposes. Raises `CameraError` or `SettingsError`."""
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         time = shot.frame_range.start if edit.time is None else edit.time
         with shot.keep_usable(camera, time):
             apply_to_exposure(shot, camera, edit)
@@ -58,11 +58,11 @@ def edit_exposure_settings(
 
 @stage_function
 def edit_film_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FilmSettingsEdit, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FilmSettingsEdit, context: EditContext
 ) -> FilmSettings:
     """Change film and grade. Raises `CameraError` or `SettingsError`."""
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         time = shot.frame_range.start if edit.time is None else edit.time
         with shot.keep_usable(camera, time):
             apply_to_film(shot, camera, edit)
@@ -71,37 +71,52 @@ def edit_film_settings(
 
 @stage_function
 def set_exposure_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: ExposureKeyed, key: KeyEdit, terms: Terms
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: ExposureKeyed,
+    key: KeyEdit,
+    context: EditContext,
 ) -> ExposureSettings:
     """Set or replace a key of how a camera exposes. Raises `CameraError` or `SettingsError`."""
-    _set_key(opened, record, camera, attribute, key, terms)
+    _set_key(opened, record, camera, attribute, key, context)
     return read_exposure_settings(opened, record, camera, key.time)
 
 
 @stage_function
 def remove_exposure_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: ExposureKeyed, time: float, terms: Terms
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: ExposureKeyed,
+    time: float,
+    context: EditContext,
 ) -> ExposureSettings:
     """Remove a key of how a camera exposes. Raises `CameraError` or `NotFoundError`."""
-    _remove_key(opened, record, camera, attribute, time, terms)
+    _remove_key(opened, record, camera, attribute, time, context)
     return read_exposure_settings(opened, record, camera, time)
 
 
 @stage_function
 def set_film_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, key: KeyEdit, terms: Terms
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: FilmKeyed,
+    key: KeyEdit,
+    context: EditContext,
 ) -> FilmSettings:
     """Set or replace a key of film or grade. Raises `CameraError` or `SettingsError`."""
-    _set_key(opened, record, camera, attribute, key, terms)
+    _set_key(opened, record, camera, attribute, key, context)
     return read_film_settings(opened, record, camera, key.time)
 
 
 @stage_function
 def remove_film_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, time: float, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, time: float, context: EditContext
 ) -> FilmSettings:
     """Remove a key of film or grade. Raises `CameraError` or `NotFoundError`."""
-    _remove_key(opened, record, camera, attribute, time, terms)
+    _remove_key(opened, record, camera, attribute, time, context)
     return read_film_settings(opened, record, camera, time)
 
 
@@ -111,11 +126,11 @@ def _set_key(
     camera: str | None,
     attribute: ExposureKeyed | FilmKeyed,
     key: KeyEdit,
-    terms: Terms,
+    context: EditContext,
 ) -> None:
     authored = authored_key(key, attribute, is_switch=False)
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         with shot.keep_usable(camera, key.time):
             shot.camera.set_key(camera, photography_setting(attribute), authored)
 
@@ -126,8 +141,8 @@ def _remove_key(
     camera: str | None,
     attribute: ExposureKeyed | FilmKeyed,
     time: float,
-    terms: Terms,
+    context: EditContext,
 ) -> None:
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         shot.camera.remove_key(camera, photography_setting(attribute), time)

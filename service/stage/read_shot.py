@@ -19,6 +19,7 @@ from render.shot import Shot as OpenShot
 from render.shot.focus.place_readout import PlaceReadout as OpenPlaceReadout
 from render.shot.inspection import inspect_shot
 from render.stage import read_camera
+from service.edit_context import tag_of
 from service.models.base import Finding, Vector3
 from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
 from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute, Tangents
@@ -26,7 +27,6 @@ from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
 from service.stage.opened import as_sent
 from service.storage.store import ShotRecord
-from service.terms import tag_of
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
 

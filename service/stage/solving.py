@@ -6,6 +6,7 @@ import math
 from typing import get_args
 
 from render.shot import Shot
+from service.edit_context import EditContext
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.applying import apply_to_focus
@@ -14,7 +15,6 @@ from service.stage.field_names import FOCUS_OF_FIELD
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import as_key, camera_tag, points_tag, told_of_camera
 from service.storage.store import ShotRecord
-from service.terms import Terms
 from usd_schemas.racks import WeightRack
 
 SWITCHES = ("solveStop", "drivenByPoints")
@@ -29,12 +29,12 @@ def read_focus_settings(opened: OpenedShots, record: ShotRecord, camera: str | N
 
 @stage_function
 def edit_focus_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FocusSettingsEdit, terms: Terms
+    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FocusSettingsEdit, context: EditContext
 ) -> FocusSettings:
     """Change the focus settings. Raises `CameraError` or `SettingsError`."""
     time = edit.time
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         looked_at = shot.frame_range.start if time is None else time
         with shot.keep_usable(camera, looked_at):
             apply_to_focus(shot, camera, edit)
@@ -43,33 +43,45 @@ def edit_focus_settings(
 
 @stage_function
 def set_camera_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: CameraKeyed, key: KeyEdit, terms: Terms
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: CameraKeyed,
+    key: KeyEdit,
+    context: EditContext,
 ) -> FocusSettings:
     """Set or replace a key of a camera, and read the settings at the key's time. Raises `CameraError` or `SettingsError`."""
     authored = authored_key(key, attribute, is_switch=attribute in SWITCHES)
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         shot.camera.set_key(camera, setting_of(attribute), authored)
         return _settings(shot, camera, key.time)
 
 
 @stage_function
 def remove_camera_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: CameraKeyed, time: float, terms: Terms
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    attribute: CameraKeyed,
+    time: float,
+    context: EditContext,
 ) -> FocusSettings:
     """Remove a key of a camera, and read the settings at that time. Raises `NotFoundError`."""
-    with opened.edit(record, terms) as shot:
-        terms.check(camera_tag(shot, camera), "the camera")
+    with opened.edit(record, context) as shot:
+        context.check_tag(camera_tag(shot, camera), "the camera")
         shot.camera.remove_key(camera, setting_of(attribute), time)
         return _settings(shot, camera, time)
 
 
 @stage_function
-def make_rack(opened: OpenedShots, record: ShotRecord, camera: str | None, rack: RackCreate, terms: Terms) -> Rack:
+def make_rack(
+    opened: OpenedShots, record: ShotRecord, camera: str | None, rack: RackCreate, context: EditContext
+) -> Rack:
     """Rack from one focus point to another. Raises `NotFoundError` or `SettingsError`."""
     asked = WeightRack(**rack.model_dump())
-    with opened.edit(record, terms) as shot:
-        terms.check(points_tag(shot, camera), "the list of focus points")
+    with opened.edit(record, context) as shot:
+        context.check_tag(points_tag(shot, camera), "the list of focus points")
         made, lens = shot.focus.rack(camera, asked)
         return Rack.model_validate(
             {

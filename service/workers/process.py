@@ -23,7 +23,8 @@ from typing import Any, Generic, TypeVar
 
 from render.errors import InputError, PullfocusError, SettingsError
 from service.workers.calls import Call, StreamCall, name_of, resolve
-from service.workers.streaming import Patience, Signals
+from service.workers.errors import WorkerDiedError, WorkerFailedError, WorkerTimeoutError
+from service.workers.streaming import Signals, StaleCheck
 
 log = logging.getLogger("pullfocus.service")
 
@@ -32,21 +33,9 @@ Reply = TypeVar("Reply")
 Item = TypeVar("Item")
 
 
-class WorkerDiedError(Exception):
-    """The worker process ended while it worked on a request."""
-
-
-class WorkerTimeoutError(Exception):
-    """The worker did not answer in time and was ended."""
-
-
-class WorkerFailedError(Exception):
-    """The request raised something that is nobody's bad input: a fault of the program. The worker lives on."""
-
-
 @dataclass(frozen=True)
 class _Answer:
-    """What comes back over the pipe: a value, an error that was raised on purpose, or the traceback of a fault."""
+    """A message from the worker: a value, an error that was raised on purpose, or the traceback of a bug."""
 
     value: object = None
     error: PullfocusError | None = None
@@ -55,7 +44,7 @@ class _Answer:
 
     @property
     def is_value(self) -> bool:
-        """Whether the request did what it was to do."""
+        """Whether the call succeeded."""
         return self.error is None and not self.fault
 
 
@@ -65,21 +54,21 @@ class _StreamOrder(Generic[State]):
 
     call: StreamCall[State, Any]
     serial: int
-    has_shown: bool
-    patience_s: float
+    has_yielded: bool
+    grace_s: float
 
 
 class WorkerProcess(Generic[State]):
-    """The parent's side. Not thread-safe: one thread calls it (see ``service.workers.lane``).
+    """The parent's side of a worker process. Not thread-safe: one thread calls it (see `service.workers.worker_queue`).
 
     Args:
         name: of the process, for logs.
         make_state: registered class or function that creates the worker's state, or a reference to it; sent by name.
 
     Attributes:
-        starts: how many workers there have been.
-        proven: whether the present one has done work, and not failed since.
-        signals: what the worker is told while it works; any thread may set them.
+        starts: number of processes started so far.
+        proven: whether the current process has completed a call and has not failed since.
+        signals: interrupt a running stream; any thread may set them.
     """
 
     def __init__(self, name: str, make_state: Callable[[], State]) -> None:
@@ -117,43 +106,43 @@ class WorkerProcess(Generic[State]):
         deliver: Callable[[Item], None],
         *,
         serial: int,
-        has_shown: bool = False,
-        patience_s: float = 0.0,
+        has_yielded: bool = False,
+        grace_s: float = 0.0,
     ) -> bool:
         """Run a stream call in the worker, starting one when there is none.
 
         Args:
             call: the generator function and its arguments.
             timeout_s: time for all of it.
-            deliver: called with each answer.
-            serial: names it in `signals`; not 0, and not that of another one.
-            has_shown: as for `service.workers.streaming.Patience`.
-            patience_s: likewise.
+            deliver: called with each item.
+            serial: number of the stream in `signals`; unique, not 0.
+            has_yielded: as for `service.workers.streaming.StaleCheck`.
+            grace_s: likewise.
 
         Returns:
-            Whether it came to its end; else it made way for others, or was dropped.
+            Whether it came to its end; False where it was interrupted or cancelled.
 
         Raises:
             PullfocusError: the function raised it; and the other errors of `call`.
         """
-        for answer in self._answers(_StreamOrder(call, serial, has_shown, patience_s), timeout_s):
+        for answer in self._answers(_StreamOrder(call, serial, has_yielded, grace_s), timeout_s):
             value = self._unpack(answer)
             if not answer.is_last:
                 deliver(value)
         return bool(value)
 
-    def _answers(self, sent: object, timeout_s: float) -> Iterator[_Answer]:
-        """Send something to the worker, starting one when there is none, and hear its answers, to the last."""
-        process, pipe = self._running()
-        until_s = time.monotonic() + timeout_s
+    def _answers(self, order: object, timeout_s: float) -> Iterator[_Answer]:
+        """Send an order to the worker, starting one when there is none, and yield its answers."""
+        process, pipe = self._ensure_running()
+        deadline_s = time.monotonic() + timeout_s
         answer = None
         try:
-            pipe.send(sent)
+            pipe.send(order)
             while answer is None or not answer.is_last:
-                if not wait([pipe, process.sentinel], until_s - time.monotonic()):
+                if not wait([pipe, process.sentinel], deadline_s - time.monotonic()):
                     self.close()
                     raise WorkerTimeoutError(f"The {self.name} worker took longer than {timeout_s:g} s and was ended.")
-                # A worker that answered and then died still leaves its answer in the pipe: read that first.
+                # The answer of a worker that then died is still in the pipe.
                 answer = pipe.recv()
                 yield answer
         except (EOFError, OSError) as error:
@@ -169,7 +158,7 @@ class WorkerProcess(Generic[State]):
             raise WorkerFailedError(f"The {self.name} worker failed on this request; the service's log says why.")
         return answer.value
 
-    def _running(self) -> tuple[BaseProcess, Connection]:
+    def _ensure_running(self) -> tuple[BaseProcess, Connection]:
         if self._process is None or self._pipe is None or not self._process.is_alive():
             self.close()
             here, there = self._context.Pipe()
@@ -182,12 +171,12 @@ class WorkerProcess(Generic[State]):
         return self._process, self._pipe
 
     def kill(self) -> None:
-        """End the worker under whatever it is doing; the one method that any thread may call."""
+        """End the worker at once. The only method that any thread may call."""
         if self._process is not None and self._process.is_alive():
             self._process.kill()
 
     def close(self) -> None:
-        """End the worker and let go of it."""
+        """End the worker and release its pipe."""
         if self._pipe is not None:
             self._pipe.close()
         if self._process is not None:
@@ -199,9 +188,9 @@ class WorkerProcess(Generic[State]):
 
 
 def _serve(pipe: Connection, make_state: str, signals: Signals) -> None:
-    """The worker's side: answer requests until the parent is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the pipe
-    with suppress(OSError):  # Linux alone has it: when memory runs out, a worker goes and the service stays
+    """Run calls until the parent is gone. Runs in the worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the parent, which then closes the pipe
+    with suppress(OSError):  # Linux only: when memory runs out, the kernel ends a worker rather than the service
         Path("/proc/self/oom_score_adj").write_text("500")
     state = resolve(make_state)()
     with suppress(EOFError, BrokenPipeError):  # the parent is gone
@@ -228,10 +217,10 @@ def _answer(
 
 def _stream(order: _StreamOrder[State], state: State, pipe: Connection, signals: Signals) -> bool:
     """Send the items of a stream. Returns whether the stream came to its end."""
-    patience = Patience(signals, order.serial, has_shown=order.has_shown, patience_s=order.patience_s)
-    items: Any = order.call.run(state, patience)
+    is_stale = StaleCheck(signals, order.serial, has_yielded=order.has_yielded, grace_s=order.grace_s)
+    items: Any = order.call.run(state, is_stale)
     with closing(items):
         for item in items:
             pipe.send_bytes(pickle.dumps(_Answer(value=item, is_last=False)))
-            patience.has_shown = True
-    return not patience.has_ended
+            is_stale.has_yielded = True
+    return not is_stale.has_ended

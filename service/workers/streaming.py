@@ -1,7 +1,7 @@
-"""Work that answers more than once, each time better, and that can be told to stop while it is at it.
+"""Signals by which the service interrupts a stream that a worker is running.
 
-A worker hears of requests over its pipe, but only between two of them. What it must know while it works is two numbers in
-memory that it shares with the service: which stream is no longer wanted, and how many others wait for the worker.
+A worker receives calls over its pipe, but only between two of them. While it runs a stream it reads two numbers in shared memory:
+the stream that was cancelled, and how many calls wait for the worker.
 """
 
 from __future__ import annotations
@@ -17,57 +17,62 @@ IsStale = Callable[[], bool]
 
 
 class Signals:
-    """What the service tells a worker that is at work. Each is one word of shared memory, written by the service alone.
+    """Shared memory that the service writes and a running worker reads.
 
     Args:
-        context: by which the worker's process is started; it takes these along.
+        context: starts the worker's process, which inherits the memory.
     """
 
     def __init__(self, context: SpawnContext) -> None:
-        self._dropped: Any = context.RawValue(ctypes.c_uint64, 0)
-        self._waiting: Any = context.RawValue(ctypes.c_uint64, 0)
+        self._cancelled: Any = context.RawValue(ctypes.c_uint64, 0)
+        self._queue_length: Any = context.RawValue(ctypes.c_uint64, 0)
 
     @property
-    def dropped(self) -> int:
-        """Number of the stream that nobody wants any more; 0 is none."""
-        return int(self._dropped.value)
+    def cancelled_stream(self) -> int:
+        """Serial number of the stream that was cancelled last; 0 is none."""
+        return int(self._cancelled.value)
 
-    @dropped.setter
-    def dropped(self, serial: int) -> None:
-        self._dropped.value = serial
+    @cancelled_stream.setter
+    def cancelled_stream(self, serial: int) -> None:
+        self._cancelled.value = serial
 
     @property
-    def waiting(self) -> int:
-        """How many requests wait for the worker."""
-        return int(self._waiting.value)
+    def queue_length(self) -> int:
+        """Number of calls that wait for the worker."""
+        return int(self._queue_length.value)
 
-    @waiting.setter
-    def waiting(self, count: int) -> None:
-        self._waiting.value = count
+    @queue_length.setter
+    def queue_length(self, count: int) -> None:
+        self._queue_length.value = count
 
 
-class Patience:
-    """Whether a stream goes on, as its worker sees it.
+class StaleCheck:
+    """Decides, in the worker, whether a stream must end here: the `IsStale` of its generator function.
 
-    It ends at once when nobody wants it any more. It makes way for others once it has shown something, and has had its time:
-    work that goes on for long without showing anything new would keep everybody else waiting.
+    A cancelled stream ends at once. A stream ends for other calls that wait once it has yielded an item and its grace time is
+    over, because long work without a new item would block everyone else.
 
     Args:
-        signals: of the service.
+        signals: from the service.
         serial: the stream's number.
-        has_shown: whether it has shown something before, and was interrupted.
-        patience_s: how long others wait for it nevertheless.
+        has_yielded: whether an earlier, interrupted run yielded an item.
+        grace_s: time that it may keep others waiting.
+
+    Attributes:
+        has_yielded: whether the stream has yielded an item; set by the caller.
+        has_ended: whether the stream was told to end.
     """
 
-    def __init__(self, signals: Signals, serial: int, *, has_shown: bool, patience_s: float) -> None:
+    def __init__(self, signals: Signals, serial: int, *, has_yielded: bool, grace_s: float) -> None:
         self._signals = signals
         self._serial = serial
-        self._until_s = time.monotonic() + patience_s
-        self.has_shown = has_shown
+        self._grace_until_s = time.monotonic() + grace_s
+        self.has_yielded = has_yielded
         self.has_ended = False
 
     def __call__(self) -> bool:
-        """Whether the work is to end here."""
-        others = self._signals.waiting > 0 and self.has_shown and time.monotonic() >= self._until_s
-        self.has_ended = self.has_ended or others or self._signals.dropped == self._serial
+        """Return True where the stream must end."""
+        may_interrupt = self.has_yielded and time.monotonic() >= self._grace_until_s
+        is_interrupted = may_interrupt and self._signals.queue_length > 0
+        self.has_ended = self.has_ended or is_interrupted or self._signals.cancelled_stream == self._serial
         return self.has_ended

@@ -14,6 +14,7 @@ import pytest
 import uvicorn
 
 from service.http.app import create_app
+from service.http.service import Service
 from service.http.settings import Settings
 
 
@@ -26,8 +27,9 @@ class Running:
     app: object
 
     @property
-    def hub(self):
-        return self.app.state.hub
+    def internal(self) -> Service:
+        """The application's queues, caches and counters."""
+        return self.app.state.service
 
 
 @contextmanager

@@ -20,14 +20,17 @@ HEADER = "#usda 1.0\n"
 def goes_on(service):
     """Whatever a test sends: no worker dies of it, nothing is left behind, and the next frame comes."""
     kept = service.client.get("/v1/shots").json()
-    stage_worker, picture_worker = service.hub.stages.worker.starts, service.hub.pictures.worker.starts
+    stage_worker, picture_worker = (
+        service.internal.stage_queue.worker.starts,
+        service.internal.picture_queue.worker.starts,
+    )
     yield
     assert service.client.get("/v1/shots").json() == kept
     folders = {folder.name for folder in (service.settings.data / "shots").iterdir()}
     assert folders == {shot["id"] for shot in kept["shots"]}
     assert service.client.get("/readyz").status_code == 200
-    assert service.hub.stages.worker.starts == max(stage_worker, 1)
-    assert service.hub.pictures.worker.starts == picture_worker
+    assert service.internal.stage_queue.worker.starts == max(stage_worker, 1)
+    assert service.internal.picture_queue.worker.starts == picture_worker
 
 
 def problem(answer, *statuses: int):

@@ -90,7 +90,7 @@ def test_a_tag_names_the_pixels(client, room):
 
 def test_a_frame_that_was_rendered_is_not_rendered_again(service, client, room):
     def rendered() -> float:
-        return service.hub.metrics.frames.labels("rendered")._value.get()
+        return service.internal.metrics.frames.labels("rendered")._value.get()
 
     before = rendered()
     first, second = frame(client, room, seed=5), frame(client, room, seed=5, client="someone")
@@ -103,8 +103,8 @@ def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, k
     assert frame(client, room, seed=6).status_code == 200
     with ThreadPoolExecutor() as pool:
         lost = pool.submit(frame, client, room, seed=int(killer), rays=2000, width=1000, height=500)
-        until(lambda: service.hub.pictures.busy)
-        os.kill(service.hub.pictures.worker.pid, killer)
+        until(lambda: service.internal.picture_queue.busy)
+        os.kill(service.internal.picture_queue.worker.pid, killer)
         answer = lost.result()
     assert (answer.status_code, answer.json()["code"]) == (503, "worker_died")
     assert answer.headers["retry-after"]
@@ -115,11 +115,15 @@ def test_a_dead_picture_process_costs_at_most_one_frame(service, client, room, k
 def test_the_newest_frame_of_a_viewer_wins(service, client, room):
     with ThreadPoolExecutor(8) as pool:
         running = pool.submit(frame, client, room, seed=100, rays=400, width=480, height=270)
-        until(lambda: service.hub.pictures.busy)
+        until(lambda: service.internal.picture_queue.busy)
         answers = []
         for seed in range(101, 105):
             answers.append(pool.submit(frame, client, room, seed=seed, client="viewer"))
-            until(lambda: service.hub.pictures.waiting == 1 and sum(a.done() for a in answers) == len(answers) - 1)
+            until(
+                lambda: (
+                    service.internal.picture_queue.waiting == 1 and sum(a.done() for a in answers) == len(answers) - 1
+                )
+            )
         other = pool.submit(frame, client, room, seed=105, client="other viewer")
         statuses = [answer.result().status_code for answer in answers]
     assert running.result().status_code == other.result().status_code == 200

@@ -111,9 +111,9 @@ def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
     assert (picture.head["width"], picture.head["height"], picture.data == file) == (96, 54, True)
     live.ask(id=2, time=6)
     live.until_final(2)
-    rendered = service.hub.metrics.frames.labels("rendered")._value.get()
+    rendered = service.internal.metrics.frames.labels("rendered")._value.get()
     frame(client, room, time=6)
-    assert service.hub.metrics.frames.labels("rendered")._value.get() == rendered
+    assert service.internal.metrics.frames.labels("rendered")._value.get() == rendered
 
 
 def test_while_a_hand_moves_there_is_one_picture_of_each_request_that_is_begun(live):
@@ -272,11 +272,11 @@ def test_whoever_goes_away_leaves_no_work_behind(service, client, room):
     with opened(client, room) as live:
         live.ask(id=1, **(SLOW | {"rays": 4000}))
         live.hear()
-        assert service.hub.pictures.busy
+        assert service.internal.picture_queue.busy
     began_s = time.monotonic()
-    until(lambda: not service.hub.pictures.busy)
+    until(lambda: not service.internal.picture_queue.busy)
     assert time.monotonic() - began_s < 15
-    until(lambda: service.hub.metrics.live_viewers._value.get() == 0)
+    until(lambda: service.internal.metrics.live_viewers._value.get() == 0)
 
 
 @pytest.mark.parametrize(
@@ -326,7 +326,7 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
             assert "Retry-After" in answer.headers
             first.ask(id=1)
             assert first.problem()["problem"]["code"] == "shot_not_found"
-        until(lambda: not service.hub.watching)
+        until(lambda: not service.internal.live_sockets)
         with opened(service.client, "none") as next_one:
             next_one.ask(id=1)
             assert next_one.problem()["id"] == 1
@@ -335,10 +335,10 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
 def test_whoever_stops_leaves_no_work_behind(service, live):
     live.ask(id=1, **(SLOW | {"rays": 4000}))
     live.hear()
-    assert service.hub.pictures.busy
+    assert service.internal.picture_queue.busy
     live.socket.send('{"stop": true}')
     began_s = time.monotonic()
-    until(lambda: not service.hub.pictures.busy)
+    until(lambda: not service.internal.picture_queue.busy)
     assert time.monotonic() - began_s < 15
 
 

@@ -62,17 +62,17 @@ class Socket:
 
 
 class Pictures:
-    """A lane of which nothing comes but what a test shows."""
+    """A queue whose pictures come from the test."""
 
     def __init__(self) -> None:
         self.streams: list[SimpleNamespace] = []
         self.dropped: list[SimpleNamespace] = []
 
-    def stream(self, work: object, **ears: object) -> SimpleNamespace:
+    def submit_stream(self, work: object, **ears: object) -> SimpleNamespace:
         self.streams.append(SimpleNamespace(work=work, **ears))
         return self.streams[-1]
 
-    def drop(self, stream: SimpleNamespace) -> None:
+    def cancel_stream(self, stream: SimpleNamespace) -> None:
         self.dropped.append(stream)
 
     async def show(self, index: int, shown: LivePicture) -> None:
@@ -92,15 +92,15 @@ def watched(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
     async def served() -> None:
         record = SimpleNamespace(id="room", created_at=SimpleNamespace(isoformat=lambda: "now"), edit_text=lambda: "")
         socket, pictures = Socket(), Pictures()
-        hub = SimpleNamespace(
+        service = SimpleNamespace(
             settings=SimpleNamespace(max_picture_px=10**6),
             store=SimpleNamespace(get=lambda shot: record),
-            pictures=pictures,
-            frames=FrameCache(10**6),
-            metrics=Metrics(lanes=()),
+            picture_queue=pictures,
+            frame_cache=FrameCache(10**6),
+            metrics=Metrics(queues=()),
             run_id="run",
         )
-        viewer = asyncio.create_task(Viewer(hub, socket, "room").serve())
+        viewer = asyncio.create_task(Viewer(service, socket, "room").serve())
         try:
             await play(socket, pictures)
             assert not viewer.done()

@@ -7,8 +7,8 @@ from typing import Annotated, Self
 from fastapi import APIRouter, Query, Response
 from pydantic import Field, model_validator
 
-from service.http.hub import Hub, HubDep
-from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.service import Service, ServiceDep
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
 from service.picture.calls import frames
@@ -20,35 +20,40 @@ EDITED = problems(412)
 
 
 @router.get("/shots/{shot}/cameras", operation_id="listCameras")
-async def list_cameras(hub: HubDep, shot: ShotId, time: Time) -> CameraList:
+async def list_cameras(service: ServiceDep, shot: ShotId, time: Time) -> CameraList:
     """The cameras of a shot at one time, focus points solved in."""
-    return await hub.ask_stage(cameras.list_cameras, hub.store.get(shot), time)
+    return await service.call_stage(cameras.list_cameras, service.store.get(shot), time)
 
 
 @router.get("/shots/{shot}/camera", operation_id="getCamera")
 async def get_camera(
-    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+    service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> CameraState:
     """One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside."""
-    state = await hub.ask_stage(cameras.read_camera, hub.store.get(shot), camera, time)
+    state = await service.call_stage(cameras.read_camera, service.store.get(shot), camera, time)
     tagged(response, state.etag)
     return state
 
 
 @router.patch("/shots/{shot}/camera", operation_id="editCamera", responses=EDITED)
 async def edit_camera(
-    hub: HubDep, response: Response, shot: ShotId, edit: CameraEdit, terms: TermsDep, camera: CameraQuery = None
+    service: ServiceDep,
+    response: Response,
+    shot: ShotId,
+    edit: CameraEdit,
+    context: EditContextDep,
+    camera: CameraQuery = None,
 ) -> CameraState:
     """Set f-number, focal length or focus distance: for all time, or as a key at `time`."""
-    state = await hub.ask_stage(cameras.edit_camera, hub.store.get(shot), camera, edit, terms)
+    state = await service.call_stage(cameras.edit_camera, service.store.get(shot), camera, edit, context)
     tagged(response, state.etag)
     return state
 
 
 @router.get("/shots/{shot}/readout", operation_id="getReadout")
-async def get_readout(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
+async def get_readout(service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
     """Focus distance, depth of field and hyperfocal distance at one time."""
-    return await hub.ask_stage(cameras.read_lens, hub.store.get(shot), camera, time)
+    return await service.call_stage(cameras.read_lens, service.store.get(shot), camera, time)
 
 
 class PlaceQuery(Model):
@@ -91,19 +96,19 @@ class PlaceQuery(Model):
 
 
 @router.get("/shots/{shot}/readout/place", operation_id="getPlaceReadout")
-async def get_place_readout(hub: HubDep, shot: ShotId, query: Annotated[PlaceQuery, Query()]) -> PlaceReadout:
+async def get_place_readout(service: ServiceDep, shot: ShotId, query: Annotated[PlaceQuery, Query()]) -> PlaceReadout:
     """What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there."""
-    record = hub.store.get(shot)
-    place = query.point or await _pointed_at(hub, record, query)
-    return await hub.ask_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)
+    record = service.store.get(shot)
+    place = query.point or await _pointed_at(service, record, query)
+    return await service.call_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)
 
 
-async def _pointed_at(hub: Hub, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
+async def _pointed_at(service: Service, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
     assert query.x is not None
     assert query.y is not None
     screen, depth_m = (query.x, query.y), query.depth_m
     if depth_m is None:
-        depth_m = await hub.ask_picture(
+        depth_m = await service.call_picture(
             frames.measure_depth, record, record.edit_text(), query.camera, query.time, screen, query.aspect
         )
     return screen, depth_m

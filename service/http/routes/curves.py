@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
-from service.http.hub import HubDep
-from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, tagged
+from service.http.service import ServiceDep
 from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
 from service.stage.calls import curves
 
@@ -44,7 +44,7 @@ FILE_NAMES: dict[CurveFileFormat, str] = {
     },
 )
 async def get_focus_curve(
-    hub: HubDep,
+    service: ServiceDep,
     shot: ShotId,
     camera: CameraQuery = None,
     format: Annotated[
@@ -62,19 +62,19 @@ async def get_focus_curve(
     baked: Annotated[bool, Query(description="usda: time samples in place of a spline.", examples=[False])] = False,
 ) -> Response:
     """Focus distance, f-number, tilt and depth of field frame by frame, and who is sharp."""
-    record = hub.store.get(shot)
-    max_frames = hub.settings.max_curve_frames
-    text = await hub.ask_stage(curves.compute_curve, record, camera, frames, format, baked, max_frames)
+    record = service.store.get(shot)
+    max_frames = service.settings.max_curve_frames
+    text = await service.call_stage(curves.compute_curve, record, camera, frames, format, baked, max_frames)
     headers = {"Content-Disposition": f'inline; filename="{record.id}-{FILE_NAMES[format]}"'}
     return Response(text, media_type=CURVE_TYPES[format], headers=headers)
 
 
 @router.put("/shots/{shot}/focus-curve", operation_id="importFocusCurve", responses=problems(412, 413))
 async def import_focus_curve(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
-    terms: TermsDep,
+    context: EditContextDep,
     file: Annotated[
         UploadFile, File(description="A csv, json, OpenTrackIO or OpenTimelineIO file with a focus curve.")
     ],
@@ -98,16 +98,16 @@ async def import_focus_curve(
     baked: Annotated[bool, Query(description="Time samples in place of splines.", examples=[False])] = False,
 ) -> ImportedCurve:
     """Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's."""
-    imported = await hub.ask_stage(
+    imported = await service.call_stage(
         curves.import_curve,
-        hub.store.get(shot),
+        service.store.get(shot),
         camera,
         await file.read(),
         gaps,
         first_frame,
         baked,
-        hub.settings.max_curve_frames,
-        terms,
+        service.settings.max_curve_frames,
+        context,
     )
     tagged(response, imported.camera.etag)
     return imported

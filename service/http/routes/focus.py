@@ -6,17 +6,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from service.http.hub import HubDep
 from service.http.routes.parameters import (
     AspectQuery,
     CameraQuery,
+    EditContextDep,
     PointNameInPath,
     ShotId,
-    TermsDep,
     Time,
     problems,
     tagged,
 )
+from service.http.service import ServiceDep
 from service.models.focus import (
     FocusPoint,
     FocusPointCreate,
@@ -35,94 +35,107 @@ AttributeInPath = Annotated[KeyedAttribute, Path(description="What the key is of
 
 @router.get("/shots/{shot}/focus-points", operation_id="listFocusPoints")
 async def list_focus_points(
-    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None, aspect: AspectQuery = None
+    service: ServiceDep,
+    response: Response,
+    shot: ShotId,
+    time: Time,
+    camera: CameraQuery = None,
+    aspect: AspectQuery = None,
 ) -> FocusPointList:
     """The focus points of a camera, and where they are in the picture at one time."""
-    points = await hub.ask_stage(focus_points.list_focus_points, hub.store.get(shot), camera, time, aspect)
+    points = await service.call_stage(focus_points.list_focus_points, service.store.get(shot), camera, time, aspect)
     tagged(response, points.etag)
     return points
 
 
 @router.post("/shots/{shot}/focus-points", operation_id="createFocusPoint", status_code=201, responses=EDITED)
 async def create_focus_point(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     point: FocusPointCreate,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag."""
-    placed = await hub.ask_stage(focus_points.add_focus_point, hub.store.get(shot), camera, time, point, terms)
+    placed = await service.call_stage(
+        focus_points.add_focus_point, service.store.get(shot), camera, time, point, context
+    )
     tagged(response, placed.etag)
     return placed
 
 
 @router.get("/shots/{shot}/focus-points/{name}", operation_id="getFocusPoint")
 async def get_focus_point(
-    hub: HubDep, response: Response, shot: ShotId, name: PointNameInPath, time: Time, camera: CameraQuery = None
+    service: ServiceDep, response: Response, shot: ShotId, name: PointNameInPath, time: Time, camera: CameraQuery = None
 ) -> FocusPoint:
     """One focus point at one time. Its `ETag` is made of what is edited on it."""
-    point = await hub.ask_stage(focus_points.read_focus_point, hub.store.get(shot), camera, time, name)
+    point = await service.call_stage(focus_points.read_focus_point, service.store.get(shot), camera, time, name)
     tagged(response, point.etag)
     return point
 
 
 @router.patch("/shots/{shot}/focus-points/{name}", operation_id="editFocusPoint", responses=EDITED)
 async def edit_focus_point(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     name: PointNameInPath,
     edit: FocusPointEdit,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Change a focus point: a value that has keys gets one at `time`, any other is changed for all time."""
-    point = await hub.ask_stage(focus_points.edit_focus_point, hub.store.get(shot), camera, time, name, edit, terms)
+    point = await service.call_stage(
+        focus_points.edit_focus_point, service.store.get(shot), camera, time, name, edit, context
+    )
     tagged(response, point.etag)
     return point
 
 
 @router.delete("/shots/{shot}/focus-points/{name}", operation_id="deleteFocusPoint", status_code=204, responses=EDITED)
 async def delete_focus_point(
-    hub: HubDep, shot: ShotId, name: PointNameInPath, terms: TermsDep, camera: CameraQuery = None
+    service: ServiceDep, shot: ShotId, name: PointNameInPath, context: EditContextDep, camera: CameraQuery = None
 ) -> None:
     """Remove a focus point and its keys."""
-    await hub.ask_stage(focus_points.remove_focus_point, hub.store.get(shot), camera, name, terms)
+    await service.call_stage(focus_points.remove_focus_point, service.store.get(shot), camera, name, context)
 
 
 @router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED)
 async def set_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     name: PointNameInPath,
     attribute: AttributeInPath,
     key: KeyEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Set a key; one at the same time is replaced. Answers with the point at the key's time; `If-Match` takes its tag."""
-    point = await hub.ask_stage(focus_points.set_key, hub.store.get(shot), camera, name, attribute, key, terms)
+    point = await service.call_stage(
+        focus_points.set_key, service.store.get(shot), camera, name, attribute, key, context
+    )
     tagged(response, point.etag)
     return point
 
 
 @router.delete("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="deleteKey", responses=EDITED)
 async def delete_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     name: PointNameInPath,
     attribute: AttributeInPath,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Remove the key at `time`. Answers with the point at that time; `If-Match` takes its tag."""
-    point = await hub.ask_stage(focus_points.remove_key, hub.store.get(shot), camera, name, attribute, time, terms)
+    point = await service.call_stage(
+        focus_points.remove_key, service.store.get(shot), camera, name, attribute, time, context
+    )
     tagged(response, point.etag)
     return point

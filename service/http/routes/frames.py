@@ -10,8 +10,8 @@ from pydantic import Field
 from render.model.edit_history import revision_of
 from render.model.frame_settings import MAX_MOTION, FrameSettings
 from service.http.frame_cache import frame_tag, matches
-from service.http.hub import Hub, HubDep
 from service.http.routes.parameters import ShotId, problems
+from service.http.service import Service, ServiceDep
 from service.models.base import Model, PrimPath, TimeCode
 from service.models.engines import ENGINE_HELP, EngineName
 from service.models.focus import Pick
@@ -124,49 +124,49 @@ class FrameQuery(PictureQuery):
     },
 )
 async def get_frame(
-    hub: HubDep,
+    service: ServiceDep,
     shot: ShotId,
     query: Annotated[FrameQuery, Query()],
     if_none_match: Annotated[str | None, Header(examples=['"5f70bf18a0860070"'])] = None,
 ) -> Response:
     """One frame. Its `ETag` is made of everything that it depends on: same tag, same pixels."""
-    check_pixels(query.width, query.height, hub.settings.max_picture_px)
-    record = hub.store.get(shot)
+    check_pixels(query.width, query.height, service.settings.max_picture_px)
+    record = service.store.get(shot)
     edits = record.edit_text()
-    tag = tag_of_frame(hub, record, edits, query)
+    tag = tag_of_frame(service, record, edits, query)
     headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
     if matches(if_none_match, tag):
-        hub.metrics.frames.labels("not_modified").inc()
+        service.metrics.frames.labels("not_modified").inc()
         return Response(status_code=304, headers=headers)
-    picture = await _picture(hub, record, edits, query, tag)
+    picture = await _picture(service, record, edits, query, tag)
     return Response(picture, media_type=MEDIA_TYPES[query.format], headers=headers)
 
 
-async def _picture(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery, tag: str) -> bytes:
-    cached = hub.frames.get(tag)
+async def _picture(service: Service, record: ShotRecord, edits: str, query: FrameQuery, tag: str) -> bytes:
+    cached = service.frame_cache.get(tag)
     if cached is not None:
-        hub.metrics.frames.labels("cache").inc()
+        service.metrics.frames.labels("cache").inc()
         return cached
     live = query.live and query.format != "exr"  # an EXR holds scene-linear light, which has no film or grade
-    request = frame_request(hub, record, edits, query)
+    request = frame_request(service, record, edits, query)
     group = (query.client, record.id) if query.client else None
-    picture = await hub.pictures.result(call(frames.render_frame, request, query.format, live), group)
-    hub.frames.put(tag, picture)
-    hub.metrics.frames.labels("rendered").inc()
+    picture = await service.picture_queue.result(call(frames.render_frame, request, query.format, live), group)
+    service.frame_cache.put(tag, picture)
+    service.metrics.frames.labels("rendered").inc()
     return picture
 
 
-def tag_of_frame(hub: Hub, record: ShotRecord, edits: str, query: FrameQuery) -> str:
+def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQuery) -> str:
     """The entity tag of a picture, made of all that it depends on: by it a picture lies in the cache.
 
     A shot's files never change under its id, but a shot may be sent again.
     """
     asked = query.model_dump(mode="json", exclude={"client"})
     shot = {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
-    return frame_tag(asked | shot | {"run": hub.run_id})
+    return frame_tag(asked | shot | {"run": service.run_id})
 
 
-def frame_request(hub: Hub, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
+def frame_request(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
     """Return a query as the picture process takes it."""
     return FrameRequest(
         record=record,
@@ -174,14 +174,14 @@ def frame_request(hub: Hub, record: ShotRecord, edits: str, query: PictureQuery)
         camera=query.camera,
         time=query.time,
         height=query.height,
-        max_px=hub.settings.max_picture_px,
+        max_px=service.settings.max_picture_px,
         settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
         finish=query.model_dump(include=FINISH),
     )
 
 
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))
-async def pick(hub: HubDep, shot: ShotId, asked: PickRequest) -> Pick:
+async def pick(service: ServiceDep, shot: ShotId, asked: PickRequest) -> Pick:
     """The surface under a pixel. Its `anchor` is what a focus point is made of."""
-    record = hub.store.get(shot)
-    return await hub.ask_picture(frames.pick_surface, record, record.edit_text(), asked)
+    record = service.store.get(shot)
+    return await service.call_picture(frames.pick_surface, record, record.edit_text(), asked)

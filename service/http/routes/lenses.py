@@ -6,17 +6,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
-from service.http.hub import HubDep
 from service.http.routes.parameters import (
     DRAWING_KEPT_S,
     SHEET,
     CameraQuery,
+    EditContextDep,
     ShotId,
-    TermsDep,
     problems,
     sheet,
     tagged,
 )
+from service.http.service import ServiceDep
 from service.http.upload import lens_file_name
 from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensList
@@ -30,15 +30,15 @@ LensName = Annotated[str, Path(alias="name", description="A lens's name.", examp
 
 
 @router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
-async def list_lenses(hub: HubDep) -> LensList:
+async def list_lenses(service: ServiceDep) -> LensList:
     """The lens library; its names are what an edit of a camera takes as `lens`."""
-    return await hub.ask_stage(lenses.list_lenses)
+    return await service.call_stage(lenses.list_lenses)
 
 
 @router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
-async def get_lens(hub: HubDep, name: LensName) -> Lens:
+async def get_lens(service: ServiceDep, name: LensName) -> Lens:
     """A lens of the library, and what it is made of."""
-    return await hub.ask_stage(lenses.read_library_lens, name)
+    return await service.call_stage(lenses.read_library_lens, name)
 
 
 @router.get(
@@ -48,9 +48,9 @@ async def get_lens(hub: HubDep, name: LensName) -> Lens:
     responses=problems(404, 503, 504)
     | {200: {"content": {SVG: {"schema": {"type": "string", "format": "binary"}}}, "description": "The picture."}},
 )
-async def get_lens_section(hub: HubDep, name: LensName) -> Response:
+async def get_lens_section(service: ServiceDep, name: LensName) -> Response:
     """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
-    section = await hub.ask_stage(lenses.draw_lens_section, name)
+    section = await service.call_stage(lenses.draw_lens_section, name)
     return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
 
 
@@ -60,9 +60,9 @@ async def get_lens_section(hub: HubDep, name: LensName) -> Response:
     response_class=Response,
     responses=problems(404, 503, 504) | SHEET,
 )
-async def get_lens_sheet(hub: HubDep, name: LensName) -> Response:
+async def get_lens_sheet(service: ServiceDep, name: LensName) -> Response:
     """All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
-    return sheet(await hub.ask_stage(lenses.draw_lens_sheet, name))
+    return sheet(await service.call_stage(lenses.draw_lens_sheet, name))
 
 
 @router.put(
@@ -72,18 +72,20 @@ async def get_lens_sheet(hub: HubDep, name: LensName) -> Response:
     tags=["cameras"],
 )
 async def mount_lens_file(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     file: Annotated[
         UploadFile,
         File(description="pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file."),
     ],
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> CameraState:
     """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
     name = lens_file_name(file.filename)
-    state = await hub.ask_stage(lenses.mount_lens_file, hub.store.get(shot), camera, name, await file.read(), terms)
+    state = await service.call_stage(
+        lenses.mount_lens_file, service.store.get(shot), camera, name, await file.read(), context
+    )
     tagged(response, state.etag)
     return state

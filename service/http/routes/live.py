@@ -9,8 +9,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.http.errors import RETRY_AFTER, ServiceError, problem
-from service.http.hub import HubDep
 from service.http.routes.parameters import ShotId, problems
+from service.http.service import ServiceDep
 from service.http.viewing import LiveRequest, Viewer
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop
 
@@ -56,20 +56,20 @@ def describe_messages(app: FastAPI) -> None:
 
 
 @router.websocket("/shots/{shot}/live")
-async def watch(socket: WebSocket, hub: HubDep, shot: ShotId) -> None:
+async def watch(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
     """Pictures as they are wanted; see `PROTOCOL`."""
-    if len(hub.watching) >= hub.settings.max_viewers:
-        detail = f"{len(hub.watching)} live connections are open already; try again later."
+    if len(service.live_sockets) >= service.settings.max_viewers:
+        detail = f"{len(service.live_sockets)} live connections are open already; try again later."
         await socket.send_denial_response(problem(503, "busy", detail, headers=RETRY_AFTER))
         return
-    hub.watching.add(socket)
-    hub.metrics.live_viewers.inc()
+    service.live_sockets.add(socket)
+    service.metrics.live_viewers.inc()
     try:
         await socket.accept()
-        await Viewer(hub, socket, shot).serve()
+        await Viewer(service, socket, shot).serve()
     finally:
-        hub.watching.discard(socket)
-        hub.metrics.live_viewers.dec()
+        service.live_sockets.discard(socket)
+        service.metrics.live_viewers.dec()
 
 
 @router.get(

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
 
-from service.http.hub import HubDep
 from service.http.routes.frames import BINARY, MEDIA_TYPES
 from service.http.routes.parameters import ShotId, problems
+from service.http.service import ServiceDep
 from service.models.long_exposure import LongExposureBegin, LongExposureEdit, LongExposureState
 from service.models.picture_size import check_pixels
 
@@ -23,23 +23,23 @@ Format = Annotated[
 @router.post(
     "/shots/{shot}/long-exposure", operation_id="beginLongExposure", status_code=201, responses=problems(404, 503, 504)
 )
-async def begin_long_exposure(hub: HubDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
+async def begin_long_exposure(service: ServiceDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
     """Open the shutter, in place of the long exposure that the shot had. It is exposed with the edits as they are now, an
     interval at a time between the pictures that others ask for, and kept for as long as the service runs."""
-    check_pixels(begin.width, begin.height, hub.settings.max_picture_px, "body.width")
-    return await hub.exposures.begin(hub.store.get(shot), begin)
+    check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
+    return await service.long_exposures.begin(service.store.get(shot), begin)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))
-async def get_long_exposure(hub: HubDep, shot: ShotId) -> LongExposureState:
+async def get_long_exposure(service: ServiceDep, shot: ShotId) -> LongExposureState:
     """How far it is."""
-    return hub.exposures.state(hub.store.get(shot).id)
+    return service.long_exposures.state(service.store.get(shot).id)
 
 
 @router.patch("/shots/{shot}/long-exposure", operation_id="editLongExposure", responses=problems(404))
-async def edit_long_exposure(hub: HubDep, shot: ShotId, edit: LongExposureEdit) -> LongExposureState:
+async def edit_long_exposure(service: ServiceDep, shot: ShotId, edit: LongExposureEdit) -> LongExposureState:
     """Close the shutter, or open it again and go on where it was closed: the picture is the same as in one go."""
-    return hub.exposures.set_shutter(hub.store.get(shot).id, is_open=edit.shutter == "open")
+    return service.long_exposures.set_shutter(service.store.get(shot).id, is_open=edit.shutter == "open")
 
 
 @router.get(
@@ -49,15 +49,15 @@ async def edit_long_exposure(hub: HubDep, shot: ShotId, edit: LongExposureEdit) 
     responses=problems(404, 503, 504)
     | {200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture so far."}},
 )
-async def get_long_exposure_picture(hub: HubDep, shot: ShotId, format: Format = "png") -> Response:
+async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: Format = "png") -> Response:
     """What is on the film so far, as bright as a single frame; the exposure goes on."""
-    picture = await hub.exposures.picture(hub.store.get(shot).id, format)
+    picture = await service.long_exposures.picture(service.store.get(shot).id, format)
     return Response(picture, media_type=MEDIA_TYPES[format], headers={"Cache-Control": "no-store"})
 
 
 @router.delete(
     "/shots/{shot}/long-exposure", operation_id="deleteLongExposure", status_code=204, responses=problems(404)
 )
-async def delete_long_exposure(hub: HubDep, shot: ShotId) -> None:
+async def delete_long_exposure(service: ServiceDep, shot: ShotId) -> None:
     """Close the shutter and throw the film away; none there is no error."""
-    hub.exposures.drop(hub.store.get(shot).id)
+    service.long_exposures.drop(service.store.get(shot).id)

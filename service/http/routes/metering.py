@@ -7,8 +7,8 @@ from typing import Annotated, Self
 from fastapi import APIRouter, Query
 from pydantic import Field, model_validator
 
-from service.http.hub import HubDep
 from service.http.routes.parameters import CameraQuery, ShotId, Time, problems
+from service.http.service import ServiceDep
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.metering import ExposureReadout, MeterMode, MeterReading
 from service.picture.calls import metering
@@ -56,16 +56,18 @@ class MeterQuery(Model):
 
 
 @router.get("/shots/{shot}/readout/exposure", operation_id="getExposureReadout")
-async def get_exposure_readout(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> ExposureReadout:
+async def get_exposure_readout(
+    service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None
+) -> ExposureReadout:
     """EV, T-stop, bellows factor and equivalents of a camera's exposure at one time, and the light that it is right for."""
-    return await hub.ask_stage(exposure.read_exposure, hub.store.get(shot), camera, time)
+    return await service.call_stage(exposure.read_exposure, service.store.get(shot), camera, time)
 
 
 @router.get("/shots/{shot}/meter", operation_id="meter", responses=problems(409))
-async def meter(hub: HubDep, shot: ShotId, query: Annotated[MeterQuery, Query()]) -> MeterReading:
+async def meter(service: ServiceDep, shot: ShotId, query: Annotated[MeterQuery, Query()]) -> MeterReading:
     """What a light meter on the camera says at one time: EV, lux, and stops over or under."""
-    record = hub.store.get(shot)
+    record = service.store.get(shot)
     spot = query.point if query.x is None or query.y is None else (query.x, query.y)
     group = ("meter", query.client, record.id) if query.client else None
     reading = call(metering.meter_light, record, record.edit_text(), query.camera, query.time, query.mode, spot)
-    return await hub.pictures.result(reading, group)
+    return await service.picture_queue.result(reading, group)

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Header, Path, Query, Response
 
+from service.edit_context import EditContext
 from service.models.base import PrimPath, Problem, TimeCode
-from service.terms import Terms
 
 ShotId = Annotated[str, Path(alias="shot", description="A shot's id.", examples=["demo"], max_length=80)]
 PointNameInPath = Annotated[str, Path(alias="name", description="A focus point's name.", examples=["driver"])]
@@ -28,7 +28,7 @@ AspectQuery = Annotated[
 ]
 
 
-def _terms(
+def _edit_context(
     if_match: Annotated[
         str | None,
         Header(
@@ -46,11 +46,11 @@ def _terms(
             examples=["drag-17"],
         ),
     ] = "",
-) -> Terms:
-    return Terms(if_match, gesture)
+) -> EditContext:
+    return EditContext(if_match, gesture)
 
 
-TermsDep = Annotated[Terms, Depends(_terms)]
+EditContextDep = Annotated[EditContext, Depends(_edit_context)]
 
 SHEET: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}, "description": "The sheet."}
@@ -67,7 +67,7 @@ def sheet(png: bytes) -> Response:
 def tagged(response: Response, etag: str) -> None:
     """Give an answer the entity tag of what it is about.
 
-    What is solved may differ under the same tag (`service.terms`), so nobody may keep the answer.
+    What is solved may differ under the same tag (`service.edit_context`), so nobody may keep the answer.
 
     Args:
         response: FastAPI's, which the answer's headers come from.

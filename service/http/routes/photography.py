@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from service.http.hub import HubDep
-from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.service import ServiceDep
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
@@ -23,114 +23,129 @@ FilmInPath = Annotated[FilmKeyed, Path(alias="attribute", description=_OF, examp
 
 @router.get("/shots/{shot}/camera/exposure", operation_id="getExposureSettings")
 async def get_exposure_settings(
-    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+    service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> ExposureSettings:
     """How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(photography.read_exposure_settings, hub.store.get(shot), camera, time)
+    settings = await service.call_stage(photography.read_exposure_settings, service.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
 
 @router.patch("/shots/{shot}/camera/exposure", operation_id="editExposureSettings", responses=EDITED)
 async def edit_exposure_settings(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     edit: ExposureSettingsEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Change how a camera exposes: for all time, or as keys at `time`."""
-    settings = await hub.ask_stage(photography.edit_exposure_settings, hub.store.get(shot), camera, edit, terms)
+    settings = await service.call_stage(
+        photography.edit_exposure_settings, service.store.get(shot), camera, edit, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.put("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="setExposureKey", responses=EDITED)
 async def set_exposure_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: ExposureInPath,
     key: KeyEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Set a key; one at the same time is replaced."""
-    settings = await hub.ask_stage(photography.set_exposure_key, hub.store.get(shot), camera, attribute, key, terms)
+    settings = await service.call_stage(
+        photography.set_exposure_key, service.store.get(shot), camera, attribute, key, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.delete("/shots/{shot}/camera/exposure/keys/{attribute}", operation_id="deleteExposureKey", responses=EDITED)
 async def delete_exposure_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: ExposureInPath,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(photography.remove_exposure_key, hub.store.get(shot), camera, attribute, time, terms)
+    settings = await service.call_stage(
+        photography.remove_exposure_key, service.store.get(shot), camera, attribute, time, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.get("/shots/{shot}/camera/film", operation_id="getFilmSettings")
 async def get_film_settings(
-    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+    service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FilmSettings:
     """What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(photography.read_film_settings, hub.store.get(shot), camera, time)
+    settings = await service.call_stage(photography.read_film_settings, service.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
 
 @router.patch("/shots/{shot}/camera/film", operation_id="editFilmSettings", responses=EDITED)
 async def edit_film_settings(
-    hub: HubDep, response: Response, shot: ShotId, edit: FilmSettingsEdit, terms: TermsDep, camera: CameraQuery = None
+    service: ServiceDep,
+    response: Response,
+    shot: ShotId,
+    edit: FilmSettingsEdit,
+    context: EditContextDep,
+    camera: CameraQuery = None,
 ) -> FilmSettings:
     """Change film and grade: for all time, or as keys at `time`. What makes no picture is refused."""
-    settings = await hub.ask_stage(photography.edit_film_settings, hub.store.get(shot), camera, edit, terms)
+    settings = await service.call_stage(photography.edit_film_settings, service.store.get(shot), camera, edit, context)
     tagged(response, settings.etag)
     return settings
 
 
 @router.put("/shots/{shot}/camera/film/keys/{attribute}", operation_id="setFilmKey", responses=EDITED)
 async def set_film_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: FilmInPath,
     key: KeyEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Set a key; one at the same time is replaced."""
-    settings = await hub.ask_stage(photography.set_film_key, hub.store.get(shot), camera, attribute, key, terms)
+    settings = await service.call_stage(
+        photography.set_film_key, service.store.get(shot), camera, attribute, key, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.delete("/shots/{shot}/camera/film/keys/{attribute}", operation_id="deleteFilmKey", responses=EDITED)
 async def delete_film_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: FilmInPath,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(photography.remove_film_key, hub.store.get(shot), camera, attribute, time, terms)
+    settings = await service.call_stage(
+        photography.remove_film_key, service.store.get(shot), camera, attribute, time, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.get("/shots/{shot}/camera/grades", operation_id="listGrades")
-async def list_grades(hub: HubDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> GradeChoices:
+async def list_grades(service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> GradeChoices:
     """Displays, views and looks of the OpenColorIO configuration that the camera's picture is graded by."""
-    return await hub.ask_stage(photography.read_grade_choices, hub.store.get(shot), camera, time)
+    return await service.call_stage(photography.read_grade_choices, service.store.get(shot), camera, time)

@@ -8,25 +8,26 @@ from fastapi import APIRouter, File, Form, Response, UploadFile
 from starlette.concurrency import run_in_threadpool
 
 from service.http.errors import ServiceError
-from service.http.hub import HubDep
 from service.http.routes.parameters import ShotId, problems
+from service.http.service import ServiceDep
 from service.http.upload import file_name, place
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
+from service.workers.errors import WorkerDiedError
 
 router = APIRouter(tags=["shots"])
 
 
 @router.get("/shots", operation_id="listShots")
-async def list_shots(hub: HubDep) -> ShotList:
+async def list_shots(service: ServiceDep) -> ShotList:
     """All stored shots, newest last."""
-    return ShotList(shots=[ShotSummary.model_validate(record) for record in hub.store.list()])
+    return ShotList(shots=[ShotSummary.model_validate(record) for record in service.store.list()])
 
 
 @router.post("/shots", operation_id="createShot", status_code=201, responses=problems(413, 415, 503, 504))
 async def create_shot(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     file: Annotated[UploadFile, File(description="A .usda, .usdc, .usd or .usdz file, or a .zip with all it needs.")],
     root: Annotated[
@@ -40,15 +41,15 @@ async def create_shot(
 ) -> Shot:
     """Send a shot. It may refer to nothing outside of what is sent; a refused one leaves nothing behind."""
     name = file_name(file.filename)
-    begun = hub.store.begin(name)
+    begun = service.store.begin(name)
     try:
-        placed = await run_in_threadpool(place, file.file, name, root, begun.files, hub.settings)
-        described = await hub.ask_stage(shots.describe_shot, begun.with_root(placed))
-        record = await run_in_threadpool(hub.store.accept, begun, placed)
+        placed = await run_in_threadpool(place, file.file, name, root, begun.files, service.settings)
+        described = await service.call_stage(shots.describe_shot, begun.with_root(placed))
+        record = await run_in_threadpool(service.store.accept, begun, placed)
     except BaseException as error:
-        hub.store.discard(begun)
-        hub.forget(begun.id)
-        if isinstance(error, ServiceError) and error.code == "worker_died":
+        service.store.discard(begun)
+        service.close_shot(begun.id)
+        if isinstance(error, WorkerDiedError):
             detail = f"{name} is damaged in a way that ended the process which tried to read it."
             raise ServiceError(422, "stage_unreadable", detail, path=name) from error
         raise
@@ -57,21 +58,21 @@ async def create_shot(
 
 
 @router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 503, 504))
-async def get_shot(hub: HubDep, shot: ShotId) -> Shot:
+async def get_shot(service: ServiceDep, shot: ShotId) -> Shot:
     """A shot, its frame range and its cameras."""
-    return await hub.ask_stage(shots.describe_shot, hub.store.get(shot))
+    return await service.call_stage(shots.describe_shot, service.store.get(shot))
 
 
 @router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 503, 504))
-async def inspect_shot(hub: HubDep, shot: ShotId) -> Inspection:
+async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
     """What a shot holds, what of it is not honoured, and what the validators say of its cameras."""
-    return await hub.ask_stage(shots.inspect_shot, hub.store.get(shot))
+    return await service.call_stage(shots.inspect_shot, service.store.get(shot))
 
 
 @router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404))
-async def delete_shot(hub: HubDep, shot: ShotId) -> None:
+async def delete_shot(service: ServiceDep, shot: ShotId) -> None:
     """Remove a shot and its edits. The demo shot is there again when the service next starts."""
-    record = hub.store.get(shot)
-    hub.exposures.drop(record.id)
-    await run_in_threadpool(hub.store.remove, record)
-    hub.forget(record.id)
+    record = service.store.get(shot)
+    service.long_exposures.drop(record.id)
+    await run_in_threadpool(service.store.remove, record)
+    service.close_shot(record.id)

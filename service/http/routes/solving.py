@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from service.http.hub import HubDep
-from service.http.routes.parameters import CameraQuery, ShotId, TermsDep, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.service import ServiceDep
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.calls import solving
@@ -22,69 +22,78 @@ AttributeInPath = Annotated[
 
 @router.get("/shots/{shot}/camera/focus", operation_id="getFocusSettings")
 async def get_focus_settings(
-    hub: HubDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
+    service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FocusSettings:
     """How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's."""
-    settings = await hub.ask_stage(solving.read_focus_settings, hub.store.get(shot), camera, time)
+    settings = await service.call_stage(solving.read_focus_settings, service.store.get(shot), camera, time)
     tagged(response, settings.etag)
     return settings
 
 
 @router.patch("/shots/{shot}/camera/focus", operation_id="editFocusSettings", responses=EDITED)
 async def edit_focus_settings(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     edit: FocusSettingsEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Change how the focus is found: for all time, or as keys at `time`."""
-    settings = await hub.ask_stage(solving.edit_focus_settings, hub.store.get(shot), camera, edit, terms)
+    settings = await service.call_stage(solving.edit_focus_settings, service.store.get(shot), camera, edit, context)
     tagged(response, settings.etag)
     return settings
 
 
 @router.put("/shots/{shot}/camera/keys/{attribute}", operation_id="setCameraKey", responses=EDITED)
 async def set_camera_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: AttributeInPath,
     key: KeyEdit,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Set a key; one at the same time is replaced. A key of `focusDistanceM` gives the focus back to the hand."""
-    settings = await hub.ask_stage(solving.set_camera_key, hub.store.get(shot), camera, attribute, key, terms)
+    settings = await service.call_stage(
+        solving.set_camera_key, service.store.get(shot), camera, attribute, key, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.delete("/shots/{shot}/camera/keys/{attribute}", operation_id="deleteCameraKey", responses=EDITED)
 async def delete_camera_key(
-    hub: HubDep,
+    service: ServiceDep,
     response: Response,
     shot: ShotId,
     attribute: AttributeInPath,
     time: Time,
-    terms: TermsDep,
+    context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
-    settings = await hub.ask_stage(solving.remove_camera_key, hub.store.get(shot), camera, attribute, time, terms)
+    settings = await service.call_stage(
+        solving.remove_camera_key, service.store.get(shot), camera, attribute, time, context
+    )
     tagged(response, settings.etag)
     return settings
 
 
 @router.post("/shots/{shot}/racks", operation_id="createRack", status_code=201, responses=EDITED)
 async def create_rack(
-    hub: HubDep, response: Response, shot: ShotId, rack: RackCreate, terms: TermsDep, camera: CameraQuery = None
+    service: ServiceDep,
+    response: Response,
+    shot: ShotId,
+    rack: RackCreate,
+    context: EditContextDep,
+    camera: CameraQuery = None,
 ) -> Rack:
     """Rack from one focus point to another: keys that let their weights cross, no faster than the ring turns.
 
     `If-Match` takes the tag of the list of focus points.
     """
-    made = await hub.ask_stage(solving.make_rack, hub.store.get(shot), camera, rack, terms)
+    made = await service.call_stage(solving.make_rack, service.store.get(shot), camera, rack, context)
     tagged(response, made.etag)
     return made

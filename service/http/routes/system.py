@@ -9,8 +9,8 @@ from typing import Literal
 from fastapi import APIRouter, Response
 
 from service.http.errors import RETRY_AFTER, ServiceError
-from service.http.hub import HubDep
 from service.http.routes.parameters import problems
+from service.http.service import ServiceDep
 from service.models.base import Model, shown_as
 from service.picture.calls import frames
 
@@ -42,13 +42,13 @@ async def livez() -> Health:
 
 
 @router.get("/readyz", operation_id="readyz", responses=problems(503))
-async def readyz(hub: HubDep) -> Health:
+async def readyz(service: ServiceDep) -> Health:
     """The process that owns GL has a context, and answers or is at work."""
-    if hub.pictures.busy and hub.pictures.worker.proven:
+    if service.picture_queue.busy and service.picture_queue.worker.proven:
         return Health()
     try:
         async with asyncio.timeout(READY_WITHIN_S):
-            await hub.ask_picture(frames.warm_up)
+            await service.call_picture(frames.warm_up)
     except TimeoutError as error:
         detail = f"The picture worker did not answer within {READY_WITHIN_S:g} s."
         raise ServiceError(503, "not_ready", detail, headers=RETRY_AFTER) from error
@@ -70,9 +70,9 @@ async def readyz(hub: HubDep) -> Health:
         }
     },
 )
-async def metrics(hub: HubDep) -> Response:
+async def metrics(service: ServiceDep) -> Response:
     """Counters in Prometheus' text format."""
-    return Response(hub.metrics.text(), media_type="text/plain; version=0.0.4; charset=utf-8")
+    return Response(service.metrics.text(), media_type="text/plain; version=0.0.4; charset=utf-8")
 
 
 @router.get("/version", operation_id="version")

@@ -53,7 +53,7 @@ class OpenedShots:
 
         Args:
             record: which shot.
-            terms: its gesture; the tag is for the caller to check, who knows what is edited.
+            context: its gesture is used; the tag is for the caller to check, who knows what is edited.
             label: what is done; empty takes what the shot says of its edits.
         """
         with self.change(record) as shot, shot.edits.transaction(label, context.gesture):

@@ -1,4 +1,4 @@
-"""The image-space passes on the device: `render.postblur.aberrate` as compute shaders."""
+"""Picture errors of a lens applied by compute shaders; `render.lab.reference.aberrate` is the same in numpy."""
 
 from __future__ import annotations
 
@@ -7,10 +7,16 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import load_source, set_uniforms
-from render.model.arrays import FloatArray
+from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
-from render.postblur.aberrate import COMA_POINTS, LEAST_COMA_PX, THREE_TAPS, coma_points
 from render.postblur.picture_errors import SIGMAS, PictureErrors
+
+COMA_POINTS = 64
+"""Number of pupil points that coma's flare is drawn with."""
+THREE_TAPS = 0.7
+"""Width in steps below which a blur gets its exact spread from three taps."""
+LEAST_COMA_PX = 0.1
+"""Flare below which no coma is drawn."""
 
 _ROWS, _FLARE = 4, 5  # as the shaders bind them
 _LINES = 4  # directions of the blur: rows, columns, along the radius and across it
@@ -30,7 +36,7 @@ def aberrate_on_device(
         errors: picture errors of the lens.
 
     Returns:
-        As `render.postblur.aberrate.aberrate`, in single precision.
+        ``(height, width, 4)`` float32; alpha is treated as green.
     """
     size = (view.width, view.height)
     has_coma = float(np.abs(errors.coma).max()) * max(view.fx / errors.squeeze, view.fy) >= LEAST_COMA_PX
@@ -52,6 +58,14 @@ def aberrate_on_device(
             ctx.memory_barrier()
             first, second = second, first
         return np.frombuffer(first.read(), np.float32).reshape(view.height, view.width, 4).copy()
+
+
+def coma_points() -> DoubleArray:
+    """Points ``(COMA_POINTS, 2)`` of coma's flare, for a third of its length of 1: evenly over the pupil (Vogel 1979)."""
+    index = np.arange(COMA_POINTS) + 0.5
+    radius, angle = np.sqrt(index / COMA_POINTS), index * np.pi * (3 - np.sqrt(5))
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    return np.stack([3 * x**2 + y**2, 2 * x * y], axis=1)
 
 
 def _buffer(ctx: moderngl.Context, values: np.ndarray) -> moderngl.Buffer:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from render.frame import FrameRenderer
+from render.lab.reference.aberrate import aberrate
 from render.lab.reference.metrics import psnr_db
 from render.model.arrays import FloatArray
 from render.model.lens import AberrationScales, DataSheet
@@ -16,7 +17,6 @@ from render.model.scene import Dome, Scene
 from render.optics.photometry.illuminance import light_over_picture
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace, renders_in_image_space
-from render.postblur.aberrate import aberrate
 from render.postblur.aberrate_passes import aberrate_on_device
 from render.postblur.picture_errors import PictureErrors, picture_errors
 from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, glowing_point, sheet_camera, spot_size

@@ -1,4 +1,4 @@
-"""The image-space passes in numpy: a readable reference of the shaders ``aberrate_*.comp``, for tests."""
+"""The image-space passes of `render.postblur.aberrate_passes` in numpy, which their shaders are tested against."""
 
 from __future__ import annotations
 
@@ -8,12 +8,8 @@ import numpy as np
 
 from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
+from render.postblur.aberrate_passes import COMA_POINTS, LEAST_COMA_PX, THREE_TAPS, coma_points
 from render.postblur.picture_errors import SIGMAS, PictureErrors
-
-COMA_POINTS = 64
-"""Number of pupil points that coma's flare is drawn with."""
-THREE_TAPS = 0.7  # steps; a narrower blur gets its exact spread from three taps
-LEAST_COMA_PX = 0.1
 
 
 def aberrate(picture: FloatArray, view: PinholeView, errors: PictureErrors) -> FloatArray:
@@ -120,14 +116,6 @@ def _add_coma(picture: DoubleArray, outward: DoubleArray, focal: DoubleArray, th
         off = third[..., None] * (along * outward + across * outward[..., ::-1] * [-1, 1]) * focal
         total += _bilinear(picture, x - off[..., 0], y - off[..., 1])
     return total / COMA_POINTS
-
-
-def coma_points() -> DoubleArray:
-    """Points ``(COMA_POINTS, 2)`` of coma's flare, for a third of its length of 1: evenly over the pupil (Vogel 1979)."""
-    index = np.arange(COMA_POINTS) + 0.5
-    radius, angle = np.sqrt(index / COMA_POINTS), index * np.pi * (3 - np.sqrt(5))
-    x, y = radius * np.cos(angle), radius * np.sin(angle)
-    return np.stack([3 * x**2 + y**2, 2 * x * y], axis=1)
 
 
 def _bilinear(image: DoubleArray, x: DoubleArray, y: DoubleArray) -> DoubleArray:

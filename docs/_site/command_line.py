@@ -84,7 +84,7 @@ def _is_shown(action: argparse.Action) -> bool:
 
 
 def _name(action: argparse.Action) -> str:
-    value = action.metavar or ("" if action.nargs == 0 else action.dest.upper())
+    value = action.metavar or ("" if action.nargs == 0 or action.choices else action.dest.upper())
     value = value if isinstance(value, str) else " ".join(value)
     if not action.option_strings:
         return f"`{value}`"

@@ -25,7 +25,7 @@ JSON objects that the [routes](rest.md) take and return. `null` is an infinite d
 def routes_page(root: Path) -> str:
     """Every route by its tag, with its parameters, its body and its answers."""
     document = _document(root)
-    text = "# REST routes\n\n" + document["info"]["description"] + "\n\n" + ROUTES_INTRODUCTION
+    text: str = "# REST routes\n\n" + document["info"]["description"] + "\n\n" + ROUTES_INTRODUCTION
     for tag, operations in _by_tag(document).items():
         text += f"## {tag[:1].upper()}{tag[1:]}\n\n"
         text += (
@@ -59,7 +59,11 @@ def _by_tag(document: Json) -> dict[str, list[tuple[str, str, Json]]]:
 
 
 def _title(operation: Json) -> str:
-    return " ".join(operation.get("description", operation.get("summary", "")).split("\n\n")[0].split())
+    return " ".join(_description(operation).split("\n\n")[0].split())
+
+
+def _description(operation: Json) -> str:
+    return str(operation.get("description") or operation.get("summary") or "")
 
 
 def _route_link(method: str, path: str, operation: Json) -> str:
@@ -69,7 +73,7 @@ def _route_link(method: str, path: str, operation: Json) -> str:
 def _operation(method: str, path: str, operation: Json) -> str:
     name = operation["operationId"]
     text = f"### `{method} {path}` {{ #{anchor(name)} data-toc-label='{name}' }}\n\n"
-    text += operation.get("description", operation.get("summary", "")) + "\n\n"
+    text += _description(operation) + "\n\n"
     if parameters := operation.get("parameters"):
         rows = ((f"`{one['name']}`", one["in"], _value(one["schema"]), _meaning(one)) for one in parameters)
         text += table(("parameter", "in", "value", "meaning"), rows) + "\n"
@@ -94,7 +98,7 @@ def _content(holder: Json) -> str:
 def _model(name: str, schema: Json) -> str:
     text = f"## {name} {{ #{anchor(name)} }}\n\n"
     if description := schema.get("description"):
-        text += description + "\n\n"
+        text += f"{description}\n\n"
     if properties := schema.get("properties"):
         required = schema.get("required", ())
         rows = (
@@ -110,7 +114,7 @@ def _model(name: str, schema: Json) -> str:
 
 def _meaning(holder: Json) -> str:
     schema = holder.get("schema", holder)
-    text = holder.get("description") or schema.get("description", "")
+    text = str(holder.get("description") or schema.get("description", ""))
     default = schema.get("default")
     return text + (f" Default `{json.dumps(default)}`." if default not in (None, {}, [], "") else "")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import httpx
@@ -49,6 +50,22 @@ def outputs(words: list[str]) -> list[Path]:
     return [path for name in names for path in (sorted(Path().glob(re.sub("#+", "*", name))) or [Path(name)])]
 
 
+def send(client: httpx.Client, words: list[str], service: str) -> httpx.Response:
+    """Send the request of a `curl` command to a service, frames small."""
+
+    def value(option: str) -> str | None:
+        return words[words.index(option) + 1] if option in words else None
+
+    url = words[-1].replace(ADDRESS, service)
+    url += "&width=64&rays=4&supersample=1" if "/frame?" in url else ""
+    form = [words[i + 1].partition("=") for i, word in enumerate(words) if word == "-F"]
+    if form:
+        files = {name: (path[1:], Path(path[1:]).read_bytes()) for name, _, path in form if path.startswith("@")}
+        return client.post(url, files=files, data={name: text for name, _, text in form if name not in files})
+    body, method = value("--json"), value("-X")
+    return client.request(method or ("POST" if body else "GET"), url, json=json.loads(body) if body else None)
+
+
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of the demo shot."""
@@ -73,18 +90,18 @@ def test_the_pages_show_every_command_that_ends() -> None:
     assert shown == {"demo", "inspect", "record", "focus-curve", "meter", "lenses", "films", "bodies"}
 
 
-def test_the_requests_of_the_pages_are_answered(service: str, tmp_path: Path) -> None:
+def test_the_requests_of_the_pages_are_answered(
+    service: str, demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.make_archive("night_street", "zip", demo)
     requests = [words for page in PAGES for words in commands(page, "curl")]
     with httpx.Client(timeout=300) as client:
         for words in requests:
-            url = words[-1].replace(ADDRESS, service)
-            small = "&width=64&rays=4&supersample=1" if "/frame?" in url else ""
-            method = words[words.index("-X") + 1] if "-X" in words else "GET"
-            body = json.loads(words[words.index("--json") + 1]) if "--json" in words else None
-            answer = client.request(method, url + small, json=body)
-            assert answer.status_code == 200, f"{url}: {answer.text}"
+            answer = send(client, words, service)
+            assert answer.is_success, f"{shlex.join(words)}: {answer.text}"
             if "-o" in words:
-                (tmp_path / words[words.index("-o") + 1]).write_bytes(answer.content)
+                Path(words[words.index("-o") + 1]).write_bytes(answer.content)
     assert is_picture(tmp_path / "frame.png")
     assert (tmp_path / "focus.csv").read_text().count("\n") == 97
 

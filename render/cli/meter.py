@@ -15,7 +15,7 @@ from render.errors import CameraError, SettingsError
 from render.files import check_writable, write_atomic
 from render.model.frame_spec import every_frame, parse_frames
 from render.shot import Shot
-from render.shot.exposure.keys import exposure_layer, keyed_stops
+from render.shot.exposure.keys import compensation_stops, exposure_layer
 from render.shot.exposure.metering import Metered
 from render.shot.light_meter import LightMeter
 
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
         asked["mode"] = MANUALLY
     said = _metered(shot, camera, frames, arguments.shading, asked)
     if arguments.key is not None:
-        stops = keyed_stops(said, held=arguments.hold)
+        stops = compensation_stops(said, held=arguments.hold)
         write_atomic(arguments.key, exposure_layer(shot.stage, camera, frames, stops, baked=arguments.baked).encode())
         say(f"wrote {arguments.key}: exposure {stops.min():+.2f} to {stops.max():+.2f} stops over {len(frames)} frames")
     warn_of(shot.findings(), arguments.stage)
@@ -137,6 +137,6 @@ def _metered(shot: Shot, camera: str, frames: Sequence[float], shading: str, ask
         for frame in frames:
             began = clock.perf_counter()
             progress.begin(f"frame {frame:g}")
-            said.append(meter.metered(frame))
+            said.append(meter.read(frame))
             progress.finish(f"frame {frame:g}", clock.perf_counter() - began)
     return said

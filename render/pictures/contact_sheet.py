@@ -16,7 +16,7 @@ from render.pictures.picture import expose_frame, picture_of
 from render.shot.exposure.readout import ExposureReadout
 from render.shot.focus.readout import Readout
 from render.shot.lens.lens_choice import LensChoice
-from render.shot.light_meter import auto_exposed
+from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -155,7 +155,7 @@ class _Maker:
         time = _number(wanted["frame"]) if "frame" in wanted else self._time
         self._set(wanted, time)
         lens = shot.camera_at(self._camera, time, settings.width, settings.height)
-        as_set, lens = lens, auto_exposed(self._renderer, shot, lens, time, settings.shading)
+        as_set, lens = lens, auto_expose(self._renderer, shot, lens, time, settings.shading)
         stock = str(wanted["stock"]) if "stock" in wanted else self._stock
         finish = shot.film.finish(lens, time, None, stock, self._choice)
         if "push" in wanted and (finish.film is None or finish.film.stock is None):

@@ -74,7 +74,7 @@ class LiveFinisher:
                 passes, finish, radiance, Exposure(camera.exposure_scale, frame_number(time), gate_mm(camera), seed)
             )
         except TooLargeError:
-            return finish.picture(radiance, camera, time=time, seed=seed)
+            return finish.apply(radiance, camera, time=time, seed=seed)
         except moderngl.Error as error:
             self.release()
             raise GraphicsError(f"{passes.graphics.renderer} could not finish the picture: {error}") from error

@@ -20,7 +20,7 @@ from render.model.shutter_intervals import MAX_ND_STOPS
 from render.pictures.moving import check_shutter
 from render.pictures.picture import Picture, expose_frame, picture_of
 from render.pictures.travel import farthest_travel_px, moment_of
-from render.shot.light_meter import auto_exposed
+from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -113,7 +113,7 @@ class LongExposure:
         self._lens = self._at(begin)
         check_shutter(self._lens)
         self._finish = shot.film.finish(self._lens, begin, grade, stock, choice)
-        self._metered = auto_exposed(renderer, shot, self._lens, begin, settings.shading)
+        self._metered = auto_expose(renderer, shot, self._lens, begin, settings.shading)
         self._light = GatheredLight()
         self._prim_paths: tuple[str, ...] = ()
         self._last: tuple[float, Moment] | None = None

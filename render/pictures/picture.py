@@ -20,7 +20,7 @@ from render.pictures.flare import flared
 from render.pictures.image_space import ImageSpace
 from render.pictures.moving import check_shutter, moves, moving_frame
 from render.shot.film.finish import Finish
-from render.shot.light_meter import auto_exposed
+from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
@@ -102,7 +102,7 @@ def prepare_camera(
     lens = shot.camera_at(camera, time, settings.width, settings.height)
     check_shutter(lens)
     finish = shot.film.finish(lens, time, grade, stock, choice)
-    return auto_exposed(renderer, shot, lens, time, settings.shading), finish
+    return auto_expose(renderer, shot, lens, time, settings.shading), finish
 
 
 def picture_of(
@@ -132,7 +132,7 @@ def picture_of(
         GraphicsError: the device refuses.
     """
     if graded is None:
-        by = finish.picture if live is None else partial(live.picture, finish)
+        by = finish.apply if live is None else partial(live.picture, finish)
         graded = by(frame.color, lens, time=time, seed=settings.seed)
     return Picture(frame, graded, lens, metadata_of(shot, lens, time, settings, finish, frame.prim_paths))
 

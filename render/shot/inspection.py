@@ -1,4 +1,4 @@
-"""What a shot holds, what of it is not honoured, and what is wrong with its cameras."""
+"""Inspection of a shot: its contents, settings that are not honoured, and problems of its cameras."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SQUARE_PX = (64, 64)
 
 @dataclass(frozen=True)
 class Inspection:
-    """A look into a shot at its first frame.
+    """Contents of a shot at its first frame.
 
     Attributes:
         frame_range: first and last frame, and the rate.
@@ -38,8 +38,8 @@ class Inspection:
         prim_count: prims with geometry that are drawn.
         triangle_count: drawn, instances counted.
         light_count: lights, a dome among them.
-        notes: what is not honoured or cannot be used.
-        validation: what the schemas' validators found.
+        notes: settings that are not honoured or cannot be used.
+        validation: problems from the schemas' validators.
     """
 
     frame_range: FrameRange
@@ -57,20 +57,20 @@ class Inspection:
 
 
 def inspect_shot(shot: Shot) -> Inspection:
-    """Read a shot at its first frame and look at all that is in it.
+    """Inspect a shot at its first frame.
 
     Args:
         shot: the shot.
 
     Raises:
-        StageError: the stage has numbers that no scene can be made of.
+        StageError: the stage has numbers that no scene can have.
     """
     first = shot.frame_range.start
     scene = shot.scene_at(first)
     readouts, exposures, unusable = _read_cameras(shot, first)
     problems = validate(shot.stage)
     notes = (*shot.findings(), *unusable, *_finish_findings(shot, first, problems))
-    told = {note.message for note in notes}
+    messages = {note.message for note in notes}
     return Inspection(
         frame_range=shot.frame_range,
         up_axis="Z" if UsdGeom.GetStageUpAxis(shot.stage) == UsdGeom.Tokens.z else "Y",
@@ -83,12 +83,12 @@ def inspect_shot(shot: Shot) -> Inspection:
         triangle_count=scene.triangle_count,
         light_count=len(scene.lights) + (scene.dome is not None),
         notes=notes,
-        validation=tuple(problem for problem in problems if problem.message not in told),
+        validation=tuple(problem for problem in problems if problem.message not in messages),
     )
 
 
 def _default_camera(shot: Shot) -> CameraChoice:
-    """The shot's default camera; that there is none, nor anything to frame, is no reason not to look at the rest."""
+    """The shot's default camera; an empty choice where there is none, nor anything to frame."""
     try:
         return shot.default_camera()
     except StageError as error:
@@ -98,7 +98,7 @@ def _default_camera(shot: Shot) -> CameraChoice:
 def _read_cameras(
     shot: Shot, time: float
 ) -> tuple[tuple[Readout, ...], tuple[ExposureReadout, ...], tuple[Finding, ...]]:
-    """Lens and exposure of each camera; one that cannot be used is a finding and does not hide the others."""
+    """Read lens and exposure of each camera; a camera that cannot be used is a finding."""
     readouts, exposures, unusable = [], [], []
     for path in shot.cameras():
         try:

@@ -1,11 +1,11 @@
-"""The light meter of a shot: what it reads at a time, and the compensation that it asks for.
+"""The light meter of a shot: its reading at a time, and the compensation that it sets.
 
-It looks at a small picture of the scene, all of it sharp and from outside of the lens: blur moves light about and leaves its mean
-alone. What a shot asks of it is `Metering`: spot, centre or average, where, how much brighter, and how slowly.
+It renders a small, sharp picture of the scene as seen from outside of the lens: blur spreads light and keeps its mean. Its
+settings are `Metering`: spot, centre or average, the position of the spot, compensation and smoothing.
 
-So that a frame is exposed alike whichever frames are asked for, readings are taken at times that are the shot's own, even steps
-from time code 0 within its range of frames, as far on either side as the smoothing looks. Their logarithms are smoothed, and
-made up for with what the camera is set to at the frame itself: a stop that is pulled within the shot is met at once.
+So that a frame is exposed alike whichever frames are rendered, readings are taken at fixed times of the shot: even steps from
+time code 0 within its frame range, as far on either side as the smoothing reaches. Their logarithms are smoothed, and
+compensated with the exposure settings at the frame itself, so that an f-number that changes within the shot is met at once.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 PICTURE_PX = 96
 SPOT_PX = 12
 _QUICK = FrameSettings(PICTURE_PX, 1, engine=sharp_engine(), rays=4, layers=1)
-_REACH = 4.0  # standard deviations of the bell, beyond which nothing counts
+_REACH = 4.0  # standard deviations of the smoothing, beyond which readings do not count
 
 
 @dataclass(frozen=True)
 class _Spot:
-    """Where a spot is in the picture, and where it would be through a lens without distortion."""
+    """Position of a spot in the picture, and its position through a lens without distortion."""
 
     shown: Place
     straight: Place
 
 
 class LightMeter:
-    """Meters one camera of a shot. What it has read is kept for as long as the scene stays as it is."""
+    """Meters one camera of a shot. Luminances are cached with the shot until its scene changes."""
 
     def __init__(
         self,
@@ -60,39 +60,39 @@ class LightMeter:
         shot: Shot,
         camera_path: str | None,
         shading: str = "lit",
-        **asked: Any,
+        **changes: Any,
     ) -> None:
-        """Look through a camera.
+        """Meter through a camera.
 
         Args:
             renderer: of the calling thread.
             shot: the shot.
             camera_path: prim path; None for the shot's default camera.
-            shading: of the picture that is looked at.
-            asked: of the meter, by the names of the fields of `Metering`, in place of what the shot asks.
+            shading: of the picture that is metered.
+            changes: to the shot's metering settings, by the fields of `Metering`.
 
         Raises:
             CameraError: there is no such camera.
-            SettingsError: what is asked has no meaning.
+            SettingsError: a setting has no meaning.
         """
         choice = shot.default_camera() if camera_path is None else None
         path = choice.path if choice else camera_path
         if path is None:
             raise CameraError("a light meter needs a camera, and the stage has none to prefer", code="no_camera")
-        check_metering(Metering(**asked))
-        self._renderer, self._shot, self._path, self._changes = renderer, shot, path, asked
+        check_metering(Metering(**changes))
+        self._renderer, self._shot, self._path, self._changes = renderer, shot, path, changes
         self._settings = replace(_QUICK, shading=shading)
 
-    def asked(self, time: float) -> Metering:
-        """What is asked of the meter at a time.
+    def metering(self, time: float) -> Metering:
+        """Metering settings at a time.
 
         Raises:
-            CameraError: the shot asks what has no meaning.
+            CameraError: a setting of the shot has no meaning.
         """
         return replace(self._shot.exposure.metering(self._path, time), **self._changes)
 
-    def metered(self, time: float) -> Metered:
-        """What the meter says at a time.
+    def read(self, time: float) -> Metered:
+        """Meter the scene at a time.
 
         Args:
             time: USD time code.
@@ -102,35 +102,37 @@ class LightMeter:
             CameraError: the camera has impossible numbers.
             GraphicsError: the device refuses.
         """
-        asked = self.asked(time)
-        if asked.mode == "manual":
+        metering = self.metering(time)
+        if metering.mode == "manual":
             raise SettingsError("a meter looks at a spot, the center or the average of the picture, got manual")
         exposure = self._shot.exposure.read(self._path, time)
-        seen = self._luminance(time)
-        spot = self._spot(time, asked)
+        luminance = self._luminance(time)
+        spot = self._spot(time, metering)
         return Metered(
             time=time,
-            mode=asked.mode,
+            mode=metering.mode,
             place=spot.shown if spot else None,
-            reading=exposure.reading(0.0 if math.isnan(seen) else seen),
+            reading=exposure.reading(0.0 if math.isnan(luminance) else luminance),
             exposure=exposure,
-            compensation_stops=self._compensation(time, asked, exposure),
+            compensation_stops=self._compensation(time, metering, exposure),
         )
 
-    def _compensation(self, time: float, asked: Metering, exposure: ExposureReadout) -> float:
-        times = self._times(time, asked.smoothing_s)
-        seen = np.array([self._luminance(at) for at in times])
-        lit = seen > 0
+    def _compensation(self, time: float, metering: Metering, exposure: ExposureReadout) -> float:
+        times = self._times(time, metering.smoothing_s)
+        luminances = np.array([self._luminance(at) for at in times])
+        lit = luminances > 0
         if not lit.any():
             return math.nan
-        stops = np.log2(seen, where=lit, out=np.full(len(seen), math.nan))
+        stops = np.log2(luminances, where=lit, out=np.full(len(luminances), math.nan))
         rate = self._shot.stage.GetTimeCodesPerSecond()
-        light = float(smoothed_keys(np.array(times) / rate, stops, asked.smoothing_s, at_s=[time / rate])[0])
-        made_up = exposure.settings.compensation_stops - exposure.reading(2**light).stops
-        return float(np.clip(made_up + asked.compensation_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS))
+        light = float(smoothed_keys(np.array(times) / rate, stops, metering.smoothing_s, at_s=[time / rate])[0])
+        needed_stops = exposure.settings.compensation_stops - exposure.reading(2**light).stops
+        return float(
+            np.clip(needed_stops + metering.compensation_stops, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS)
+        )
 
     def _times(self, time: float, smoothing_s: float) -> list[float]:
-        """When readings are taken that count at a time: an odd number of time codes apart, against what flickers by twos."""
+        """Times of the readings that count at a time, an odd number of time codes apart so that alternating flicker averages."""
         sigma = smoothing_s / 4 * self._shot.stage.GetTimeCodesPerSecond()
         step = max(1, (int(sigma) - 1) // 2 * 2 + 1)
         frames = self._shot.frame_range
@@ -139,35 +141,35 @@ class LightMeter:
         return [float(step * n) for n in range(math.ceil(first / step), math.floor(last / step) + 1)] or [time]
 
     def _luminance(self, time: float) -> float:
-        """What the meter reads; NaN where its spot is not in the picture."""
-        asked = self.asked(time)
-        mode = cast(MeterMode, asked.mode)
+        """Metered luminance in nits; NaN where the spot is not in the picture."""
+        metering = self.metering(time)
+        mode = cast(MeterMode, metering.mode)
         camera = replace(read_camera(self._shot.stage, self._path, time), lens=Lens(), f_stop=0.0)
         width = PICTURE_PX
-        if asked.mode == "spot":
-            spot = self._spot(time, asked)
+        if metering.mode == "spot":
+            spot = self._spot(time, metering)
             if spot is None:
                 return math.nan
-            camera, width = _towards(camera, spot.straight), SPOT_PX
+            camera, width = _crop_to_spot(camera, spot.straight), SPOT_PX
         height = max(1, round(width * camera.vertical_aperture_mm / camera.horizontal_aperture_mm))
         settings = replace(self._settings, width=width, height=height)
-        kept, key = self._shot.exposure.meter_cache, (time, asked.mode, settings, _eye(camera))
-        if key not in kept:
+        cache, key = self._shot.exposure.meter_cache, (time, metering.mode, settings, _pinhole_key(camera))
+        if key not in cache:
             picture = self._renderer.render(self._shot.scene_at(time), camera, settings).color
-            kept[key] = _mean(picture, mode)
-        return kept[key]
+            cache[key] = _mean(picture, mode)
+        return cache[key]
 
-    def _spot(self, time: float, asked: Metering) -> _Spot | None:
-        """Where the spot is; None where it is not in the picture, or the meter has none."""
-        if asked.mode != "spot":
+    def _spot(self, time: float, metering: Metering) -> _Spot | None:
+        """Position of the spot; None where it is not in the picture, or the mode has none."""
+        if metering.mode != "spot":
             return None
         camera = read_camera(self._shot.stage, self._path, time)
         view = PinholeView.from_camera(camera, 1, 1)
-        if asked.focus_point:
-            straight = self._point(time, asked.focus_point, view)
+        if metering.focus_point:
+            straight = self._point(time, metering.focus_point, view)
             shown = shown_at(view, camera, np.array([straight]))[0].tolist()
         else:
-            straight, shown = seen_at(view, camera, *asked.spot), list(asked.spot)
+            straight, shown = seen_at(view, camera, *metering.spot), list(metering.spot)
         return _Spot((shown[0], shown[1]), straight) if all(0 <= side <= 1 for side in shown) else None
 
     def _point(self, time: float, name: str, view: PinholeView) -> Place:
@@ -179,8 +181,8 @@ class LightMeter:
         return float(places[0, 0]), float(places[0, 1])
 
 
-def auto_exposed(renderer: FrameRenderer, shot: Shot, camera: Camera, time: float, shading: str = "lit") -> Camera:
-    """A camera whose exposure is the meter's, where it asks for one; else as it is.
+def auto_expose(renderer: FrameRenderer, shot: Shot, camera: Camera, time: float, shading: str = "lit") -> Camera:
+    """Return a camera with the meter's exposure, where its metering mode is not manual.
 
     Args:
         renderer: of the calling thread.
@@ -190,38 +192,38 @@ def auto_exposed(renderer: FrameRenderer, shot: Shot, camera: Camera, time: floa
         shading: of the picture.
 
     Raises:
-        CameraError: what it asks for has no meaning.
+        CameraError: a metering setting has no meaning.
         GraphicsError: the device refuses.
     """
     if not camera.path:
         return camera
-    asked = shot.exposure.metering(camera.path, time)
-    if asked.mode == "manual":
+    metering = shot.exposure.metering(camera.path, time)
+    if metering.mode == "manual":
         return camera
     try:
-        said = LightMeter(renderer, shot, camera.path, shading).metered(time)
-    except SettingsError as error:  # what is asked is the shot's fault, not the caller's
+        metered = LightMeter(renderer, shot, camera.path, shading).read(time)
+    except SettingsError as error:  # the settings are the shot's, not the caller's
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
-    return replace(camera, exposure_scale=said.exposed.exposure_scale)
+    return replace(camera, exposure_scale=metered.exposed.exposure_scale)
 
 
 def _mean(picture: FloatArray, mode: MeterMode) -> float:
-    """Mean luminance by a mode; of a spot the disc that fills the picture."""
+    """Mean luminance by a mode; for a spot, of the disc that fills the picture."""
     height, width = picture.shape[:2]
     middle = width / 2, height / 2
     return meter(picture, ExposureSettings(), mode, spot_px=middle, spot_radius_px=width / 2).luminance_nits
 
 
-def _eye(camera: Camera) -> tuple[Hashable, ...]:
-    """All of a pinhole that its picture depends on."""
+def _pinhole_key(camera: Camera) -> tuple[Hashable, ...]:
+    """Properties of a camera that its pinhole picture depends on."""
     gate = camera.horizontal_aperture_mm, camera.vertical_aperture_mm, camera.focal_length_mm
     offsets = camera.horizontal_offset_mm, camera.vertical_offset_mm
     breathes = camera.focus_distance_m if camera.breathing else None
     return camera.world_from_camera.tobytes(), gate, offsets, camera.near_m, camera.far_m, breathes
 
 
-def _towards(camera: Camera, place: Place) -> Camera:
-    """A camera that sees what a spot meter does: its gate cut down to a degree around a place."""
+def _crop_to_spot(camera: Camera, place: Place) -> Camera:
+    """Crop the film gate to the spot meter's angle around a position."""
     view = PinholeView.from_camera(camera, 1, 1)
     right, up = (place[0] - view.cx) / view.fx, (view.cy - place[1]) / view.fy
     side_mm = 2 * math.tan(SPOT_ANGLE_RAD / 2) * camera.focal_length_mm

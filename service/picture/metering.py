@@ -39,7 +39,7 @@ def meter_light(
         SettingsError: the camera has no such focus point, or makes no picture.
     """
     with state.opened.use(record, edits) as shot:
-        decides = LightMeter(state.renderer, shot, camera).asked(time).mode != "manual"
+        decides = LightMeter(state.renderer, shot, camera).metering(time).mode != "manual"
         settings: dict[str, Any] = {} if decides else {"mode": "center", "smoothing_s": UNSMOOTHED_S}
         if mode is not None:
             settings["mode"] = mode
@@ -47,7 +47,7 @@ def meter_light(
             settings |= {"mode": "spot", "focus_point": spot}
         elif spot is not None:
             settings |= {"mode": "spot", "focus_point": "", "spot": spot}
-        metered = LightMeter(state.renderer, shot, camera, **settings).metered(time)
+        metered = LightMeter(state.renderer, shot, camera, **settings).read(time)
     return MeterReading.model_validate(
         {
             "camera": metered.exposure.camera,

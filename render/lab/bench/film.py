@@ -160,7 +160,7 @@ def _row(
         pictures["live"] = finisher.picture(finish, light, camera, time=FRAME, seed=0)
 
     def file() -> None:
-        pictures["file"] = finish.picture(light, camera, time=FRAME, seed=0)
+        pictures["file"] = finish.apply(light, camera, time=FRAME, seed=0)
 
     first, device = (
         timed(renderer.graphics.ctx.finish, live, Repeats(1, 1)),

@@ -153,7 +153,7 @@ class Progressive:
             if asked.is_moving:
                 return
         developed = self._on_film(frame, lens, finish, asked)
-        graded = aside(lambda: finish.graded(developed), self._renderer.graphics.cancellation)
+        graded = aside(lambda: finish.apply_grade(developed), self._renderer.graphics.cancellation)
         picture = picture_of(self._shot, frame, lens, asked.time, settings, finish, graded=graded)
         clock.note("finish")
         yield Shown("final", picture.graded, picture.metadata, clock.timing(), settings.rays, 1.0, picture)
@@ -215,7 +215,7 @@ class Progressive:
 
     def _graded(self, light: FloatArray, lens: Camera, finish: Finish, asked: PreviewRequest) -> FloatArray:
         """Finished for those who look at it while they work."""
-        by = finish.picture if self._finisher is None else partial(self._finisher.picture, finish)
+        by = finish.apply if self._finisher is None else partial(self._finisher.picture, finish)
         return by(light, lens, time=asked.time, seed=asked.settings.seed)
 
     def _kept_frame(self, asked: PreviewRequest, scene: Scene, lens: Camera) -> Frame | None:
@@ -234,7 +234,7 @@ class Progressive:
         kept = self._developed
         if kept is None or kept.frame is not frame or kept.said != said or not alike(kept.film, finish.film):
             picture = aside(
-                lambda: finish.developed(frame.color, lens, time=asked.time, seed=asked.settings.seed),
+                lambda: finish.develop(frame.color, lens, time=asked.time, seed=asked.settings.seed),
                 self._renderer.graphics.cancellation,
             )
             kept = self._developed = _Developed(frame, finish.film, said, picture)

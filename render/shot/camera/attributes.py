@@ -1,4 +1,4 @@
-"""All that can be set and keyed on a camera: lens, focus, exposure and film, by name and in this package's units."""
+"""Settings of a camera that can be set and keyed: lens, focus, exposure and film, by name and in this package's units."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class CameraAttribute:
         return self.camera.prim.GetAttribute(self.setting.usd)
 
     def value(self, time: float) -> Any:
-        """What it is at a USD time code; None where its schema is not applied, or it has no value of its type."""
+        """Value at a USD time code; None where its schema is not applied, or it has no value of its type."""
         return read_value(self.usd, time) if self.usd else None
 
     def keys(self) -> list[Key]:
@@ -72,9 +72,9 @@ class CameraAttribute:
         """Set it, in the stage's edit target.
 
         Args:
-            value: what it shall be.
-            time: USD time code of a key; None drops the keys there are and holds the value for all time. What cannot change
-                over time holds for all time either way.
+            value: in this package's unit.
+            time: USD time code of a key; None drops the keys there are and holds the value for all time. A uniform attribute
+                holds it for all time either way.
 
         Raises:
             SettingsError: the value is out of range.
@@ -88,7 +88,7 @@ class CameraAttribute:
         """Set, or replace, a key, in the stage's edit target.
 
         Args:
-            key: what it shall be.
+            key: in this package's unit.
 
         Raises:
             SettingsError: the value is out of range.
@@ -109,13 +109,13 @@ class CameraAttribute:
         """
         times = [key.time for key in self.keys()]
         if time not in times:
-            told = ", ".join(f"{t:g}" for t in times) or "none"
-            raise NotFoundError(f"{self.name} of the camera has no key at time {time:g}, its keys are: {told}")
+            known = ", ".join(f"{t:g}" for t in times) or "none"
+            raise NotFoundError(f"{self.name} of the camera has no key at time {time:g}, its keys are: {known}")
         remove_key(self.usd, time)
 
     @property
     def _units(self) -> float:
-        """USD's units in one of ours."""
+        """USD units in one unit of this package."""
         stage = self.camera.prim.GetStage()
         if self.setting.length == "tenths":
             return tenths_from_mm(1.0, stage)
@@ -137,7 +137,7 @@ class CameraAttribute:
         return replace(key, value=key.value * factor, tangents=scaled)
 
     def _schema(self) -> AbstractContextManager[None]:
-        """Where a schema brings it, have that applied."""
+        """Apply the setting's schema, where it has one."""
         schema = self.setting.schema
         return applied(self.camera.prim, schema) if schema else nullcontext()
 
@@ -180,7 +180,7 @@ def read_settings(camera: LensCamera, settings: Mapping[str, Setting], time: flo
 
 
 def set_focus_mode(camera: LensCamera, mode: str) -> None:
-    """Author what decides the focus in the stage's edit target, unless the camera has that mode already.
+    """Author the focus mode in the stage's edit target, unless the camera has it already.
 
     Args:
         camera: the camera.
@@ -200,12 +200,12 @@ def setting_label(name: str) -> str:
 
 
 def _check_lens_setting(name: str, value: float) -> None:
-    """Refuse what no lens can be set to."""
+    """Raise `SettingsError` for a value that no lens can be set to."""
     finite = math.isfinite(value)
-    said, good, expected = {
+    label, is_possible, expected = {
         "f_stop": ("f-number", finite and value >= 0, "0 (a pinhole) or more"),
         "focal_length_mm": ("focal length in mm", finite and value > 0, "above 0"),
         "focus_distance_m": ("focus distance in m", value > 0, "above 0, or infinite"),
     }[name]
-    if not good:
-        raise SettingsError(f"the {said} must be {expected}, but it is {value:g}", code="bad_lens_setting")
+    if not is_possible:
+        raise SettingsError(f"the {label} must be {expected}, but it is {value:g}", code="bad_lens_setting")

@@ -1,7 +1,7 @@
-"""The one layer that edits go to. Nobody's own file is ever written.
+"""The one layer that edits go to. The shot's own files are never written.
 
-The layer is the strongest sublayer of the stage's session layer, so it wins over all that the shot says, and it can be
-saved, downloaded and sublayered over the shot by anyone.
+The layer is the strongest sublayer of the stage's session layer, so it overrides all opinions of the shot, and it can be
+saved, downloaded and sublayered over the shot.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Edits:
     Attributes:
         layer: the anonymous layer that holds the edits.
         path: of the saved edits that it started from, or None.
-        revision: counts the edits, so that what was found before one is known to be old.
+        revision: counts the edits, so that results from before an edit are known to be outdated.
         history: the states of the layer; its present one is the layer as it is now.
     """
 
@@ -59,15 +59,15 @@ class Edits:
         self.path = path
         self.revision = 0
         self._stage: Usd.Stage | None = None
-        self._labels: list[str] | None = None  # of the edits that make up the one that is going on
+        self._labels: list[str] | None = None  # of the transactions within the one in progress
         if path is not None:
             self.layer.TransferContent(_read_layer(path))
         self.history = EditHistory.beginning_with(self.state())
 
     def attach(self, stage: Usd.Stage) -> None:
-        """Say which stage is edited.
+        """Set the stage that is edited.
 
-        A new layer takes over the stage's time codes per second, as USD retimes a sublayer that says otherwise.
+        A new layer takes over the stage's time codes per second, as USD retimes a sublayer that has others.
 
         Args:
             stage: opened with `layer` among its session layer's sublayers.
@@ -78,16 +78,16 @@ class Edits:
 
     @contextmanager
     def transaction(self, label: str = "", gesture: str = "") -> Iterator[None]:
-        """Direct what USD authors to the edit layer; if an error comes out, take back all that was authored.
+        """Direct what USD authors to the edit layer as one step of the history; an error reverts all of it.
 
-        It is one step of the history. Edits within an edit are part of it.
+        Transactions within a transaction are part of its step.
 
         Args:
-            label: what is done; empty takes the labels of the edits within.
-            gesture: names the drag of a hand that the edit is part of: such edits, one after the other, are one step.
+            label: of the step; empty joins the labels of the transactions within.
+            gesture: names the drag that the edit is part of; consecutive edits of one gesture are one step.
 
         Raises:
-            SettingsError: in place of a `SchemaError`: what was to be authored is not allowed.
+            SettingsError: in place of a `SchemaError`: a value, a name or a time is not allowed.
         """
         outer, self._labels = self._labels, []
         try:
@@ -112,18 +112,18 @@ class Edits:
             with schema_errors_as_settings(), quiet_diagnostics(), Usd.EditContext(stage, target):
                 yield
         except BaseException:
-            self.revision += 1  # what was read within the edit that failed is old too
+            self.revision += 1  # results from within the failed edit are outdated too
             self.layer.TransferContent(before)
             raise
 
     def replace(self, text: str) -> None:
-        """Put other edits in place of all there are. Outside of an edit, their history begins here.
+        """Replace all edits. Outside of a transaction, a new history begins.
 
         Args:
             text: of a usda layer, as `state` gives it; empty for no edits.
 
         Raises:
-            StageError: it is no usda; the edits there were stay.
+            StageError: the text is no usda; the edits stay as they were.
         """
         if text != self.state():
             other = Sdf.Layer.CreateAnonymous("other.usda")
@@ -137,44 +137,44 @@ class Edits:
             self.history = EditHistory.beginning_with(self.state())
 
     def undo(self) -> None:
-        """Take back the last step.
+        """Undo the last step.
 
         Raises:
-            EndOfHistoryError: there is none.
+            EndOfHistoryError: there is no such step.
         """
         self._show(self.history.undone())
 
     def redo(self) -> None:
-        """Do again the step that was undone last.
+        """Redo the step that was undone last.
 
         Raises:
-            EndOfHistoryError: there is none.
+            EndOfHistoryError: there is no such step.
         """
         self._show(self.history.redone())
 
     def snapshot(self) -> EditsSnapshot:
-        """The edits as they are, to come back to."""
+        """The edits and their history as they are, for `restore`."""
         return EditsSnapshot(self.state(), self.history)
 
     def restore(self, snapshot: EditsSnapshot) -> None:
-        """Make the edits and their history what they were.
+        """Restore edits and history.
 
         Args:
-            snapshot: as `snapshot` gave it.
+            snapshot: from `snapshot`.
         """
         self.replace(snapshot.text)
         self.history = snapshot.history
 
     def resume(self, history: EditHistory) -> None:
-        """Take over a history that was kept while the shot was not open; the edits stay what they are.
+        """Continue a history that was stored while the shot was closed; the edits stay as they are.
 
         Args:
-            history: where it does not agree with the edits, these become its present state.
+            history: where its present state differs from the edits, these become a new state.
         """
         self.history = history.agreeing_with(self.state())
 
     def state(self) -> str:
-        """The edit layer as usda text; empty where it says nothing of the stage."""
+        """The edit layer as usda text; empty where it has no opinions."""
         return self.export() if self.layer.rootPrims or self.layer.subLayerPaths else ""
 
     def export(self) -> str:
@@ -220,13 +220,13 @@ class Edits:
 
     def _attached(self) -> Usd.Stage:
         if self._stage is None:
-            raise RuntimeError("Edits.attach must say which stage is edited before anything is")
+            raise RuntimeError("Edits.attach must be called before the first edit")
         return self._stage
 
 
 @contextmanager
 def schema_errors_as_settings() -> Iterator[None]:
-    """Say in this package's own error that a value, a name or a time is not allowed.
+    """Translate schema errors: a value, a name or a time is not allowed.
 
     Raises:
         SettingsError: in place of a `SchemaError`.
@@ -241,9 +241,9 @@ def set_value(attribute: Usd.Attribute, value: Any, time: float | None) -> None:
     """Give an attribute a value for all time, or a key at one time, in the stage's edit target.
 
     Args:
-        attribute: what to set.
+        attribute: the attribute.
         value: in the attribute's own unit.
-        time: USD time code of the key; None drops the keys there and holds the value for all time.
+        time: USD time code of the key; None drops the keys there are and holds the value for all time.
 
     Raises:
         SchemaError: the value or the time is not allowed.

@@ -1,4 +1,4 @@
-"""The files that a shot is made of, which nothing that we write may replace."""
+"""Files that a shot uses, which no result may overwrite."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def check_not_own(stage: Usd.Stage, path: Path) -> None:
     Raises:
         SettingsError: the shot is made of that file; code ``own_file``.
     """
-    if not path.is_file():  # the common case, and cheap: what is not there is nobody's
+    if not path.is_file():  # the common case, and cheap
         return
     if any(own.exists() and own.samefile(path) for own in _own_files(stage)):
         raise SettingsError(
@@ -34,9 +34,7 @@ def _own_files(stage: Usd.Stage) -> set[Path]:
         with quiet_diagnostics():
             layers, assets, _ = UsdUtils.ComputeAllDependencies(stage.GetRootLayer().identifier)
         used |= {layer.realPath for layer in layers} | set(assets)
-    except (
-        Tf.ErrorException
-    ):  # something that the stage does not use is damaged; the layers in use are known all the same
+    except Tf.ErrorException:  # a file that the stage does not use is damaged; the layers in use are known
         pass
     return {Path(_outermost(name)) for name in used if name}
 

@@ -1,4 +1,4 @@
-"""A metered exposure as plain keys of the attribute ``exposure``: a layer over the shot, or specs in the stage's edit target."""
+"""Metered exposure as keys of the attribute ``exposure``: as a layer over the shot, or in the stage's edit target."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from usd_schemas import LensCamera, curves
 
 EXPOSURE = "exposure"
 TOLERANCE_STOPS = 0.005
-"""How far splines may be from the frames: no eye tells a picture that is so much brighter."""
+"""Largest error of splines at the frames, below what the eye can see."""
 
 
-def keyed_stops(said: Sequence[Metered], *, held: bool = False) -> DoubleArray:
-    """The compensation of each frame; those at which all was black are bridged.
+def compensation_stops(readings: Sequence[Metered], *, held: bool = False) -> DoubleArray:
+    """Return the compensation of each frame, interpolated over black frames.
 
     Args:
-        said: by the meter, in order of time.
-        held: one for all of them.
+        readings: of the meter, in order of time.
+        held: one compensation for all frames.
 
     Returns:
         ``(n,)`` stops.
@@ -35,24 +35,24 @@ def keyed_stops(said: Sequence[Metered], *, held: bool = False) -> DoubleArray:
     Raises:
         InputError: every frame is black.
     """
-    stops = np.array([one.compensation_stops for one in said])
+    stops = np.array([reading.compensation_stops for reading in readings])
     lit = np.isfinite(stops)
     if not lit.any():
         raise InputError(
             "there is nothing to meter: every frame is black where the meter looks", code="nothing_to_meter"
         )
     if held:
-        return np.full(len(said), one_key(stops))
-    times = np.array([one.time for one in said])
+        return np.full(len(readings), one_key(stops))
+    times = np.array([reading.time for reading in readings])
     return np.asarray(np.interp(times, times[lit], stops[lit]))
 
 
 def exposure_layer(
     stage: Usd.Stage, camera_path: str, times: Sequence[float], stops: DoubleArray, *, baked: bool
 ) -> str:
-    """A layer that exposes a camera as metered, to be sublayered over the shot by any tool.
+    """Write a layer that exposes a camera as metered, to be sublayered over the shot by any tool.
 
-    It sets ``film:metering:mode`` to manual where the shot asks for a meter, so that a tool which has one does not use it too.
+    It sets ``film:metering:mode`` to manual where the shot uses a meter, so that a tool which has one does not meter again.
 
     Args:
         stage: the shot; it is not changed.
@@ -73,7 +73,7 @@ def exposure_layer(
             stage, camera_path, times, {EXPOSURE: stops}, form, {EXPOSURE: np.float64(TOLERANCE_STOPS)}
         )
         spec = layer.GetPrimAtPath(camera_path)
-        if _is_one(stops):
+        if _is_constant(stops):
             for key in ("spline", "timeSamples"):
                 spec.attributes[EXPOSURE].ClearInfo(key)
             spec.attributes[EXPOSURE].default = float(stops[0])
@@ -85,7 +85,7 @@ def exposure_layer(
 
 
 def author_exposure(camera: LensCamera, times: Sequence[float], stops: DoubleArray, *, baked: bool = False) -> None:
-    """Expose a camera as metered in the stage's edit target, from now on by hand.
+    """Author the metered exposure of a camera in the stage's edit target, and set its metering mode to manual.
 
     Args:
         camera: the camera.
@@ -97,7 +97,7 @@ def author_exposure(camera: LensCamera, times: Sequence[float], stops: DoubleArr
         SchemaError: the times do not rise.
     """
     stage, path = camera.prim.GetStage(), str(camera.prim.GetPath())
-    if _is_one(stops):
+    if _is_constant(stops):
         set_value(camera.prim.GetAttribute(EXPOSURE), float(stops[0]), None)
     elif baked:
         curves.author_samples(stage, path, times, {EXPOSURE: stops})
@@ -108,5 +108,5 @@ def author_exposure(camera: LensCamera, times: Sequence[float], stops: DoubleArr
         camera.film.author(replace(film, metering=replace(film.metering, mode="manual")))
 
 
-def _is_one(stops: DoubleArray) -> bool:
+def _is_constant(stops: DoubleArray) -> bool:
     return bool((stops == stops[0]).all())

@@ -20,17 +20,17 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True)
 class Metered:
-    """What the meter says at a time.
+    """Reading of a light meter at a time, and the compensation that it sets.
 
     Attributes:
         time: USD time code.
-        mode: what it looks at.
-        place: in the picture, of a spot: (0, 0) is its top left corner and (1, 1) the bottom right one; None where the
-            spot is not in it, and for the other modes.
-        reading: of that very time, with the exposure as it is set.
+        mode: metering mode.
+        place: position of the spot in the picture: (0, 0) is the top left corner and (1, 1) the bottom right one; None where the
+            spot lies outside, and for the other modes.
+        reading: of that time alone, with the exposure as it is set.
         exposure: as it is set.
-        compensation_stops: in place of the present one: what makes the metered light middle grey, and as much brighter as is
-            asked for, smoothed over time. NaN where all is black.
+        compensation_stops: replaces the present compensation: exposes the metered light to middle grey, plus the metering
+            compensation, smoothed over time. NaN where all is black.
     """
 
     time: float
@@ -42,7 +42,7 @@ class Metered:
 
     @property
     def lux_on_film(self) -> float:
-        """Illuminance of the film by what was metered."""
+        """Illuminance of the film from the metered luminance."""
         return float(self.exposure.lux_on_film(self.reading.luminance_nits))
 
     @property
@@ -63,7 +63,7 @@ def read_metering(stage: Usd.Stage, camera_path: str, time: float) -> Metering:
         time: USD time code.
 
     Raises:
-        CameraError: it is no camera, or says what has no meaning.
+        CameraError: it is no camera, or a setting has no meaning.
     """
     prim = stage.GetPrimAtPath(camera_path)
     try:

@@ -1,15 +1,13 @@
-"""How a camera exposes: read from its prim at a time, with all that stands between the scene and the film.
+"""Exposure of a camera at a time, with all that light passes between the scene and the film.
 
-What `exposure:*` multiplies radiance by is UsdGeomCamera's own scale (`render.optics.photometry.exposure`). Three things that
-the schemas
-say change it, and none of them by default:
+`exposure:*` multiplies radiance by UsdGeomCamera's own scale (`render.optics.photometry.exposure`). Three properties of the
+schemas change it, none of them by default:
 
-- ``film:exposure:stop`` iris exposes by the stop that the iris is set to, in place of ``exposure:fStop``;
-- ``lens:stopMarking`` t has that stop a T-stop: the light that the glass takes is in it already;
-- ``lens:breathing`` has the image distance be the real one, and with it the bellows factor.
+- ``film:exposure:stop = iris`` exposes by the f-number of the iris, in place of ``exposure:fStop``;
+- ``lens:stopMarking = t`` makes that a T-stop, which includes the light that the glass absorbs;
+- ``lens:breathing`` uses the physical image distance, and with it the bellows factor.
 
-Light that came through the lens has lost what its glass and filters take (`render.model.lens.Lens.transmittance`) in the rays
-already.
+Rays through the lens are already dimmed by its glass and filters (`render.model.lens.Lens.transmittance`).
 """
 
 from __future__ import annotations
@@ -45,7 +43,7 @@ ATTRIBUTES = {
     "compensation_stops": "exposure",
     "responsivity": "exposure:responsivity",
 }
-"""Fields of `ExposureSettings`, and what USD calls them."""
+"""USD attributes by the fields of `ExposureSettings`."""
 
 Stop = Literal["exposure", "iris"]
 
@@ -56,16 +54,15 @@ class ExposureReadout:
 
     Attributes:
         camera: prim path; empty for a camera that is no prim.
-        settings: of the exposure; its f-number is the one that is exposed by.
-        stop: whether that is ``exposure:fStop`` or the iris's.
-        is_t_stop: whether it is a T-stop.
-        glass: share of the light that the glass lets through.
-        filters: share that filters let through.
+        settings: of the exposure; its f-number is the one that exposes.
+        stop: source of that f-number: ``exposure:fStop`` or the iris.
+        is_t_stop: true where it is a T-stop.
+        glass: transmittance of the glass.
+        filters: transmittance of the filters.
         neutral_density: of the filters, optical density.
-        path: what the lens is set to, without filters; None for a pinhole.
-        shutter_angle_rad: of a rotating shutter that is open for as long as ``shutter:open`` and ``shutter:close`` say; 0 for a
-            moment.
-        shutter_time_s: how long that is.
+        path: light path through the lens, without filters; None for a pinhole.
+        shutter_angle_rad: of a rotating shutter that is open from ``shutter:open`` to ``shutter:close``; 0 for an instant.
+        shutter_time_s: time that the shutter is open.
     """
 
     camera: str
@@ -81,51 +78,50 @@ class ExposureReadout:
 
     @property
     def bellows_factor(self) -> float:
-        """By how much longer the exposure has to be than at infinity."""
+        """Factor by which the exposure must be longer than at infinity."""
         return 1.0 if self.path is None else self.path.bellows_factor
 
     @property
     def exposure_scale(self) -> float:
-        """What light that came through the lens is multiplied by; ``ComputeLinearExposureScale`` but for what the head of this
-        module names."""
-        paid = self.glass if self.is_t_stop and self.glass > 0 else 1.0
-        return self.settings.scale / (self.bellows_factor * paid)
+        """Factor on light that came through the lens: ``ComputeLinearExposureScale`` with the changes listed above."""
+        included = self.glass if self.is_t_stop and self.glass > 0 else 1.0
+        return self.settings.scale / (self.bellows_factor * included)
 
     @property
-    def passes(self) -> float:
-        """Share of the light that is left of what the stop and an image at infinity would have."""
+    def transmittance(self) -> float:
+        """Share of the light that remains, relative to the f-number alone and an image at infinity."""
         return self.filters * (1.0 if self.is_t_stop else self.glass) / self.bellows_factor
 
     @property
     def scale(self) -> float:
-        """What the luminance of the scene becomes in the picture, by factor."""
-        return self.settings.scale * self.passes
+        """Factor from luminance of the scene to value in the picture."""
+        return self.settings.scale * self.transmittance
 
     @property
     def grey_nits(self) -> float:
-        """The luminance that comes out as middle grey; infinite where no light passes."""
+        """Luminance that is exposed to middle grey; infinite where no light passes."""
         return MIDDLE_GREY / self.scale if self.scale > 0 else math.inf
 
     @property
     def ev100(self) -> float:
-        """Exposure value at ISO 100 of the settings, compensation and filters aside: what is dialled in."""
+        """Exposure value at ISO 100 of the settings, without compensation and filters."""
         return self.settings.ev100
 
     @property
     def nd_stops(self) -> float:
-        """What the filters take."""
+        """Stops of light that the filters absorb."""
         return stops_of_density(self.neutral_density)
 
     def lux_on_film(self, luminance_nits: ArrayLike) -> DoubleArray:
-        """Illuminance of the film on the axis by what is so bright.
+        """Illuminance of the film on the axis from a surface of a luminance.
 
         Args:
             luminance_nits: any shape, as seen from outside of the lens.
         """
-        return illuminance_lux(luminance_nits, self._exposing)
+        return illuminance_lux(luminance_nits, self._exposing_path)
 
     def reading(self, luminance_nits: float) -> Reading:
-        """What a meter on the camera says of a luminance: `Reading.stops` is how far over or under middle grey it comes out.
+        """Reading of a meter on the camera: `Reading.stops` is how far above or below middle grey a luminance is exposed.
 
         Args:
             luminance_nits: as seen from outside of the lens.
@@ -133,37 +129,37 @@ class ExposureReadout:
         Raises:
             SettingsError: no light passes.
         """
-        return Reading(luminance_nits, self._metered)
+        return Reading(luminance_nits, self._metered_settings)
 
     def equivalents(self, stops: Sequence[int] = range(-3, 4)) -> tuple[ExposureSettings, ...]:
-        """Exposures that make the same picture, but for its depth of field and its motion, as whole stops away.
+        """Exposures of the same brightness at other f-numbers, whole stops away.
 
         Args:
-            stops: by how many the iris is closed; the time makes up for it.
+            stops: number of stops by which the iris is closed; the time compensates.
         """
         exposed = self.settings
         return tuple(equivalent(exposed, "time", f_stop=exposed.f_stop * math.sqrt(2.0) ** n) for n in stops)
 
     @cached_property
-    def _metered(self) -> ExposureSettings:
-        if not self.passes > 0:
+    def _metered_settings(self) -> ExposureSettings:
+        if not self.transmittance > 0:
             raise SettingsError(
                 f"no light comes through the lens of {self.camera or 'the camera'}: nothing can be metered",
                 code="no_light",
             )
-        return replace(self.settings, responsivity=self.settings.responsivity * self.passes)
+        return replace(self.settings, responsivity=self.settings.responsivity * self.transmittance)
 
     @property
-    def _exposing(self) -> LightPath:
-        """The way to the film that the exposure is of: its stop need not be the iris's."""
-        passes = self.filters * (1.0 if self.is_t_stop else self.glass)
+    def _exposing_path(self) -> LightPath:
+        """Light path at the f-number that exposes, which may differ from the iris."""
+        transmittance = self.filters * (1.0 if self.is_t_stop else self.glass)
         if self.path is None:
-            return LightPath(self.settings.f_stop, passes)
-        return replace(self.path, f_stop=self.settings.f_stop, transmittance=passes)
+            return LightPath(self.settings.f_stop, transmittance)
+        return replace(self.path, f_stop=self.settings.f_stop, transmittance=transmittance)
 
 
 def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureReadout:
-    """The exposure of a camera.
+    """Read the exposure of a camera.
 
     Args:
         stage: of the camera.
@@ -172,7 +168,7 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
 
     Raises:
         CameraError: a number has no meaning.
-        InputError: its prescription is no lens.
+        InputError: its prescription has no focal length.
     """
     prim = stage.GetPrimAtPath(camera.path) if camera.path else None
     try:
@@ -181,8 +177,8 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
             settings = ExposureSettings() if prim is None or not prim else _settings(prim, time)
             glass = view.lens.read(time) if view else None
             stop: Stop = view.film.read(time).exposure.stop if view else "exposure"
-        passes = glass.transmittance if glass else 1.0
-        path = replace(light_path(camera), transmittance=passes) if camera.f_stop > 0 else None
+        transmittance = glass.transmittance if glass else 1.0
+        path = replace(light_path(camera), transmittance=transmittance) if camera.f_stop > 0 else None
         density = glass.neutral_density if glass else 0.0
         if stop == "iris" and path is not None:
             settings = replace(settings, f_stop=path.f_stop)
@@ -197,7 +193,7 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
         settings=settings,
         stop=stop,
         is_t_stop=bool(glass and glass.stop_marking == "t"),
-        glass=passes,
+        glass=transmittance,
         filters=filters,
         neutral_density=density,
         path=path,
@@ -207,7 +203,7 @@ def read_exposure(stage: Usd.Stage, camera: Camera, time: float) -> ExposureRead
 
 
 def with_exposure(stage: Usd.Stage, camera: Camera, time: float) -> Camera:
-    """A camera with all that its light is multiplied by in its exposure scale. Most need not be looked at for it.
+    """Return a camera whose exposure scale has every factor on its light. Most cameras need no change.
 
     Args:
         stage: of the camera.
@@ -216,19 +212,19 @@ def with_exposure(stage: Usd.Stage, camera: Camera, time: float) -> Camera:
 
     Raises:
         CameraError: a number has no meaning.
-        InputError: its prescription is no lens.
+        InputError: its prescription has no focal length.
     """
     prim = stage.GetPrimAtPath(camera.path) if camera.path else None
     if not prim:
         return camera
     view = LensCamera(prim)
-    plain = view.film.read(time).exposure.stop == "exposure" and view.lens.read(time).stop_marking == "f"
-    if plain and not camera.breathing:
+    is_plain = view.film.read(time).exposure.stop == "exposure" and view.lens.read(time).stop_marking == "f"
+    if is_plain and not camera.breathing:
         return camera
     return replace(camera, exposure_scale=read_exposure(stage, camera, time).exposure_scale)
 
 
 def _settings(prim: Usd.Prim, time: float) -> ExposureSettings:
     code = Usd.TimeCode(time)
-    said = {field: prim.GetAttribute(name).Get(code) for field, name in ATTRIBUTES.items()}
-    return ExposureSettings(**{field: float(value) for field, value in said.items() if value is not None})
+    values = {field: prim.GetAttribute(name).Get(code) for field, name in ATTRIBUTES.items()}
+    return ExposureSettings(**{field: float(value) for field, value in values.items() if value is not None})

@@ -11,7 +11,7 @@ from render.errors import SettingsError
 from render.shot.camera.attributes import author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
-from render.shot.exposure.keys import author_exposure, keyed_stops
+from render.shot.exposure.keys import author_exposure, compensation_stops
 from render.shot.exposure.metering import Metered, read_metering
 from render.shot.exposure.readout import ExposureReadout, read_exposure
 from render.shot.focus.solver import FocusSolver
@@ -102,7 +102,7 @@ class ShotExposure:
         Raises:
             InputError: every frame is black.
         """
-        camera, stops = self._cameras.editable(camera_path), keyed_stops(readings, held=held)
+        camera, stops = self._cameras.editable(camera_path), compensation_stops(readings, held=held)
         with self._edits.transaction(f"key the metered exposure of {camera.prim.GetName()}"):
             author_exposure(camera, [reading.time for reading in readings], stops)
 

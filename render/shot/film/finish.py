@@ -1,4 +1,4 @@
-"""What becomes of a shot's light after the lens: its film or sensor, and its grade, as the shot and the asker say."""
+"""Finish of a picture: film or sensor, and grade, from the shot's settings and the caller's choices."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from usd_schemas import FilmData, LensCamera, SchemaError
 from usd_schemas.view import Misread
 
 PRINTED = ("negative", "reversal", "monochrome")
-"""Processes at whose end stands light that is shown as it is, and not scene-linear light that a view is made of."""
+"""Processes whose result is the light off a print or slide, to be shown as it is, and not scene-linear light for a view."""
 
 
 @dataclass(frozen=True, eq=False)
 class Finish:
-    """How a picture is finished at one time.
+    """Finish of a picture at one time.
 
     Attributes:
-        grade: for which display, and how.
-        film: what the light falls on; None where the shot says nothing of it.
+        grade: display, view, look and color decision list.
+        film: film or sensor; None where the shot has neither.
     """
 
     grade: Grade
     film: FilmSettings | None = None
 
-    def picture(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+    def apply(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
         """Expose, develop, print and grade.
 
         Args:
             radiance: ``(height, width, 3 or more)`` scene-linear.
-            camera: its gate is the size of the film, its exposure what the light is multiplied by.
+            camera: its gate is the size of the film, its exposure scale multiplies the light.
             time: USD time code; grain is new in each frame.
             seed: of the render.
 
@@ -51,10 +51,10 @@ class Finish:
         Raises:
             SettingsError: the exposure is no number from 0 up, or the film cannot be developed.
         """
-        return self.graded(self.developed(radiance, camera, time=time, seed=seed))
+        return self.apply_grade(self.develop(radiance, camera, time=time, seed=seed))
 
-    def developed(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
-        """Expose, and develop and print what was exposed: all but the grade. The arguments and errors are those of `picture`.
+    def develop(self, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+        """Expose, develop and print, without the grade. Arguments and errors are those of `apply`.
 
         Returns:
             ``(height, width, 3)`` float32: light off a print, or scene-linear light.
@@ -65,24 +65,28 @@ class Finish:
             return exposed
         return develop_on_film(exposed, self.film, frame=frame_number(time), gate_mm=gate_mm(camera), seed=seed)
 
-    def graded(self, developed: FloatArray) -> FloatArray:
-        """Grade what `developed` gave, for the display."""
+    def apply_grade(self, developed: FloatArray) -> FloatArray:
+        """Grade a developed picture for the display.
+
+        Args:
+            developed: from `develop`.
+        """
         if self.film is not None and self.film.process in PRINTED:
             return project(developed, self.grade, print_space())
         return develop(developed, 1.0, self.grade)
 
 
 def frame_number(time: float) -> int:
-    """The frame that a time code is in: grain and noise are new in each."""
+    """Number of the frame that contains a time code; grain and noise differ between frames."""
     return int(np.floor(time))
 
 
 def gate_mm(camera: Camera) -> tuple[float, float]:
-    """Width and height of the film itself that the picture covers: an anamorphic lens squeezes it."""
+    """Width and height of the exposed film; an anamorphic lens squeezes the picture onto it."""
     return camera.horizontal_aperture_mm / camera.lens.squeeze, camera.vertical_aperture_mm
 
 
-def finish_of(
+def read_finish(
     stage: Usd.Stage,
     camera: Camera,
     time: float,
@@ -90,48 +94,48 @@ def finish_of(
     stock: str | None = None,
     choice: GradeChoice | None = None,
 ) -> Finish:
-    """How a shot's picture is finished.
+    """Read how a shot's picture is finished.
 
     Args:
         stage: the shot.
-        camera: at that time; one that is no prim says nothing of film.
+        camera: at that time; one that is no prim has no film.
         time: USD time code.
-        grade: in place of all that the shot says of it; None takes what the shot says.
-        stock: of the library, in place of the shot's; it has its own grain where its granularity is known and the shot does not
-            say how much.
-        choice: what is wanted of the grade in place of parts of what the shot says.
+        grade: replaces the shot's grade; None keeps it.
+        stock: name in the library, replaces the shot's; it has its own grain where its granularity is known and the shot sets no
+            amount.
+        choice: replaces parts of the shot's grade.
 
     Raises:
-        SettingsError: the library has no such stock, or what is wanted of the grade cannot be had.
-        CameraError: what the shot says of film or grade makes no sense, or a value of the camera is of another type or another
-            token than its schema has.
+        SettingsError: the library has no such stock, or the choice of grade is impossible.
+        CameraError: a film or grade setting of the shot makes no sense, or a value of the camera has another type or another
+            token than its schema allows.
         InputError: a file of the grade is missing or damaged.
     """
     data = _film_data(stage, camera, time)
-    with _told_of(camera, wanted=choice is not None):
-        own = Grade.from_film_data(data.grade, confinement(stage), choice) if grade is None else grade
-    with _told_of(camera, wanted=stock is not None):
-        film = film_settings(data, iso=_set_to(stage, camera, time), name=stock)
+    with _blame_camera(camera, unless=choice is not None):
+        shot_grade = Grade.from_film_data(data.grade, confinement(stage), choice) if grade is None else grade
+    with _blame_camera(camera, unless=stock is not None):
+        film = film_settings(data, iso=_authored_iso(stage, camera, time), name=stock)
         if film.process == "none" and film.white_balance_k == 0 and film.tint == 0:
-            return Finish(own)
+            return Finish(shot_grade)
         if stock is not None and data.grain.amount == 0 and film.stock is not None and film.stock.granularity:
             film = replace(film, grain=replace(film.grain, amount=1.0))
-        return Finish(own, film)
+        return Finish(shot_grade, film)
 
 
 @contextmanager
-def _told_of(camera: Camera, *, wanted: bool) -> Iterator[None]:
-    """Tell what is wrong with a setting as the camera's fault, unless whoever looks at it wanted it so."""
+def _blame_camera(camera: Camera, *, unless: bool) -> Iterator[None]:
+    """Raise a settings error as the camera's, unless the setting is the caller's."""
     try:
         yield
     except SettingsError as error:
-        if wanted:
+        if unless:
             raise
         raise CameraError(f"camera {camera.path}: {error.detail}", code=error.code, path=camera.path) from error
 
 
-def _set_to(stage: Usd.Stage, camera: Camera, time: float) -> float:
-    """The speed that the shot sets the camera to; 0 where it does not."""
+def _authored_iso(stage: Usd.Stage, camera: Camera, time: float) -> float:
+    """Authored ISO speed of the camera; 0 where it has none."""
     speed = stage.GetPrimAtPath(camera.path).GetAttribute("exposure:iso") if camera.path else None
     return float(speed.Get(time)) if speed and speed.HasAuthoredValue() else 0.0
 
@@ -140,19 +144,19 @@ def _film_data(stage: Usd.Stage, camera: Camera, time: float) -> FilmData:
     prim = stage.GetPrimAtPath(camera.path) if camera.path else None
     if not prim:
         return FilmData()
-    own = LensCamera(prim)
+    view = LensCamera(prim)
     try:
         with quiet_diagnostics():
-            for misread in own.misread(time):
-                raise _misread(misread, camera.path)
-            return own.film.read(time)
+            for misread in view.misread(time):
+                raise _misread_error(misread, camera.path)
+            return view.film.read(time)
     except SchemaError as error:
         raise CameraError(str(error), path=camera.path) from error
 
 
-def _misread(said: Misread, path: str) -> CameraError:
-    if said.type:
-        expected, code = f"must be of type {said.type}, got {said.got}", "wrong_type"
+def _misread_error(misread: Misread, path: str) -> CameraError:
+    if misread.type:
+        expected, code = f"must be of type {misread.type}, got {misread.got}", "wrong_type"
     else:
-        expected, code = f"has no meaning for '{said.got}': {hint(said.got, said.tokens)}", "unknown_token"
-    return CameraError(f"{said.name} of camera {path} {expected}", code=code, path=path)
+        expected, code = f"has no meaning for '{misread.got}': {hint(misread.got, misread.tokens)}", "unknown_token"
+    return CameraError(f"{misread.name} of camera {path} {expected}", code=code, path=path)

@@ -15,7 +15,7 @@ from render.model.camera import Camera
 from render.shot.camera.attributes import author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
-from render.shot.film.finish import Finish, finish_of
+from render.shot.film.finish import Finish, read_finish
 from usd_schemas import FilmData, LensCamera, LibraryFilm
 from usd_schemas.applying import applied
 from usd_schemas.binding import author_for_all_time, property_values
@@ -96,8 +96,8 @@ class ShotFilm:
         stock: str | None = None,
         choice: GradeChoice | None = None,
     ) -> Finish:
-        """Read how a picture is finished (`render.shot.film.finish.finish_of`, which has the arguments and errors)."""
-        return finish_of(self._stage, camera, time, grade, stock, choice)
+        """Read how a picture is finished (`render.shot.film.finish.read_finish`, which has the arguments and errors)."""
+        return read_finish(self._stage, camera, time, grade, stock, choice)
 
 
 def _author_stock(camera: LensCamera, stock: LibraryFilm | None) -> None:

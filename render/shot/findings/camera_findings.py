@@ -1,4 +1,4 @@
-"""What the cameras and lights of a shot ask for that is not honoured."""
+"""Findings of cameras and lights: settings that are not honoured, and focus that cannot be met."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ _HONOURED = _WHOLE | frozenset(
         "lens:flare:star",
     }
 )
-"""Schema properties that change the picture as documented, or need not. ``lens:model`` and ``focus:mode`` are told by value."""
+"""Schema properties that change the picture as documented, or have no effect on it by design."""
 
 _HONOURED_OF_POINTS = frozenset(
     {
@@ -127,17 +127,19 @@ _HONOURED_OF_POINTS = frozenset(
 
 
 def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Finding]:
-    """One finding for each schema property that a camera sets and that is not honoured.
+    """Find each schema property that a camera sets and that is not honoured.
 
     Args:
         stage: the stage.
         camera_paths: of its cameras.
     """
-    return [finding for path in camera_paths for finding in _of_camera(LensCamera(stage.GetPrimAtPath(path)), path)]
+    return [
+        finding for path in camera_paths for finding in _findings_of_camera(LensCamera(stage.GetPrimAtPath(path)), path)
+    ]
 
 
 def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
-    """One finding for each light beyond the renderer's room for lights and for their shadows."""
+    """Find each light beyond the renderer's limits on lights and shadow maps."""
     drawn = chosen_lights(lights)
     dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
     many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
@@ -147,7 +149,7 @@ def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
 
 
 def lost_point_findings(focused: FocusedCamera) -> list[Finding]:
-    """One finding for each focus point that should count, but whose target is missing or whose numbers have no meaning.
+    """Find each focus point that should count, but whose target is missing or whose numbers have no meaning.
 
     Args:
         focused: a camera, its focus solved.
@@ -163,7 +165,7 @@ def lost_point_findings(focused: FocusedCamera) -> list[Finding]:
 
 
 def unmet_findings(focused: FocusedCamera) -> list[Finding]:
-    """A finding where a lens or its focal surface could not be set as its focus points ask.
+    """Find a lens or focal surface that cannot be set as its focus points request.
 
     Args:
         focused: a camera, its focus solved.
@@ -173,9 +175,9 @@ def unmet_findings(focused: FocusedCamera) -> list[Finding]:
 
 
 def close_focus_findings(focused: FocusedCamera) -> list[Finding]:
-    """A finding where a camera is focused nearer than its lens is marked for: it is drawn so, as with an extension tube.
+    """Find a camera that is focused nearer than its lens is marked for; it is rendered so, as with an extension tube.
 
-    A focus that its glass cannot reach is no finding, but an error when it is drawn.
+    A focus that its glass cannot reach is no finding, but an error when it is rendered.
     """
     camera = focused.camera
     try:
@@ -187,7 +189,7 @@ def close_focus_findings(focused: FocusedCamera) -> list[Finding]:
     return [Finding("close_focus", camera.path, f"{camera.path} is focused {where}: {how}")] if nearer else []
 
 
-def _of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
+def _findings_of_camera(camera: LensCamera, path: str) -> Iterator[Finding]:
     mode = camera.focus.read().mode
     if mode == "manual" and camera.focus_points():
         yield Finding(

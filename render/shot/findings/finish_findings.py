@@ -1,4 +1,4 @@
-"""What of a camera's film and grade cannot be made, found without a picture."""
+"""Findings of film and grade settings that no picture can be finished with, found without rendering."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from pxr import Usd
 
 from render.errors import PullfocusError
 from render.model.camera import Camera
-from render.shot.film.finish import finish_of
+from render.shot.film.finish import read_finish
 from render.stage import Finding
 from usd_schemas.keys import keys
 from usd_schemas.validation import Problem
 from usd_schemas.values import is_animated
 
 _UNREADABLE = ("AuthoredTypes", "ValuesAllowed")
-_KEYS_LOOKED_AT = 50  # of a camera, or a few more
+_MAX_KEYS = 50
+"""Keys of a camera that are checked, evenly chosen where there are more."""
 
 
 def finish_findings(
@@ -26,33 +27,34 @@ def finish_findings(
     time: float,
     validation: Iterable[Problem],
 ) -> Iterator[Finding]:
-    """A finding for each camera whose pictures could not be finished: what `record` would end with.
+    """Find the cameras whose pictures cannot be finished: errors that `record` would end with.
 
     Args:
         stage: the shot.
         camera_at: a camera for a picture at a time, its focus solved.
         camera_paths: of its cameras.
-        time: USD time code that is looked at first; then those of the keys of film and grade.
-        validation: what the validators found: a camera with a wrong ``film:*`` or a value that cannot be read in it is told of
-            already.
+        time: USD time code that is checked first; then the keys of film and grade.
+        validation: problems from the validators; a camera with a problem in ``film:*``, or with an unreadable value, is skipped.
 
     Yields:
-        Findings; a camera that cannot be read at all has none.
+        One finding for a camera; a camera that cannot be read at all has none.
     """
-    told = [(problem.rule, problem.path) for problem in validation if problem.severity == "error"]
+    known = [(problem.rule, problem.path) for problem in validation if problem.severity == "error"]
     for path in camera_paths:
-        of_film, of_camera = f"{path}.film:", f"{path}."
-        if any(own.startswith(of_camera if rule in _UNREADABLE else of_film) for rule, own in told):
+        film_prefix, camera_prefix = f"{path}.film:", f"{path}."
+        if any(
+            known_path.startswith(camera_prefix if rule in _UNREADABLE else film_prefix) for rule, known_path in known
+        ):
             continue
-        for when in _times(stage.GetPrimAtPath(path), time):
-            found = _unfinished(stage, camera_at, path, when)
-            if found is not None:
-                yield found if when == time else replace(found, message=f"{found.message} (at time code {when:g})")
+        for at in _times(stage.GetPrimAtPath(path), time):
+            finding = _finish_finding(stage, camera_at, path, at)
+            if finding is not None:
+                yield finding if at == time else replace(finding, message=f"{finding.message} (at time code {at:g})")
                 break
 
 
 def _times(prim: Usd.Prim, first: float) -> list[float]:
-    """The time, and those at which film or grade have keys; some of them where they are many."""
+    """The time, and those of the keys of film and grade, thinned out where there are many."""
     keyed = {
         key.time
         for attribute in prim.GetPropertiesInNamespace("film")
@@ -60,17 +62,19 @@ def _times(prim: Usd.Prim, first: float) -> list[float]:
         for key in keys(attribute)
     }
     others = sorted(keyed - {first})
-    return [first, *others[:: max(1, len(others) // _KEYS_LOOKED_AT)]]
+    return [first, *others[:: max(1, len(others) // _MAX_KEYS)]]
 
 
-def _unfinished(stage: Usd.Stage, camera_at: Callable[[str, float], Camera], path: str, time: float) -> Finding | None:
-    """What is wrong with a camera's finish at a time; nothing where the camera itself cannot be read."""
+def _finish_finding(
+    stage: Usd.Stage, camera_at: Callable[[str, float], Camera], path: str, time: float
+) -> Finding | None:
+    """The error of a camera's finish at a time; None where there is none, or the camera itself cannot be read."""
     try:
         camera = camera_at(path, time)
     except PullfocusError:
         return None
     try:
-        finish_of(stage, camera, time)
+        read_finish(stage, camera, time)
     except PullfocusError as error:
         return Finding(error.code, path, error.detail)
     return None

@@ -1,4 +1,4 @@
-"""What became of the faces that focus points were placed on."""
+"""Findings of focus points whose meshes have changed since the points were placed."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from usd_schemas.topology import topology_change
 
 
 def topology_findings(camera: LensCamera) -> Iterator[Finding]:
-    """One finding for each focus point of a camera whose mesh has other faces than when the point was placed."""
+    """Find each focus point of a camera whose mesh has other faces than when the point was placed."""
     for view in camera.focus_points():
         try:
             changed = topology_change(camera.prim.GetStage(), view.read())
         except SchemaError:
-            continue  # its target cannot be read, which focusing says
+            continue  # an unreadable target is reported by focusing
         if changed is not None:
             yield Finding("topology_changed", str(camera.prim.GetPath()), changed)

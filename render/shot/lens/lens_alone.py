@@ -1,4 +1,4 @@
-"""A lens on its own, on a camera that has nothing else: to be measured and drawn."""
+"""A lens on a default camera, to be measured and drawn."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from render.stage.camera.lenses import iris_of, lens_of
 
 FULL_FRAME_MM = (36.0, 24.0)
 DEFAULT_F_STOP = 2.8
-"""Of a lens whose data sheet says none."""
-_NEAREST_M, _FARTHEST_M = 1e-6, 1e9  # nearer is as good as 0, farther is infinity
+"""F-number of a lens whose data sheet has none."""
+_NEAREST_M, _FARTHEST_M = 1e-6, 1e9
+"""Nearer counts as 0, farther as infinity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +30,11 @@ class LensAlone:
     """A lens of the library or of a file.
 
     Attributes:
-        name: in the library, or the file's without its suffix.
-        title: what is engraved on it.
-        description: one line; empty for a file's.
+        name: in the library, or the file name without its suffix.
+        title: engraved on the lens.
+        description: one line; empty for a lens of a file.
         f_stop: wide open; 0 for a pinhole.
-        camera: the lens as it is set, wide open and focused at infinity, before a full frame.
+        camera: full frame, with the lens wide open and focused at infinity.
     """
 
     name: str
@@ -43,15 +44,15 @@ class LensAlone:
     camera: Camera
 
     def set_to(self, f_stop: float | None, focus_distance_m: float | None, gate_mm: tuple[float, float]) -> Camera:
-        """The camera with the lens set otherwise.
+        """Return the camera at another setting of the lens.
 
         Args:
             f_stop: None leaves it wide open.
-            focus_distance_m: None, infinity and what is as good as that leave it at infinity.
+            focus_distance_m: None keeps infinity.
             gate_mm: width and height of the film gate.
 
         Raises:
-            SettingsError: a number is out of range, or a pinhole is to have an f-number.
+            SettingsError: a number is out of range, or an f-number is given for a pinhole.
         """
         if f_stop is not None and not 0 < f_stop < math.inf:
             raise SettingsError(f"an f-number must be above 0, got {f_stop:g}")
@@ -72,25 +73,25 @@ class LensAlone:
 
 
 def lens_alone(name_or_file: str) -> LensAlone:
-    """The lens that is meant: a file where it has a lens file's suffix or names a folder, else a lens of the library.
+    """Read a lens: a file where the name has a lens file's suffix or a folder, else a lens of the library.
 
     Raises:
         NotFoundError: the library has no such lens; the message has the nearest names.
-        InputError: the file cannot be read, or is no lens.
+        InputError: the file cannot be read, or has no usable lens.
     """
     if not is_lens_file(name_or_file):
         return library_lens_alone(name_or_file)
     if is_data_sheet(name_or_file):
-        return _measured(Path(name_or_file).stem, read_measured_lens(name_or_file))
+        return _from_data_sheet(Path(name_or_file).stem, read_measured_lens(name_or_file))
     prescription = read_lens_file(name_or_file)
     lens = Lens("prescription", prescription.name, prescription)
-    return _alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
+    return _mount_alone(Path(name_or_file).stem, prescription.name, "", lens, IrisShape())
 
 
-def _measured(name: str, measured: MeasuredLens) -> LensAlone:
+def _from_data_sheet(name: str, measured: MeasuredLens) -> LensAlone:
     wide_open = measured.f_stops[0] or measured.sheet.f_stop or DEFAULT_F_STOP
     lens = Lens("dataSheet", measured.name, data_sheet=measured.sheet, close_focus_m=measured.close_focus_m)
-    return _alone(
+    return _mount_alone(
         name,
         measured.name,
         " ".join(measured.sources),
@@ -102,15 +103,15 @@ def _measured(name: str, measured: MeasuredLens) -> LensAlone:
 
 
 def library_lens_alone(name: str) -> LensAlone:
-    """A lens of the library.
+    """Read a lens of the library.
 
     Raises:
-        NotFoundError: there is none of that name; the message has the nearest names.
+        NotFoundError: the library has no such lens; the message has the nearest names.
     """
     entry = library_entry(name)
     iris = iris_of(entry.aperture, entry.name) if entry.aperture else IrisShape()
     lens = lens_of(entry.lens, entry.name)
-    return _alone(
+    return _mount_alone(
         entry.name,
         entry.lens.name,
         entry.description,
@@ -121,7 +122,7 @@ def library_lens_alone(name: str) -> LensAlone:
     )
 
 
-def _alone(
+def _mount_alone(
     name: str,
     title: str,
     description: str,
@@ -131,7 +132,7 @@ def _alone(
     focal_length_mm: float = 0.0,
     f_stop: float = 0.0,
 ) -> LensAlone:
-    """Surfaces tell focal length and f-number better than a label does."""
+    """Mount a lens on a camera; focal length and f-number of a prescription are computed from its surfaces."""
     if lens.model in PRESCRIBED and lens.prescription is not None:
         whole = completed(lens.prescription)
         focal_length_mm, f_stop = first_order(whole).focal_length_mm, whole.f_stop

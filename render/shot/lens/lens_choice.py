@@ -1,4 +1,4 @@
-"""A lens to put on a camera: of the library by its name, or of a file."""
+"""A lens to mount on a camera: from the library by its name, or from a file."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class LensChoice:
     """A lens that can be mounted.
 
     Attributes:
-        name: of the lens, for people.
-        lens: what LensAPI shall say.
+        name: display name of the lens.
+        lens: values for LensAPI.
         focal_length_mm: of the lens; None where it has none of its own.
-        f_stop: wide open; 0 where any f-number goes.
+        f_stop: wide open; 0 where any f-number is possible.
         aperture: the lens's own iris; None keeps the camera's.
-        notes: what was approximated or solved for, one sentence each.
+        notes: one sentence for each value that was approximated or solved for.
     """
 
     name: str
@@ -45,33 +45,33 @@ class LensChoice:
 
 
 THIN = LensChoice("the thin lens", LensData())
-"""The ideal lens of whatever focal length and f-number the camera has."""
+"""The ideal lens, at the focal length and f-number of the camera."""
 
 
 def choose_lens(name_or_file: str) -> LensChoice:
-    """The lens that is meant: a file where it has a lens file's suffix or names a folder, else a lens of the library.
+    """Read a lens: a file where the name has a lens file's suffix or a folder, else a lens of the library.
 
     Raises:
         NotFoundError: the library has no such lens; the message has the nearest names.
-        InputError: the file cannot be read, or is no lens.
+        InputError: the file cannot be read, or has no usable lens.
     """
     if is_data_sheet(name_or_file):
         return measured_choice(read_measured_lens(name_or_file))
     if is_lens_file(name_or_file):
-        return lens_of_prescription(read_lens_file(name_or_file))
+        return prescription_choice(read_lens_file(name_or_file))
     return library_choice(name_or_file)
 
 
 def is_lens_file(name_or_file: str) -> bool:
-    """Whether a file is meant, and not a lens of the library."""
+    """True for the name of a file, false for a lens of the library."""
     return Path(name_or_file).suffix.lower() in LENS_FILE_SUFFIXES or os.sep in name_or_file
 
 
 def library_entry(name: str) -> LibraryLens:
-    """A lens of the library.
+    """Look up a lens of the library.
 
     Raises:
-        NotFoundError: there is none of that name; the message has the nearest names.
+        NotFoundError: the library has no such lens; the message has the nearest names.
     """
     try:
         return library_lens(name)
@@ -80,33 +80,33 @@ def library_entry(name: str) -> LibraryLens:
 
 
 def library_choice(name: str) -> LensChoice:
-    """A lens of the library, to be mounted.
+    """Choose a lens of the library.
 
     Raises:
-        NotFoundError: there is none of that name; the message has the nearest names.
+        NotFoundError: the library has no such lens; the message has the nearest names.
     """
     entry = library_entry(name)
     return LensChoice(entry.lens.name, entry.lens, entry.focal_length_mm, entry.f_stop, entry.aperture)
 
 
 def file_choice(data: bytes, name: str) -> LensChoice:
-    """The lens of a lens file in memory.
+    """Choose the lens of a lens file in memory.
 
     Raises:
-        InputError: it is no lens file, or no lens.
+        InputError: it is no lens file, or has no usable lens.
     """
     if is_data_sheet(name):
         return measured_choice(parse_measured_lens(data, name))
-    return lens_of_prescription(parse_lens_file(data, name))
+    return prescription_choice(parse_lens_file(data, name))
 
 
 def measured_choice(lens: MeasuredLens) -> LensChoice:
-    """A lens by its data sheet, to be mounted."""
+    """Choose a lens by its data sheet."""
     return LensChoice(lens.name, measured_lens_data(lens), lens.focal_length_mm, lens.f_stops[0], None, lens.sources)
 
 
-def lens_of_prescription(prescription: Prescription) -> LensChoice:
-    """A lens as its file has it, proven to be one: what is missing is solved for whenever it is looked through.
+def prescription_choice(prescription: Prescription) -> LensChoice:
+    """Choose the lens of a prescription. It is checked with its missing values solved, and authored without them.
 
     Raises:
         InputError: no light comes through it to a film; the message names the surface.

@@ -1,4 +1,4 @@
-"""The data sheet of a lens on its own."""
+"""Data sheet of a lens, as a test bench would measure it."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from render.optics.report.measuring import measured_sheet
 from render.shot.lens.lens_alone import LensAlone
 
 _HEIGHTS = 10
-_CLOSED = 22.0
-"""How far an iris closes whose lens does not say it."""
+_SMALLEST_STOP = 22.0
+"""F-number to which a lens of unknown range is assumed to close."""
 
 
 def measured_lens(lens: LensAlone, report: LensReport) -> MeasuredLens:
-    """What a test bench would write down of a lens as it is set; the sheet itself of a lens that is known by one.
+    """Measure the data sheet of a lens as it is set; a lens that is described by a sheet returns that sheet.
 
     Args:
-        lens: which one.
-        report: of it; up to its gate's corner it is measured.
+        lens: the lens.
+        report: of the lens; it is measured up to the corner of its gate.
 
     Raises:
-        SettingsError: it is a pinhole, which has no errors.
+        SettingsError: it is a pinhole, which has no aberrations.
     """
     camera = report.camera
     if not report.f_stop:
@@ -42,7 +42,7 @@ def measured_lens(lens: LensAlone, report: LensReport) -> MeasuredLens:
         lens.title,
         camera.focal_length_mm,
         sheet,
-        (lens.f_stop, max(_CLOSED, lens.f_stop)),
+        (lens.f_stop, max(_SMALLEST_STOP, lens.f_stop)),
         camera.lens.close_focus_m,
         (source,) if source else (),
     )

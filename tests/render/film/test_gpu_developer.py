@@ -168,7 +168,7 @@ def test_a_live_picture_is_the_files_picture(renderer: FrameRenderer, finish: Fi
     finisher.release()
 
     assert live.dtype == np.float32
-    assert np.abs(live - finish.picture(light, camera(squeeze), time=12.75, seed=4)).max() < 0.6 / 255
+    assert np.abs(live - finish.apply(light, camera(squeeze), time=12.75, seed=4)).max() < 0.6 / 255
 
 
 @pytest.fixture
@@ -237,7 +237,7 @@ def test_a_picture_too_large_for_the_gpu_is_finished_on_the_cpu(
 
     live = LiveFinisher(device).picture(printed, light, camera(), time=3, seed=0)  # type: ignore[arg-type]
 
-    np.testing.assert_array_equal(live, printed.picture(light, camera(), time=3, seed=0))
+    np.testing.assert_array_equal(live, printed.apply(light, camera(), time=3, seed=0))
 
 
 class FillingDevice:

@@ -12,7 +12,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom
 
 from render.shot.exposure.readout import read_exposure
-from render.shot.film.finish import finish_of
+from render.shot.film.finish import read_finish
 from render.stage import read_camera
 from usd_schemas import LensCamera
 from usd_schemas.applying import apply
@@ -241,7 +241,7 @@ def made_with(camera: LensCamera, time: float) -> list[Any]:
     """All that a picture at a time is made with."""
     stage = camera.prim.GetStage()
     seen = read_camera(stage, CAMERA, time)
-    finish = finish_of(stage, seen, time)
+    finish = read_finish(stage, seen, time)
     return [*leaves(seen), *leaves(finish), *leaves(read_exposure(stage, seen, time).settings)]
 
 

@@ -85,7 +85,7 @@ def exposed(renderer: FrameRenderer, shot: Shot, time: float = 1.0, settings: Fr
 def test_the_meter_reads_the_light_of_what_it_looks_at(
     renderer: FrameRenderer, tmp_path: Path, asked: dict[str, Any], metered: float
 ) -> None:
-    said = LightMeter(renderer, open_shot(tmp_path), CAMERA, "unlit", **asked).metered(1.0)
+    said = LightMeter(renderer, open_shot(tmp_path), CAMERA, "unlit", **asked).read(1.0)
     assert said.reading.luminance_nits == pytest.approx(metered, rel=0.02 if asked["mode"] == "average" else 1e-3)
     assert said.reading.stops == pytest.approx(math.log2(metered / MIDDLE_GREY), abs=0.03)
     assert said.compensation_stops == pytest.approx(-said.reading.stops, abs=1e-6)
@@ -95,7 +95,7 @@ def test_the_meter_reads_the_light_of_what_it_looks_at(
 
 def test_the_centre_weighs_more_than_the_corner(renderer: FrameRenderer, tmp_path: Path) -> None:
     shot = open_shot(tmp_path)
-    said = {m: LightMeter(renderer, shot, CAMERA, "unlit", mode=m).metered(1.0) for m in ("center", "average")}
+    said = {m: LightMeter(renderer, shot, CAMERA, "unlit", mode=m).read(1.0) for m in ("center", "average")}
     assert WALL < said["average"].reading.luminance_nits < said["center"].reading.luminance_nits < LAMP
 
 
@@ -130,7 +130,7 @@ def flickering() -> dict[int, float]:
 def test_the_exposure_follows_the_light_slowly_and_does_not_flicker(renderer: FrameRenderer, tmp_path: Path) -> None:
     shot = open_shot(tmp_path, flickering(), film_metering_mode="average")
     meter = LightMeter(renderer, shot, CAMERA)
-    keys = np.array([meter.metered(float(n)).compensation_stops for n in range(5, LAST - 4)])
+    keys = np.array([meter.read(float(n)).compensation_stops for n in range(5, LAST - 4)])
     assert keys[:4] == pytest.approx([math.log2(MIDDLE_GREY / 0.4)] * 4, abs=0.25)
     assert keys[-4:] == pytest.approx([math.log2(MIDDLE_GREY / 1.6)] * 4, abs=0.25)
     assert np.abs(np.diff(keys, 2)).max() < 0.02  # one that follows each flicker goes up and down by 2
@@ -165,7 +165,7 @@ def test_what_is_not_in_the_picture_or_black_leaves_the_exposure_as_it_is_set(
 ) -> None:
     away = open_shot(tmp_path, film_metering_mode="spot", film_metering_focusPoint="away", exposure=1.0)
     assert exposed(renderer, away) == pytest.approx(2 * WALL, rel=1e-3)
-    said = LightMeter(renderer, away, CAMERA, "unlit").metered(1.0)
+    said = LightMeter(renderer, away, CAMERA, "unlit").read(1.0)
     assert (said.place, said.reading.luminance_nits) == (None, 0.0)
     assert math.isnan(said.compensation_stops)
     black = open_shot(tmp_path, {1: 0.0}, film_metering_mode="average")
@@ -187,7 +187,7 @@ def test_what_was_read_is_kept_until_the_scene_changes(renderer: FrameRenderer, 
 def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_path: Path, held: bool) -> None:
     shot = open_shot(tmp_path, flickering(), film_metering_mode="average")
     meter = LightMeter(renderer, shot, CAMERA)
-    said = [meter.metered(float(n)) for n in range(1, LAST + 1, 6)]
+    said = [meter.read(float(n)) for n in range(1, LAST + 1, 6)]
     shot.exposure.key(CAMERA, said, held=held)
     assert meter.asked(1.0).mode == "manual"
     attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("exposure")
@@ -206,7 +206,7 @@ def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_pat
     (told,) = [finding.message for finding in lost.findings() if finding.code == "metering_point"]
     assert told == "/cam meters the focus point 'lampe', which it does not have: did you mean 'lamp'?"
     with pytest.raises(SettingsError, match="no focus point to meter is named 'nobody'"):
-        LightMeter(renderer, lost, CAMERA, mode="spot", focus_point="nobody").metered(1.0)
+        LightMeter(renderer, lost, CAMERA, mode="spot", focus_point="nobody").read(1.0)
     with pytest.raises(SettingsError, match="metering must be one of manual, spot, center, average, got matrix"):
         LightMeter(renderer, lost, CAMERA, mode="matrix")
     with pytest.raises(SettingsError, match="smoothing of metering must be above 0 s, got 0"):
@@ -228,7 +228,7 @@ def test_a_card_in_the_sun_reads_what_the_sun_makes_of_it_and_sunny_sixteen_expo
     sun.AddRotateXOp().Set(-60.0)
     card = UsdGeom.Gprim(shot.stage.GetPrimAtPath("/wall"))
     card.GetDisplayColorAttr().Set([(0.18,) * 3])
-    said = LightMeter(renderer, shot, CAMERA, mode="spot").metered(1.0)
+    said = LightMeter(renderer, shot, CAMERA, mode="spot").read(1.0)
     assert said.reading.luminance_nits == pytest.approx(0.18 * 100_000 / math.pi, rel=0.1)
     assert said.reading.incident_lux == pytest.approx(100_000, rel=0.1)
     assert said.reading.ev100 == pytest.approx(15.5, abs=0.2)

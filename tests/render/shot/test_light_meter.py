@@ -189,14 +189,14 @@ def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_p
     meter = LightMeter(renderer, shot, CAMERA)
     said = [meter.read(float(n)) for n in range(1, LAST + 1, 6)]
     shot.exposure.key(CAMERA, said, held=held)
-    assert meter.asked(1.0).mode == "manual"
+    assert meter.metering(1.0).mode == "manual"
     attribute = shot.stage.GetPrimAtPath(CAMERA).GetAttribute("exposure")
     keyed = [attribute.Get(one.time) for one in said]
     wanted = [one.compensation_stops for one in said]
     assert attribute.HasSpline() != held
     assert keyed == pytest.approx([sum(wanted) / len(wanted)] * len(wanted) if held else wanted, abs=0.006)
     shot.edits.undo()
-    assert meter.asked(1.0).mode == "average"
+    assert meter.metering(1.0).mode == "average"
 
 
 def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_path: Path) -> None:

@@ -17,7 +17,8 @@ described in [REST models](models.md).
 """
 MODELS_INTRODUCTION = """# REST models
 
-JSON objects that the [routes](rest.md) take and return. `null` is an infinite distance, or one that does not exist.
+JSON objects that the [routes](rest.md) take and return. `null` is an infinite distance, or one that
+does not exist. A property with a star (*) is required in a request and always present in an answer.
 
 """
 
@@ -55,7 +56,7 @@ def _by_tag(document: Json) -> dict[str, list[tuple[str, str, Json]]]:
     tags: dict[str, list[tuple[str, str, Json]]] = {}
     for operation in _operations(document):
         tags.setdefault(operation[2].get("tags", ["other"])[0], []).append(operation)
-    return tags
+    return dict(sorted(tags.items(), key=lambda item: item[0] == "system"))
 
 
 def _title(operation: Json) -> str:
@@ -102,11 +103,10 @@ def _model(name: str, schema: Json) -> str:
     if properties := schema.get("properties"):
         required = schema.get("required", ())
         rows = (
-            (f"`{key}`" + ("" if key not in required else " *"), _value(one), _meaning(one))
+            (f"`{key}`" + (" *" if key in required else ""), _value(one), _meaning(one))
             for key, one in properties.items()
         )
         text += table(("property", "value", "meaning"), rows)
-        text += "\n\\* is always there\n" if required else ""
     else:
         text += f"{_value(schema)}\n"
     return text + "\n"
@@ -149,9 +149,13 @@ def _limits(schema: Json) -> str:
     low = schema.get("minimum", schema.get("exclusiveMinimum"))
     high = schema.get("maximum", schema.get("exclusiveMaximum"))
     if low is not None and high is not None:
-        return f", {low:g} to {high:g}"
+        return f", {_number(low)} to {_number(high)}"
     if low is not None:
-        return f", above {low:g}" if "exclusiveMinimum" in schema else f", {low:g} or more"
+        return f", above {_number(low)}" if "exclusiveMinimum" in schema else f", {_number(low)} or more"
     if high is not None:
-        return f", at most {high:g}"
+        return f", at most {_number(high)}"
     return ""
+
+
+def _number(value: float) -> str:
+    return f"{int(value):,}" if value == int(value) else f"{value:g}"

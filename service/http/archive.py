@@ -1,9 +1,8 @@
-"""Archives from strangers: unpacked with every promise in their headers taken as a lie.
+"""Unpacks untrusted zip archives without trusting their headers.
 
-A name may not leave the folder (``..``, absolute paths, drive letters), be a link or anything but a file or a folder, or
-come twice. Bytes are counted as they come out, against a limit and against the archive's own size, so that a bomb is
-stopped while it goes off and not believed when it says that it is none. The list of entries is measured before it is
-read: it alone could fill the memory.
+An entry may not leave the folder (``..``, absolute paths, drive letters), must be a file or a folder (no links), and may not
+occur twice. Bytes are counted as they are unpacked, against a limit and against the archive's own size, which stops a zip bomb
+whatever sizes it declares. The central directory is measured before it is read, because it alone could fill the memory.
 """
 
 from __future__ import annotations
@@ -19,16 +18,15 @@ from service.http.errors import ServiceError
 from service.http.settings import MEBIBYTE, Settings
 
 CHUNK_BYTES = MEBIBYTE
-# Text compresses well, and a small archive does no harm: the ratio counts from this size on.
+# The ratio is checked from this size on: text compresses well, and a small archive does no harm.
 RATIO_FLOOR_BYTES = 64 * MEBIBYTE
-# What desktop systems put in archives unasked.
+# Files that desktop systems add to archives.
 CLUTTER = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
-END_RECORD = struct.Struct(
-    "<4s4H2LH"
-)  # end of central directory; .ZIP File Format Specification 6.3.10, section 4.3.16
+# End of central directory record; .ZIP File Format Specification 6.3.10, section 4.3.16.
+END_RECORD = struct.Struct("<4s4H2LH")
 ENTRY_BYTES = 46 + 512  # a central directory entry with a long name
 ENCRYPTED = 0x1
-# What Python's zipfile raises over damaged archives, as found by feeding it some. Not OSError: that is our own disk.
+# Exceptions that Python's zipfile raises for damaged archives, found by experiment. OSError means our own disk.
 DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
@@ -45,9 +43,9 @@ def unpack(file: IO[bytes], name: str, folder: Path, settings: Settings) -> None
 
     Args:
         file: the archive, seekable.
-        name: of the archive, for messages.
-        folder: an empty folder. What a refused archive left in it is the caller's to remove.
-        settings: for their limits.
+        name: the archive's name, for messages.
+        folder: an empty folder; the caller removes what a refused archive leaves in it.
+        settings: limits of archives.
 
     Raises:
         ServiceError: 413 or 422 that names the entry and says what is wrong with it.
@@ -71,13 +69,13 @@ def _too_many(name: str, settings: Settings) -> ServiceError:
 
 
 def _measure(file: IO[bytes], name: str, settings: Settings) -> int:
-    """The archive's size in bytes, after a look at how long its list of entries is."""
+    """Return the archive's size in bytes, after checking the size of its central directory."""
     size = file.seek(0, 2)
     tail_start = max(0, size - END_RECORD.size - 0xFFFF - 20)
     file.seek(tail_start)
     tail = file.read()
     at = tail.rfind(b"PK\x05\x06")
-    # The record at the very end counts first, as for Python's zipfile: both must read the same one.
+    # Python's zipfile prefers a record at the very end; both must read the same one.
     if tail[-END_RECORD.size :][:4] == b"PK\x05\x06" and tail[-2:] == b"\0\0":
         at = len(tail) - END_RECORD.size
     if at < 0 or at + END_RECORD.size > len(tail):
@@ -92,7 +90,7 @@ def _measure(file: IO[bytes], name: str, settings: Settings) -> int:
 
 
 class _Budget:
-    """Counts the bytes that come out of an archive and stops it when they are too many."""
+    """Limit of the bytes that an archive may unpack to."""
 
     def __init__(self, archive_bytes: int, name: str, settings: Settings) -> None:
         self._name = name
@@ -100,7 +98,8 @@ class _Budget:
         self._limit = settings.max_unpacked_mb * MEBIBYTE
         self._ratio_limit = max(RATIO_FLOOR_BYTES, archive_bytes * settings.max_archive_ratio)
 
-    def take(self, count: int, entry: str) -> None:
+    def spend(self, count: int, entry: str) -> None:
+        """Count unpacked bytes. Raises `ServiceError` 413 where they are too many."""
         self._total += count
         if self._total > min(self._limit, self._ratio_limit):
             reached = min(self._limit, self._ratio_limit) // MEBIBYTE
@@ -120,14 +119,14 @@ def _unpack_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path
         target.parent.mkdir(parents=True, exist_ok=True)
         with archive.open(entry) as source, target.open("xb") as out:
             while chunk := source.read(CHUNK_BYTES):
-                budget.take(len(chunk), entry.filename)
+                budget.spend(len(chunk), entry.filename)
                 out.write(chunk)
     except (FileExistsError, NotADirectoryError, IsADirectoryError) as error:
         raise _refused(entry, "comes twice, or is a file and a folder") from error
 
 
 def safe_path(entry: zipfile.ZipInfo) -> PurePosixPath | None:
-    """Where an entry belongs, relative to the folder; None for clutter.
+    """Return the path of an entry, relative to the folder; None for files that desktop systems add.
 
     Raises:
         ServiceError: 422, the entry would leave the folder, is no plain file, or is encrypted.

@@ -31,14 +31,14 @@ def serve(arguments: Sequence[str]) -> int:
         The exit status.
 
     Raises:
-        SettingsError: the host is no address of this machine, or the port is none.
-        OutputError: the port or the data folder is in use, or cannot be had.
+        SettingsError: the host is no address of this machine, or the port is out of range.
+        OutputError: the port or the data folder is in use, or cannot be opened.
     """
     typed = _parser().parse_args(arguments)
     listener = _listen(typed.host, typed.port)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
     settings = _settings(typed)
-    ShotStore(settings.data).close()  # asked now, a folder that cannot be had is one sentence and no failed start
+    ShotStore(settings.data).close()  # a folder that cannot be used fails here, before the server starts
     host, port = listener.getsockname()[:2]
     shown = f"[{host}]" if ":" in host else host
     logging.getLogger("pullfocus.service").info("http://%s:%d/ serves the shots of %s", shown, port, settings.data)
@@ -47,10 +47,10 @@ def serve(arguments: Sequence[str]) -> int:
             create_app(settings),
             log_config=None,
             timeout_graceful_shutdown=5,
-            ws_per_message_deflate=False,  # pictures are packed already
+            ws_per_message_deflate=False,  # pictures are compressed already
         )
     )
-    with suppress(KeyboardInterrupt):  # the way in which people stop it
+    with suppress(KeyboardInterrupt):
         server.run(sockets=[listener])
     return 0 if server.started else 1
 
@@ -73,13 +73,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _settings(typed: argparse.Namespace) -> Settings:
-    """The service's settings. Who listens beyond this machine is reached under names that nobody knows here."""
+    """Return the settings of the service. One that listens beyond this machine accepts every host name."""
     settings = Settings(data=typed.data.expanduser().absolute(), demo=typed.demo)
     return settings if typed.host in LOOPBACK_NAMES else replace(settings, allowed_hosts=())
 
 
 def _listen(host: str, port: int) -> socket.socket:
-    """A listening socket, had before anything is started, so that a port in use is one clear sentence."""
+    """Open the listening socket before anything is started, so that a port in use is one clear error."""
     if not 0 <= port <= 65535:
         raise SettingsError(f"a port is a number from 0 to 65535, got {port}", code="bad_port")
     try:
@@ -90,5 +90,5 @@ def _listen(host: str, port: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRNOTAVAIL:
             raise SettingsError(f"{host} is no address of this machine", code="bad_host") from error
-        said = "is in use; choose another with --port" if error.errno == errno.EADDRINUSE else error.strerror
-        raise OutputError(f"port {port} on {host} {said}", code="port") from error
+        reason = "is in use; choose another with --port" if error.errno == errno.EADDRINUSE else error.strerror
+        raise OutputError(f"port {port} on {host} {reason}", code="port") from error

@@ -1,4 +1,4 @@
-"""Encoded pictures that were asked for lately, and the tag that says which is which."""
+"""Cache of encoded pictures by entity tag, and conditional requests."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 
 class FrameCache:
-    """Keeps encoded pictures by tag until they are too many bytes; the one that was not used for longest goes first.
+    """Least recently used cache of encoded pictures, bounded in bytes.
 
     Args:
         max_bytes: of all pictures together.
@@ -21,24 +21,24 @@ class FrameCache:
         self._pictures: OrderedDict[str, bytes] = OrderedDict()
 
     def get(self, tag: str) -> bytes | None:
-        """The picture of a tag, if it is still here."""
+        """Return the picture of a tag, or None."""
         if tag in self._pictures:
             self._pictures.move_to_end(tag)
         return self._pictures.get(tag)
 
     def put(self, tag: str, picture: bytes) -> None:
-        """Keep a picture, unless it is larger than all that may be kept."""
+        """Keep a picture, unless it is larger than the whole cache."""
         if len(picture) > self._max_bytes:
             return
         self._bytes += len(picture) - len(self._pictures.pop(tag, b""))
         self._pictures[tag] = picture
         while self._bytes > self._max_bytes:
-            _, dropped = self._pictures.popitem(last=False)
-            self._bytes -= len(dropped)
+            _, evicted = self._pictures.popitem(last=False)
+            self._bytes -= len(evicted)
 
 
 def frame_tag(inputs: Mapping[str, object]) -> str:
-    """A strong entity tag, quotes included: same inputs, same pixels, so same tag.
+    """Return the strong entity tag of a picture, quotes included: same inputs, same pixels, same tag.
 
     Args:
         inputs: everything that the picture depends on, as JSON values.
@@ -48,7 +48,7 @@ def frame_tag(inputs: Mapping[str, object]) -> str:
 
 
 def matches(if_none_match: str | None, tag: str) -> bool:
-    """Whether an ``If-None-Match`` header names a tag (RFC 9110, section 13.1.2: by weak comparison)."""
+    """Return whether an ``If-None-Match`` header names a tag, by weak comparison (RFC 9110, section 13.1.2)."""
     if if_none_match is None:
         return False
     named = [part.strip().removeprefix("W/") for part in if_none_match.split(",")]

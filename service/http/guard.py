@@ -1,9 +1,9 @@
-"""The door: who may ask, and how much they may send. A pure ASGI layer in front of everything.
+"""ASGI middleware that refuses foreign hosts, cross-site requests and bodies that are too large.
 
-The service has no passwords: on its own machine it trusts whoever can reach 127.0.0.1. A web page from elsewhere runs
-in a browser that can, so three doors stay shut: requests under a host name that is not ours (DNS rebinding), requests
-that change something and come from another site (the browser says so in ``Sec-Fetch-Site``), and WebSockets that a page of
-another site opens: browsers let it read what comes, and say in ``Origin`` whose page it is.
+The service has no passwords: on its own machine it trusts every client that can reach 127.0.0.1. A page of another site runs in a
+browser that can, so three kinds of request are refused: those under a host name that is not ours (DNS rebinding); those that
+change something and come from another site (``Sec-Fetch-Site``); and WebSockets opened by a page of another site (``Origin``),
+which browsers do not restrict otherwise.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ from service.http.settings import MEBIBYTE, Settings
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 MAX_JSON_BYTES = MEBIBYTE
-MAX_CURVE_BYTES = 32 * MEBIBYTE  # some ten thousand frames as OpenTrackIO samples, focus points and all
-# The multipart wrapping of an upload: boundaries, headers and the small fields.
-WRAPPING_BYTES = 64 * 1024
+MAX_CURVE_BYTES = 32 * MEBIBYTE  # ten thousand frames as OpenTrackIO samples with focus points
+# Boundaries, headers and small fields of a multipart upload.
+MULTIPART_BYTES = 64 * 1024
 TOO_LARGE_CODE = 1009  # RFC 6455, section 7.4.1
 UPLOAD_PATH = "/v1/shots"
 CURVE_PATH = re.compile(r"/v1/shots/[^/]+/focus-curve")
 
 
 class GuardMiddleware:
-    """Refuses foreign hosts, foreign pages and bodies that are too large, in the one shape.
+    """Refuses foreign hosts, cross-site requests and bodies that are too large.
 
     Args:
-        app: what is guarded.
-        settings: for the allowed hosts and the size of an upload.
+        app: the guarded application.
+        settings: allowed hosts, and the limit of an upload.
     """
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self.app = app
         self._hosts = settings.allowed_hosts
-        self._max_upload_bytes = settings.max_upload_mb * MEBIBYTE + WRAPPING_BYTES
+        self._max_upload_bytes = settings.max_upload_mb * MEBIBYTE + MULTIPART_BYTES
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request, or refuse it."""
         if scope["type"] == "websocket":
-            await self._watch(scope, receive, send)
+            await self._guard_websocket(scope, receive, send)
             return
         if scope["type"] != "http":
             await self.app(scope, receive, send)
@@ -57,20 +57,20 @@ class GuardMiddleware:
         if refusal is not None:
             await refusal(scope, receive, send)
             return
-        taken = 0
+        received = 0
 
         async def receive_counted() -> Message:
-            nonlocal taken
+            nonlocal received
             message = await receive()
-            taken += len(message.get("body", b""))
-            if taken > limit:  # FastAPI passes this one on through its reading of the body
+            received += len(message.get("body", b""))
+            if received > limit:  # FastAPI lets an HTTPException pass while it reads the body
                 raise HTTPException(413, _too_large(limit))
             return message
 
         await self.app(scope, receive_counted, send)
 
-    async def _watch(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let one WebSocket in, or refuse it before it is one."""
+    async def _guard_websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Accept one WebSocket, or refuse it during the handshake."""
         headers = Headers(scope=scope)
         refusal = self._foreign_host(headers)
         origin = headers.get("origin")
@@ -90,10 +90,10 @@ class GuardMiddleware:
         await self.app(scope, receive_bounded, send)
 
     def _limit(self, path: str) -> int:
-        """How many bytes a request may send."""
+        """Return the limit of a request's body, bytes."""
         if path == UPLOAD_PATH:
             return self._max_upload_bytes
-        return MAX_CURVE_BYTES + WRAPPING_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
+        return MAX_CURVE_BYTES + MULTIPART_BYTES if CURVE_PATH.fullmatch(path) else MAX_JSON_BYTES
 
     def _refusal(self, method: str, headers: Headers, limit: int) -> JSONResponse | None:
         foreign = self._foreign_host(headers)
@@ -115,14 +115,14 @@ class GuardMiddleware:
 
 
 def _host_of(origin: str) -> str | None:
-    """Of whose page it is; None where the header names nobody, as from a page without an origin or a broken client."""
+    """Return the host of an ``Origin`` header; None where it names none, as from a page without an origin."""
     with suppress(ValueError):
         return urlsplit(origin).netloc.lower() or None
     return None
 
 
 def _bytes_of(message: Message) -> int:
-    """How long a WebSocket's message is as it travels."""
+    """Return the size of a WebSocket message as it is sent."""
     text = message.get("text")
     return len(message.get("bytes") or b"") if text is None else len(text.encode())
 

@@ -1,4 +1,4 @@
-"""Prints the OpenAPI document: ``python -m service.http.openapi > web/openapi.json``. The same code prints the same bytes."""
+"""Prints the OpenAPI document: ``python -m service.http.openapi > web/openapi.json``. The output is deterministic."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from service.http.settings import Settings
 
 
 def openapi_text() -> str:
-    """The OpenAPI document as JSON text."""
+    """Return the OpenAPI document as JSON text."""
     document = create_app(Settings(data=Path("unused"))).openapi()
     return json.dumps(document, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 

@@ -1,4 +1,4 @@
-"""The page: what Vite built into ``service/static``, or a word on how to build it."""
+"""The page that Vite builds into ``service/static``, or a note on how to build it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ MISSING = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Pullfoc
 
 
 def install_page(app: FastAPI, folder: Path) -> None:
-    """Serve the page at ``/`` and its files beside it; no other address is taken."""
+    """Serve the page at ``/`` and its files beside it.
+
+    Args:
+        app: the application.
+        folder: of the built page.
+    """
 
     @app.get("/", include_in_schema=False)
     async def page() -> Response:
@@ -24,7 +29,7 @@ def install_page(app: FastAPI, folder: Path) -> None:
             return HTMLResponse(MISSING, status_code=503)
         return FileResponse(index, headers={"Cache-Control": "no-cache"})
 
-    # Built files carry a hash of their content in their name.
+    # The names of built files contain a hash of their content.
     app.mount("/assets", StaticFiles(directory=folder / "assets", check_dir=False), name="assets")
     for file in sorted(folder.glob("*")) if folder.is_dir() else ():
         if file.is_file() and file.name != "index.html":

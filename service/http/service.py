@@ -12,8 +12,8 @@ from typing import Annotated, Concatenate, ParamSpec, TypeVar
 from fastapi import Depends, WebSocket
 from starlette.requests import HTTPConnection
 
-from service.http.exposing import Exposures
 from service.http.frame_cache import FrameCache
+from service.http.long_exposures import LongExposures
 from service.http.metrics import Metrics
 from service.http.settings import MEBIBYTE, Settings
 from service.picture import calls as picture
@@ -74,9 +74,9 @@ class Service:
         return cls(settings, store, stage_queue, picture_queue, frame_cache, Metrics((stage_queue, picture_queue)))
 
     @cached_property
-    def long_exposures(self) -> Exposures:
+    def long_exposures(self) -> LongExposures:
         """The long exposures of all shots."""
-        return Exposures(self.picture_queue, self.settings.max_picture_px)
+        return LongExposures(self.picture_queue, self.settings.max_picture_px)
 
     def close(self) -> None:
         """End the workers and release the data folder."""

@@ -1,4 +1,4 @@
-"""What a service may be told: where it keeps shots and how much it takes on."""
+"""Settings of a service: its data folder and its limits."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ MEBIBYTE = 1024 * 1024
 
 
 def default_data_folder() -> Path:
-    """Where shots are kept when nobody says: ``$XDG_DATA_HOME/pullfocus``, else ``~/.local/share/pullfocus``."""
+    """Return the data folder used by default: ``$XDG_DATA_HOME/pullfocus``, else ``~/.local/share/pullfocus``."""
     base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
     return Path(base) / "pullfocus"
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where shots live and the limits that keep one client from taking the whole machine.
+    """Data folder of a service, and limits that keep one client from exhausting the machine.
 
     Attributes:
-        data: folder that holds shots and their edits; made when missing.
+        data: folder of shots and their edits; created when missing.
         demo: whether the demo shot is written there at start.
         static: folder of the built page.
-        allowed_hosts: names that the ``Host`` header may hold; empty allows every name. Loopback names alone by
-            default, so that no web page can reach the service by pointing a name of its own at 127.0.0.1.
-        max_upload_mb: bytes of one upload, in MiB.
-        max_unpacked_mb: bytes that an archive may unpack to, in MiB.
+        allowed_hosts: names allowed in the ``Host`` header; empty allows every name. The default is loopback names only, so that
+            no web page can reach the service by pointing its own name at 127.0.0.1.
+        max_upload_mb: size of one upload, MiB.
+        max_unpacked_mb: size that an archive may unpack to, MiB.
         max_archive_entries: files and folders in an archive.
-        max_archive_ratio: how many times its own size an archive may unpack to.
-        max_picture_px: pixels (width · height) of one picture.
+        max_archive_ratio: size of an unpacked archive over its own.
+        max_picture_px: width times height of one picture.
         max_curve_frames: frames of one focus curve.
         max_waiting: requests that may wait for each worker process; one more is answered 503.
         max_viewers: live connections at a time; one more is answered 503.
-        frame_timeout_s: time for one picture or pick, waiting not counted.
-        stage_timeout_s: time for one look into a stage, waiting not counted.
-        frame_cache_mb: encoded pictures kept, in MiB.
+        frame_timeout_s: time for one call of the picture process, waiting not counted.
+        stage_timeout_s: time for one call of the stage process, waiting not counted.
+        frame_cache_mb: size of the cache of encoded pictures, MiB.
     """
 
     data: Path = field(default_factory=default_data_folder)

@@ -1,4 +1,4 @@
-"""An upload: from the bytes that were sent to files in a shot's folder, and which of them is the root layer."""
+"""Uploads: writes the files of a shot into its folder and finds its root layer."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from service.http.settings import MEBIBYTE, Settings
 STAGE_SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
 
 
-def file_name(sent: str | None) -> str:
-    """The name of an uploaded file, reduced to one that is safe in a folder.
+def upload_name(sent: str | None) -> str:
+    """Return the name of an uploaded shot, made safe for a folder.
 
     Raises:
-        ServiceError: 415, it is neither a stage nor a zip archive by its ending.
+        ServiceError: 415, its suffix is neither that of a stage nor that of a zip archive.
     """
     name = _safe_name(sent)
     suffix = Path(name).suffix.lower()
@@ -31,10 +31,10 @@ def file_name(sent: str | None) -> str:
 
 
 def lens_file_name(sent: str | None) -> str:
-    """The name of an uploaded lens file, for messages.
+    """Return the name of an uploaded lens file, for messages.
 
     Raises:
-        ServiceError: 415, it is no lens file by its ending.
+        ServiceError: 415, its suffix is not that of a lens file.
     """
     name = _safe_name(sent)
     if Path(name).suffix.lower() not in LENS_FILE_SUFFIXES:
@@ -48,15 +48,15 @@ def _safe_name(sent: str | None) -> str:
     return re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
 
 
-def place(file: IO[bytes], name: str, wanted_root: str | None, files: Path, settings: Settings) -> str:
-    """Put an uploaded file, or what an uploaded archive holds, into a folder.
+def store_upload(file: IO[bytes], name: str, root: str | None, files: Path, settings: Settings) -> str:
+    """Write an uploaded file, or the files of an uploaded archive, into a folder.
 
     Args:
-        file: what was sent.
-        name: its name, from `file_name`.
-        wanted_root: which file of an archive is the root layer; None lets `choose_root` find it.
+        file: the uploaded file.
+        name: its name, from `upload_name`.
+        root: root layer within an archive; None lets `choose_root` find it.
         files: the empty folder.
-        settings: for their limits.
+        settings: limits of archives.
 
     Returns:
         The root layer, relative to the folder.
@@ -67,31 +67,31 @@ def place(file: IO[bytes], name: str, wanted_root: str | None, files: Path, sett
     if Path(name).suffix.lower() == ".zip":
         unpack(file, name, files, settings)
         paths = [path.relative_to(files).as_posix() for path in files.rglob("*") if path.is_file()]
-        return choose_root(paths, wanted_root, name)
-    if wanted_root not in (None, "", name):
-        detail = f"{wanted_root!r} was named as root, but the one file that was sent is {name!r}."
-        raise ServiceError(422, "bad_root", detail, path=wanted_root)
+        return choose_root(paths, root, name)
+    if root not in (None, "", name):
+        detail = f"{root!r} was named as root, but the one file that was sent is {name!r}."
+        raise ServiceError(422, "bad_root", detail, path=root)
     with (files / name).open("xb") as out:
         shutil.copyfileobj(file, out, MEBIBYTE)
     return name
 
 
-def choose_root(paths: Iterable[str], wanted: str | None, archive: str) -> str:
-    """The root layer of an archive: the one that was asked for, else the only stage in the topmost folder with any.
+def choose_root(paths: Iterable[str], requested: str | None, archive: str) -> str:
+    """Return the root layer of an archive: the requested one, or the only stage in the topmost folder that has any.
 
     Args:
         paths: of all files, relative, with ``/``.
-        wanted: the one asked for.
+        requested: root layer named by the client, if any.
         archive: the archive's name, for messages.
 
     Raises:
-        ServiceError: 422, there is no such file, no stage at all, or more than one that it could be.
+        ServiceError: 422, there is no such file, no stage at all, or more than one candidate.
     """
     known = set(paths)
-    if wanted:
-        root = PurePosixPath(wanted).as_posix()
+    if requested:
+        root = PurePosixPath(requested).as_posix()
         if root not in known or not root.lower().endswith(STAGE_SUFFIXES):
-            raise ServiceError(422, "bad_root", f"{archive} holds no USD file {wanted!r}.", path=wanted)
+            raise ServiceError(422, "bad_root", f"{archive} holds no USD file {requested!r}.", path=requested)
         return root
     stages = sorted(path for path in known if path.lower().endswith(STAGE_SUFFIXES))
     if not stages:

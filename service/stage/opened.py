@@ -1,4 +1,4 @@
-"""Shots that a worker process holds open, so that the next request need not open them again."""
+"""Shots that a worker process holds open between calls; state of the stage process."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ class OpenedShots:
 
     @contextmanager
     def use(self, record: ShotRecord, edit_text: str | None = None) -> Iterator[Shot]:
-        """Work with a shot. Errors that come out name files as they were sent, not as they lie on this machine.
+        """Open a shot, or return the open one. Errors name files by their path in the upload, not on this machine.
 
         Args:
-            record: which shot.
-            edit_text: its edit layer, empty for no edits; None takes the one that it has, or else the saved one.
+            record: the shot.
+            edit_text: its edit layer, empty for no edits; None keeps the present one, or loads the saved one.
 
         Raises:
-            NotFoundError: it was removed in the meantime.
-            StageError: it is no stage, or refers to what was not sent with it.
+            NotFoundError: the shot was removed.
+            StageError: the shot is no stage, or refers to files that were not sent with it.
         """
         try:
             shot = self._get(record)
@@ -49,22 +49,22 @@ class OpenedShots:
 
     @contextmanager
     def edit(self, record: ShotRecord, context: EditContext = ANY_CONTEXT, label: str = "") -> Iterator[Shot]:
-        """Change a shot, in one step of its history. What was changed is on disk when this ends, or it never was.
+        """Edit a shot in one step of its history. The edit is saved at the end, or undone where it fails.
 
         Args:
-            record: which shot.
-            context: its gesture is used; the tag is for the caller to check, who knows what is edited.
-            label: what is done; empty takes what the shot says of its edits.
+            record: the shot.
+            context: its gesture is used; the caller checks its tag.
+            label: label of the step; empty derives it from the edits.
         """
         with self.change(record) as shot, shot.edits.transaction(label, context.gesture):
             yield shot
 
     @contextmanager
     def change(self, record: ShotRecord) -> Iterator[Shot]:
-        """Edit a shot, or walk along its history. What was changed is on disk when this ends, or it never was.
+        """Edit a shot, or undo and redo its edits. The change is saved at the end, or undone where it fails.
 
         Args:
-            record: which shot.
+            record: the shot.
         """
         with self.use(record) as shot:
             before = shot.edits.snapshot()
@@ -106,7 +106,7 @@ def stage_function(
 
 
 def _save(record: ShotRecord, shot: Shot) -> None:
-    """Write the history, then the edits: these say which of its states is the present one if only one gets written."""
+    """Write the history, then the edits. If only the history is written, the edits tell which state is the present one."""
     save_history(record.history, shot.edits.history)
     if shot.edits.history.present.text:
         shot.edits.save(record.edits)
@@ -115,13 +115,13 @@ def _save(record: ShotRecord, shot: Shot) -> None:
 
 
 def _save_history_again(record: ShotRecord, shot: Shot) -> None:
-    """Take an edit that failed out of the history on disk; where that fails too, `Shot.edits.resume` sorts it out."""
+    """Remove an edit that failed from the history on disk. Where that fails too, `Shot.edits.resume` repairs it."""
     with suppress(PullfocusError):
         save_history(record.history, shot.edits.history)
 
 
 def as_sent(text: str, record: ShotRecord) -> str:
-    """A text with paths relative to what was sent: where this machine keeps it is nobody's business."""
+    """Replace absolute paths in a text by paths relative to the upload, which hides the layout of this machine."""
     for folder in (record.files, record.files.resolve()):
         text = text.replace(f"{folder}/", "").replace(str(folder), "the shot's folder")
     return text

@@ -1,9 +1,9 @@
-"""The history of a shot's edits on disk: a file for each state, which anyone can open, and an index that is written last.
+"""Edit history of a shot on disk: one USD layer for each state, and an index that is written last.
 
 ::
 
     DATA/shots/ID/history/REVISION.usda      a state of the edit layer, as a whole
-    DATA/shots/ID/history/index.json         their order, what made them, and which is the present one
+    DATA/shots/ID/history/index.json         order and labels of the states, and which is the present one
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ INDEX = "index.json"
 
 
 def save_history(folder: Path, history: EditHistory) -> None:
-    """Write what is not there yet, and remove the states that are no longer kept.
+    """Write new states, then the index, and remove states that are no longer kept.
 
     Args:
-        folder: made when missing.
-        history: what to keep.
+        folder: created when missing.
+        history: the states to keep.
 
     Raises:
-        OutputError: it cannot be written; the index that was there still holds.
+        OutputError: a file cannot be written; the previous index stays valid.
     """
-    with suppress(OSError):  # what cannot be made cannot be written to either, and that is told
+    with suppress(OSError):  # writing to a folder that cannot be created fails below
         folder.mkdir(exist_ok=True)
     for state in history.states:
         if not _file(folder, state.revision).is_file():
@@ -46,21 +46,21 @@ def save_history(folder: Path, history: EditHistory) -> None:
 
 
 def load_history(folder: Path) -> EditHistory | None:
-    """The history as it was saved; None where there is none, or it is damaged, which is logged.
+    """Read a history. Returns None where there is none, or where it is damaged, which is logged.
 
     Args:
         folder: as `save_history` wrote it.
     """
     try:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
-        history = EditHistory(tuple(_state(folder, said) for said in index["states"]), int(index["now"]))
+        history = EditHistory(tuple(_state(folder, entry) for entry in index["states"]), int(index["now"]))
         if not 0 <= history.now < len(history.states):
             raise ValueError(f"state {history.now} of {len(history.states)}")
     except FileNotFoundError as error:
         if (folder / INDEX).exists():
             log.error("the history of edits in %s lacks a state and begins anew: %s", folder, error)
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:  # somebody's hand was in it: the edits are what counts
+    except (OSError, ValueError, KeyError, TypeError) as error:  # edited by hand; the edits themselves are kept
         log.error("the history of edits in %s cannot be read and begins anew: %r", folder, error)
         return None
     return history
@@ -74,12 +74,13 @@ def _index(history: EditHistory) -> dict[str, object]:
     return {"now": history.now, "states": states}
 
 
-def _state(folder: Path, said: dict[str, str]) -> EditState:
-    text = _file(folder, said["revision"]).read_text(encoding="utf-8")
-    if revision_of(text) != said["revision"]:
-        raise ValueError(f"{said['revision']}.usda is not what was written")
-    made_at = datetime.fromisoformat(said["madeAt"])
-    return EditState(zlib.compress(text.encode()), said["revision"], said["label"], made_at, said["gesture"])
+def _state(folder: Path, entry: dict[str, str]) -> EditState:
+    revision = entry["revision"]
+    text = _file(folder, revision).read_text(encoding="utf-8")
+    if revision_of(text) != revision:
+        raise ValueError(f"{revision}.usda is not what was written")
+    made_at = datetime.fromisoformat(entry["madeAt"])
+    return EditState(zlib.compress(text.encode()), revision, entry["label"], made_at, entry["gesture"])
 
 
 def _file(folder: Path, revision: str) -> Path:

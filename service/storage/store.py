@@ -1,12 +1,12 @@
-"""Where shots live: a folder each, and nothing else that could disagree with it.
+"""Store of shots: one folder each, with no other index that could disagree with it.
 
 ::
 
-    DATA/lock                    held by the one service that works here
-    DATA/shots/ID/files/...      what was sent, unpacked
-    DATA/shots/ID/edits.usda     every edit since (absent where there is none)
-    DATA/shots/ID/history/       the states that it has had (`service.storage.edit_files`)
-    DATA/shots/ID/shot.json      the record; written last, so a folder without it was never accepted
+    DATA/lock                    locked by the one service that uses the folder
+    DATA/shots/ID/files/...      the uploaded files, unpacked
+    DATA/shots/ID/edits.usda     the edit layer (absent where there are no edits)
+    DATA/shots/ID/history/       earlier states of the edit layer (`service.storage.edit_files`)
+    DATA/shots/ID/shot.json      the record; written last, so a folder without it was not accepted
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ class ShotRecord:
     """A stored shot.
 
     Attributes:
-        id: names it in addresses.
-        name: for people.
-        folder: of the shot in the store.
-        root: the root layer, relative to its files.
-        created_at: when it was accepted.
-        size_bytes: of all its files.
-        file_count: how many they are.
+        id: its name in URLs.
+        name: title for people.
+        folder: its folder in the store.
+        root: the root layer, relative to `files`.
+        created_at: time at which it was accepted.
+        size_bytes: total size of its files.
+        file_count: number of its files.
     """
 
     id: str
@@ -53,30 +53,30 @@ class ShotRecord:
 
     @property
     def files(self) -> Path:
-        """Folder of what was sent: nothing outside it may be read."""
+        """Folder of the uploaded files; nothing outside it may be read."""
         return self.folder / "files"
 
     @property
     def root_path(self) -> Path:
-        """The root layer."""
+        """Path of the root layer."""
         return self.files / self.root
 
     @property
     def edits(self) -> Path:
-        """The edit layer; may not exist yet."""
+        """Path of the edit layer, which may not exist yet."""
         return self.folder / "edits.usda"
 
     @property
     def history(self) -> Path:
-        """Folder of the states that the edit layer has had; may not exist yet."""
+        """Folder of earlier states of the edit layer, which may not exist yet."""
         return self.folder / "history"
 
     def with_root(self, root: str) -> ShotRecord:
-        """The same shot with another root layer."""
+        """Return the same shot with another root layer."""
         return replace(self, root=root)
 
     def edit_text(self) -> str:
-        """The edit layer as text, empty where there is none yet."""
+        """Read the edit layer as text; empty where there is none yet."""
         try:
             return self.edits.read_text(encoding="utf-8")
         except FileNotFoundError:
@@ -87,10 +87,10 @@ class ShotStore:
     """The shots of one data folder.
 
     Args:
-        data: the folder; made when missing.
+        data: the folder; created when missing.
 
     Raises:
-        OutputError: the folder cannot be written, or another service works in it.
+        OutputError: the folder cannot be written, or another service uses it.
     """
 
     def __init__(self, data: Path) -> None:
@@ -106,25 +106,25 @@ class ShotStore:
         self._clear_unaccepted()
 
     def close(self) -> None:
-        """Let another service have the folder."""
+        """Unlock the folder."""
         self._lock.close()
 
     def _clear_unaccepted(self) -> None:
-        """Remove what a service that was stopped in the middle of an upload or a removal left behind."""
+        """Remove the folders of uploads and deletions that were interrupted."""
         for folder in self._shots.iterdir():
             if folder.is_dir() and not (folder / "shot.json").is_file():
                 shutil.rmtree(folder)
 
     def list(self) -> list[ShotRecord]:
-        """All shots, newest last."""
+        """Read the records of all shots, newest last."""
         records = (self._read(folder) for folder in self._shots.iterdir())
         return sorted((r for r in records if r), key=lambda r: (r.created_at, r.id))
 
     def get(self, shot_id: str) -> ShotRecord:
-        """One shot.
+        """Read the record of a shot.
 
         Raises:
-            NotFoundError: there is none of this id.
+            NotFoundError: there is no shot of this id.
         """
         record = self._read(self._shots / shot_id) if ID_PATTERN.fullmatch(shot_id) else None
         if record is None:
@@ -132,11 +132,11 @@ class ShotStore:
         return record
 
     def begin(self, name: str, shot_id: str | None = None) -> ShotRecord:
-        """Make the folder of a new shot, which nobody sees until it is accepted.
+        """Create the folder of a new shot, which is not listed until it is accepted.
 
         Args:
-            name: for people.
-            shot_id: made up from the name when left out.
+            name: title for people.
+            shot_id: its id; derived from the name when left out.
         """
         stem = re.sub(r"[^a-z0-9]+", "-", Path(name).stem.lower()).strip("-")[:40] or "shot"
         shot_id = shot_id or f"{stem}-{secrets.token_hex(4)}"
@@ -145,7 +145,7 @@ class ShotStore:
         return record
 
     def accept(self, begun: ShotRecord, root: str) -> ShotRecord:
-        """Write the record of a begun shot: from now on it is there."""
+        """Write the record of a new shot, which lists it."""
         sizes = [path.stat().st_size for path in begun.files.rglob("*") if path.is_file()]
         fields = {
             "name": begun.name,
@@ -154,17 +154,17 @@ class ShotStore:
             "sizeBytes": sum(sizes),
             "fileCount": len(sizes),
         }
-        beside = begun.folder / "shot.json.part"
-        beside.write_text(json.dumps(fields, indent=2), encoding="utf-8")
-        os.replace(beside, begun.folder / "shot.json")
+        part = begun.folder / "shot.json.part"
+        part.write_text(json.dumps(fields, indent=2), encoding="utf-8")
+        os.replace(part, begun.folder / "shot.json")
         return self.get(begun.id)
 
     def discard(self, begun: ShotRecord) -> None:
-        """Remove a begun shot that was refused."""
+        """Remove a new shot that was refused."""
         shutil.rmtree(begun.folder, ignore_errors=True)
 
     def remove(self, record: ShotRecord) -> None:
-        """Remove a shot: first its record, so that it is never half there."""
+        """Remove a shot, its record first, so that no damaged shot is ever listed."""
         (record.folder / "shot.json").unlink(missing_ok=True)
         shutil.rmtree(record.folder, ignore_errors=True)
 
@@ -182,6 +182,6 @@ class ShotStore:
             )
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except (ValueError, KeyError, TypeError) as error:  # somebody's hand was in it: the others must not suffer
+        except (ValueError, KeyError, TypeError) as error:  # edited by hand; the other shots stay listed
             log.error("the record of shot %s cannot be read and is left out: %r", folder.name, error)
             return None

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from service.http.archive import unpack
 from service.http.errors import ServiceError
 from service.http.settings import MEBIBYTE, Settings
-from service.http.upload import choose_root, file_name
+from service.http.upload import choose_root, upload_name
 
 LIMITS = Settings(data=Path("unused"), max_unpacked_mb=100, max_archive_entries=20, max_archive_ratio=50)
 
@@ -186,11 +186,11 @@ def test_a_root_layer_that_cannot_be_found_is_named(paths, wanted, code):
     [("shot.usda", "shot.usda"), ("C:\\work\\My Shot.USD", "My Shot.USD"), ("../../x/ä?.zip", "ä_.zip")],
 )
 def test_a_file_name_is_made_safe(sent, name):
-    assert file_name(sent) == name
+    assert upload_name(sent) == name
 
 
 @pytest.mark.parametrize("sent", [None, "", "shot", "shot.fbx", ".usda", "shot.usda.exe", "..", "usda/"])
 def test_what_is_no_stage_by_its_name_is_refused(sent):
     with pytest.raises(ServiceError) as error:
-        file_name(sent)
+        upload_name(sent)
     assert (error.value.status, error.value.code) == (415, "unsupported_type")

@@ -20,7 +20,7 @@ def test_a_full_disk_is_said_and_nothing_is_left(service, client, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     kept = list((service.settings.data / "shots").iterdir())
-    monkeypatch.setattr("service.http.routes.shots.place", full)
+    monkeypatch.setattr("service.http.routes.shots.store_upload", full)
     answer = send(client, "room.usda", ROOM.encode())
     assert (answer.status_code, answer.json()["code"]) == (507, "disk_full")
     assert set(answer.json()) == SHAPE

@@ -45,7 +45,7 @@ class Watched:
         assert isinstance(error, WorkerError)
         return error.code
 
-    def drop(self) -> None:
+    def cancel(self) -> None:
         self.queue.cancel_stream(self.stream)
 
 
@@ -112,18 +112,18 @@ def test_however_many_others_there_are_a_stream_comes_to_its_end(queue):
 def test_one_that_nobody_wants_any_more_ends(queue, where):
     running = begun(queue, stream_call(refine, "running", shows=10_000))
     unwanted = running if where == "running" else Watched(queue, stream_call(refine, "waiting", shows=10_000), "viewer")
-    unwanted.drop()
+    unwanted.cancel()
     assert unwanted.code() == "superseded"
-    running.drop()
+    running.cancel()
     running.result()
-    unwanted.drop()  # which has ended: nothing happens
+    unwanted.cancel()  # which has ended: nothing happens
     assert queue.submit(call(echo, "next")).result(WAIT_S)[0] == "next"
 
 
 def test_one_that_is_dropped_before_it_showed_anything_ends_too(queue):
     stream = Watched(queue, stream_call(refine, shows=1, pieces=10_000))
     until(lambda: queue.busy)
-    stream.drop()
+    stream.cancel()
     assert stream.code() == "superseded"
     assert stream.items == []
 
@@ -146,7 +146,7 @@ def test_streams_wait_in_the_bounded_queue(queue):
     with pytest.raises(QueueFullError):
         Watched(queue, stream_call(refine, "one too many"))
     for stream in (*waiting, running):
-        stream.drop()
+        stream.cancel()
     assert {stream.code() for stream in (*waiting, running)} == {"superseded"}
 
 

@@ -1,4 +1,4 @@
-"""Long exposures: one picture over many frames, whose shutter is opened and closed at will."""
+"""Routes of long exposures: one picture over many frames, whose shutter can be closed and reopened."""
 
 from __future__ import annotations
 
@@ -60,4 +60,4 @@ async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: F
 )
 async def delete_long_exposure(service: ServiceDep, shot: ShotId) -> None:
     """Close the shutter and throw the film away; none there is no error."""
-    service.long_exposures.drop(service.store.get(shot).id)
+    service.long_exposures.discard(service.store.get(shot).id)

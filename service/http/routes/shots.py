@@ -1,4 +1,4 @@
-"""Shots: send one, list them, look into one, remove one."""
+"""Routes of shots: upload, list, describe, inspect, delete."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from service.http.errors import ServiceError
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
-from service.http.upload import file_name, place
+from service.http.upload import store_upload, upload_name
 from service.models.inspection import Inspection
 from service.models.shots import Shot, ShotList, ShotSummary
 from service.stage.calls import shots
@@ -40,12 +40,12 @@ async def create_shot(
     ] = None,
 ) -> Shot:
     """Send a shot. It may refer to nothing outside of what is sent; a refused one leaves nothing behind."""
-    name = file_name(file.filename)
+    name = upload_name(file.filename)
     begun = service.store.begin(name)
     try:
-        placed = await run_in_threadpool(place, file.file, name, root, begun.files, service.settings)
-        described = await service.call_stage(shots.describe_shot, begun.with_root(placed))
-        record = await run_in_threadpool(service.store.accept, begun, placed)
+        root_path = await run_in_threadpool(store_upload, file.file, name, root, begun.files, service.settings)
+        described = await service.call_stage(shots.describe_shot, begun.with_root(root_path))
+        record = await run_in_threadpool(service.store.accept, begun, root_path)
     except BaseException as error:
         service.store.discard(begun)
         service.close_shot(begun.id)
@@ -73,6 +73,6 @@ async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
 async def delete_shot(service: ServiceDep, shot: ShotId) -> None:
     """Remove a shot and its edits. The demo shot is there again when the service next starts."""
     record = service.store.get(shot)
-    service.long_exposures.drop(record.id)
+    service.long_exposures.discard(record.id)
     await run_in_threadpool(service.store.remove, record)
     service.close_shot(record.id)

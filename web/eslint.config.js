@@ -6,7 +6,8 @@ import tseslint from "typescript-eslint";
 
 const web = dirname(fileURLToPath(import.meta.url));
 
-/** Imports run one way: model ← net ← editor ← view. A room may not import what stands to its right. */
+/** Imports run one way: model ← net ← editor ← view. A room may not import what stands to its right; the types that the service's
+ * OpenAPI document gives (net/schema.d.ts) are below all of them. */
 const walls = (room, forbidden) => ({
   files: [`web/src/${room}/**/*.{ts,tsx}`],
   rules: {
@@ -48,7 +49,7 @@ export default tseslint.config(
     files: ["web/src/view/**/*.tsx"],
     rules: { "max-lines-per-function": ["error", { max: 65, skipBlankLines: true, skipComments: true }] },
   },
-  walls("model", ["net", "editor", "view"]),
+  walls("model", ["net(?!/schema$)", "editor", "view"]),
   walls("net", ["editor", "view"]),
   walls("editor", ["view"]),
   {

@@ -28,7 +28,7 @@ MAX_CURVE_BYTES = 32 * MEBIBYTE  # ten thousand frames as OpenTrackIO samples wi
 MULTIPART_BYTES = 64 * 1024
 TOO_LARGE_CODE = 1009  # RFC 6455, section 7.4.1
 UPLOAD_PATH = "/v1/shots"
-CURVE_PATH = re.compile(r"/v1/shots/[^/]+/focus-curve")
+CURVE_PATH = re.compile(r"/v1/shots/[^/]+/(focus-curve|edits)")  # an edit may bring a curve along
 
 
 class GuardMiddleware:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
@@ -12,6 +11,7 @@ from render.optics.lens_files import LENS_FILE_SUFFIXES
 from service.http.archive import unpack
 from service.http.errors import ServiceError
 from service.http.settings import MEBIBYTE, Settings
+from service.models.base import plain_file_name
 
 STAGE_SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
 
@@ -22,7 +22,7 @@ def upload_name(sent: str | None) -> str:
     Raises:
         ServiceError: 415, its suffix is neither that of a stage nor that of a zip archive.
     """
-    name = _safe_name(sent)
+    name = plain_file_name(sent or "")
     suffix = Path(name).suffix.lower()
     if suffix != ".zip" and suffix not in STAGE_SUFFIXES:
         detail = f"{name or 'The file'} was sent; expected .usda, .usdc, .usd, .usdz, or a .zip that holds one of them."
@@ -36,16 +36,11 @@ def lens_file_name(sent: str | None) -> str:
     Raises:
         ServiceError: 415, its suffix is not that of a lens file.
     """
-    name = _safe_name(sent)
+    name = plain_file_name(sent or "")
     if Path(name).suffix.lower() not in LENS_FILE_SUFFIXES:
         detail = f"{name or 'The file'} was sent; expected a lens file: {', '.join(LENS_FILE_SUFFIXES)}."
         raise ServiceError(415, "unsupported_type", detail, path=name or None)
     return name
-
-
-def _safe_name(sent: str | None) -> str:
-    last = re.split(r"[/\\]", sent or "")[-1]
-    return re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
 
 
 def store_upload(file: IO[bytes], name: str, root: str | None, files: Path, settings: Settings) -> str:

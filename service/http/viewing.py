@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import Field
@@ -20,7 +20,8 @@ from service.http.routes.frames import FrameQuery, PictureQuery, frame_request, 
 from service.http.service import Service
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming, UnsavedEdit
+from service.models.changes import MAX_CHANGES, Change
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming
 from service.models.picture_size import check_pixels
 from service.picture.calls import live, state
 from service.picture.requests import LivePicture
@@ -49,7 +50,9 @@ class LiveRequest(PictureQuery):
     budget_ms: float = Field(
         default=100, ge=1, le=60_000, description="What the first picture may take.", examples=[100]
     )
-    edit: UnsavedEdit | None = Field(default=None, description="What is tried in these pictures, and not kept.")
+    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = Field(
+        default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
+    )
 
 
 class Viewer:
@@ -119,7 +122,7 @@ class Viewer:
         check_pixels(request.width, request.height, self._service.settings.max_picture_px)
         record = self._service.store.get(self._shot)
         edits = await run_in_threadpool(record.edit_text)
-        if not request.moving and request.edit is None:
+        if not request.moving and not request.changes:
             asked.tag = self._tag(record, edits, request)
             kept = self._service.frame_cache.get(asked.tag)
             if kept is not None:
@@ -129,7 +132,7 @@ class Viewer:
                 return
         frame = frame_request(self._service, record, edits, request)
         self._stream = self._service.picture_queue.submit_stream(
-            stream_call(live.stream_pictures, frame, request.edit, request.budget_ms, request.moving),
+            stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
             on_item=self._from_thread(lambda item: self._take(asked, item)),
             on_end=self._from_thread(lambda error: self._end(asked, error)),
             group=self,

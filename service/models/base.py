@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import base64
+import binascii
 import math
+import re
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic.alias_generators import to_camel
 from pydantic.config import JsonDict
 
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PRIM_PATH_PATTERN = r"^/.*$"
+MAX_POINT_NAME = 200
+"""Length of a focus point's name in a shot, which may be another tool's."""
 
 
 class Model(BaseModel):
@@ -35,10 +40,36 @@ def _finite_or_none(value: object) -> object:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def plain_file_name(sent: str) -> str:
+    """The last part of a file name, without what a path or a shell gives a meaning to.
+
+    Args:
+        sent: a name or a path, with slashes of either kind.
+    """
+    last = re.split(r"[/\\\\]", sent)[-1]
+    return re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
+
+
+def _decode_base64(value: object) -> object:
+    """Bytes of base64 text; bytes stay what they are. Raises `ValueError`: it is no base64."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return base64.b64decode(value, validate=True)
+    except binascii.Error as error:
+        raise ValueError(f"a file's content is expected in base64: {error}") from error
+
+
 # JSON has no infinity and no NaN: a distance that is infinite, or that does not exist, is null.
 Distance = Annotated[float | None, BeforeValidator(_finite_or_none)]
 PrimPath = Annotated[str, Field(pattern=PRIM_PATH_PATTERN, max_length=2000)]
 PointName = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
+FileName = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(plain_file_name)]
+FileContent = Annotated[
+    bytes,
+    BeforeValidator(_decode_base64),
+    WithJsonSchema({"type": "string", "format": "byte", "contentEncoding": "base64"}),
+]
 Vector3 = tuple[float, float, float]
 
 # What goes into USD is bounded where a slip, or a stranger, could make numbers overflow further on.

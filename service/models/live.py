@@ -7,14 +7,8 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 from pydantic.config import JsonDict
 
-from service.models.base import Model, PointName, Problem, Ratio, shown_as
-from service.models.cameras import CameraEdit, Readout
-from service.models.exposure import ExposureSettingsEdit
-from service.models.film_settings import FilmSettingsEdit
-from service.models.focus import FocusPointEdit, KeyedAttribute, KeyEdit
-from service.models.solving import FocusSettingsEdit
-
-MOST_POINTS = 64
+from service.models.base import Model, Problem, shown_as
+from service.models.cameras import Readout
 
 TIMING_EXAMPLE: JsonDict = {
     "readMs": 9.1,
@@ -31,39 +25,6 @@ TIMING_EXAMPLE: JsonDict = {
 
 Milliseconds = Annotated[float, AfterValidator(lambda ms: round(ms, 1))]
 Stage = Literal["preview", "refining", "final"]
-
-
-class UnsavedKey(Model):
-    """A key of a focus point."""
-
-    model_config = shown_as({"point": "driver", "attribute": "weight", "key": {"time": 24, "value": 0.5}})
-
-    point: PointName
-    attribute: KeyedAttribute
-    key: KeyEdit
-
-
-class UnsavedEdit(Model):
-    """What is tried in one picture and not kept: each part is the body of the request that would edit it for good."""
-
-    model_config = shown_as({"camera": {"focusDistanceM": 3.5}, "places": {"driver": [0.43, 0.55]}})
-
-    camera: CameraEdit | None = Field(default=None, description="As `editCamera` takes it.")
-    focus: FocusSettingsEdit | None = Field(default=None, description="As `editFocusSettings` takes it.")
-    exposure: ExposureSettingsEdit | None = Field(default=None, description="As `editExposureSettings` takes it.")
-    film: FilmSettingsEdit | None = Field(default=None, description="As `editFilmSettings` takes it.")
-    points: dict[PointName, FocusPointEdit] = Field(
-        default={}, max_length=MOST_POINTS, description="Focus points by name, each as `editFocusPoint` takes it."
-    )
-    keys: tuple[UnsavedKey, ...] = Field(
-        default=(), max_length=MOST_POINTS, description="Keys of focus points, as `setKey` takes them."
-    )
-    places: dict[PointName, tuple[Ratio, Ratio]] = Field(
-        default={},
-        max_length=MOST_POINTS,
-        description="Focus points that are put on what is seen at a place, from (0, 0) in the picture's top left corner to "
-        "(1, 1) in the bottom right one; where nothing is seen they stay.",
-    )
 
 
 class LiveAck(Model):

@@ -136,10 +136,39 @@ def measure_depth(
         SettingsError: the camera makes no picture.
     """
     with state.opened.use(record, edits) as shot:
-        height = max(1, round(PICK_WIDTH_PX / aspect)) if aspect else picture_height(shot, camera, time, PICK_WIDTH_PX)
-        position = screen[0] * PICK_WIDTH_PX, screen[1] * height
-        pick = pick_at(state, shot, camera, time, (PICK_WIDTH_PX, height), position)
+        pick = _pick_on_screen(state, shot, camera, time, screen, aspect)
     return math.inf if pick is None else pick.depth_m
+
+
+@picture_function
+def find_anchor(
+    state: PictureWorkerState,
+    record: ShotRecord,
+    edits: str,
+    camera: str | None,
+    time: float,
+    screen: tuple[float, float],
+) -> Anchor | None:
+    """Find the anchor of the surface at a position of the picture in the shape of the film gate; None for no surface.
+
+    Args and errors are those of `measure_depth`.
+    """
+    with state.opened.use(record, edits) as shot:
+        pick = _pick_on_screen(state, shot, camera, time, screen, None)
+    return None if pick is None else anchor_of(pick)
+
+
+def _pick_on_screen(
+    state: PictureWorkerState,
+    shot: Shot,
+    camera: str | None,
+    time: float,
+    screen: tuple[float, float],
+    aspect: float | None,
+) -> SurfacePick | None:
+    height = max(1, round(PICK_WIDTH_PX / aspect)) if aspect else picture_height(shot, camera, time, PICK_WIDTH_PX)
+    position = screen[0] * PICK_WIDTH_PX, screen[1] * height
+    return pick_at(state, shot, camera, time, (PICK_WIDTH_PX, height), position)
 
 
 def pick_at(

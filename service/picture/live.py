@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from render.frame import FrameSettings
@@ -11,19 +11,12 @@ from render.output.encode import encode_jpeg, encode_png
 from render.pictures.progressive import PreviewRequest, Shown
 from render.shot import Shot
 from service.models.cameras import Readout
-from service.models.focus import FocusPointEdit
-from service.models.live import UnsavedEdit
+from service.models.changes import Change, PictureSpot, anchor_spots, picture_spots
+from service.models.focus import Anchor
 from service.picture.frames import anchor_of, frame_settings, grade_choice, pick_at
 from service.picture.requests import FrameRequest, LivePicture
 from service.picture.state import PictureWorkerState, picture_function
-from service.stage.applying import (
-    apply_key,
-    apply_to_camera,
-    apply_to_exposure,
-    apply_to_film,
-    apply_to_focus,
-    apply_to_point,
-)
+from service.stage.changes import EditedCamera, apply_changes
 from service.stage.read_shot import as_readout
 from service.workers.streaming import IsStale
 
@@ -33,7 +26,7 @@ def stream_pictures(
     state: PictureWorkerState,
     is_stale: IsStale,
     request: FrameRequest,
-    unsaved: UnsavedEdit | None,
+    unsaved: Sequence[Change],
     budget_ms: float,
     is_moving: bool,
 ) -> Iterator[LivePicture | Readout]:
@@ -43,7 +36,7 @@ def stream_pictures(
         state: the worker's state.
         is_stale: polled between pieces of work; the stream ends once it returns True.
         request: the frame.
-        unsaved: edit that is applied for these pictures only. The lens readout follows the first picture then.
+        unsaved: changes that are applied for these pictures only. The lens readout follows the first picture then.
         budget_ms: time for the first picture.
         is_moving: whether the first picture is enough, because the next request follows soon.
 
@@ -52,7 +45,7 @@ def stream_pictures(
     """
     with state.opened.use(request.record, request.edits) as shot:
         settings = frame_settings(request, shot)
-        if unsaved is not None:
+        if unsaved:
             _apply_unsaved(state, shot, request, unsaved, settings)
         preview = PreviewRequest(
             request.camera,
@@ -66,46 +59,30 @@ def stream_pictures(
         is_first = True
         for shown in state.progressive(request.record.id, shot).pictures(preview, is_stale=is_stale):
             yield _encode(shown, settings.width)
-            if is_first and unsaved is not None:
+            if is_first and unsaved:
                 yield as_readout(shot.focus.read(request.camera, request.time), request.time)
             is_first = False
 
 
 def _apply_unsaved(
-    state: PictureWorkerState, shot: Shot, request: FrameRequest, edit: UnsavedEdit, settings: FrameSettings
-) -> None:
-    """Apply an edit to the shot as this process has it open; the next request restores the saved edits."""
-    camera, time_code = request.camera, request.time
-    # Picked before anything is edited: the position is one of the picture that the user sees.
-    placed = {name: _pick_anchor(state, shot, request, screen, settings) for name, screen in edit.places.items()}
-    with shot.edits.transaction("try"):
-        if edit.camera is not None:
-            apply_to_camera(shot, camera, edit.camera)
-        if edit.focus is not None:
-            apply_to_focus(shot, camera, edit.focus)
-        if edit.exposure is not None:
-            apply_to_exposure(shot, camera, edit.exposure)
-        if edit.film is not None:
-            apply_to_film(shot, camera, edit.film)
-        for name, point in (*edit.points.items(), *placed.items()):
-            if point is not None:
-                apply_to_point(shot, camera, time_code, name, point)
-        for key in edit.keys:
-            apply_key(shot, camera, key.point, key.attribute, key.key)
-
-
-def _pick_anchor(
     state: PictureWorkerState,
     shot: Shot,
     request: FrameRequest,
-    screen: tuple[float, float],
+    changes: Sequence[Change],
     settings: FrameSettings,
-) -> FocusPointEdit | None:
-    """Return the edit that anchors a focus point on the surface at a position of the picture; None without a surface."""
-    size = settings.width, settings.height
-    position = screen[0] * settings.width, screen[1] * settings.height
-    pick = pick_at(state, shot, request.camera, request.time, size, position)
-    return None if pick is None else FocusPointEdit(**anchor_of(pick).model_dump())
+) -> None:
+    """Apply changes to the shot as this process has it open; the next request restores the saved edits."""
+
+    def find(spot: PictureSpot) -> Anchor | None:
+        (x, y), time_code = spot
+        size = settings.width, settings.height
+        pick = pick_at(state, shot, request.camera, time_code, size, (x * settings.width, y * settings.height))
+        return None if pick is None else anchor_of(pick)
+
+    # Picked before anything is edited: the position is one of the picture that the user sees.
+    anchors = {spot: find(spot) for spot in picture_spots(changes)}
+    with shot.edits.transaction("try"):
+        apply_changes(EditedCamera(shot, request.camera), anchor_spots(changes, anchors))
 
 
 def _encode(shown: Shown, requested_width: int) -> LivePicture:

@@ -1,12 +1,13 @@
-"""Functions of the stage process that read and edit cameras."""
+"""Functions of the stage process that read and change cameras."""
 
 from __future__ import annotations
 
 from service.edit_context import EditContext
-from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
-from service.stage.applying import apply_to_camera
+from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
+from service.models.changes import MountLensFile, SetCamera
+from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import as_place_readout, as_readout, camera_tag, read_camera_state, read_cameras
+from service.stage.read_shot import as_place_readout, as_readout, read_camera_state, read_cameras
 from service.storage.store import ShotRecord
 
 
@@ -25,14 +26,24 @@ def read_camera(opened: OpenedShots, record: ShotRecord, camera: str | None, tim
 
 
 @stage_function
-def edit_camera(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: CameraEdit, context: EditContext
+def change_camera(
+    opened: OpenedShots,
+    record: ShotRecord,
+    camera: str | None,
+    change: SetCamera | MountLensFile,
+    time: float | None,
+    context: EditContext,
 ) -> CameraState:
-    """Set values of a camera and read it again. Raises `CameraError` or `SettingsError`."""
+    """Change a camera or its lens, and read it at a time; None is the first frame.
+
+    Raises:
+        CameraError: there is no such camera.
+        SettingsError: a value is not allowed.
+        InputError: a lens file is none, or its numbers make no lens.
+    """
     with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        apply_to_camera(shot, camera, edit)
-        return read_camera_state(shot, camera, shot.frame_range.start if edit.time is None else edit.time)
+        apply_in_context(shot, camera, [change], context)
+        return read_camera_state(shot, camera, shot.frame_range.start if time is None else time)
 
 
 @stage_function

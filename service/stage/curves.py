@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-from render.errors import SettingsError
 from render.focus.files import curve_to_text
-from render.shot.focus.curve_import import read_for_shot
 from service.edit_context import EditContext
-from service.models.curve import CurveFileFormat, CurveFinding, ImportedCurve
+from service.models.changes import ImportCurve
+from service.models.curve import CurveFileFormat, ImportedCurve
+from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import camera_tag, curve_frames, read_camera_state
+from service.stage.read_shot import curve_frames
 from service.storage.store import ShotRecord
-
-_DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]], ...] = (
-    ("focus_distance_m", "focusDistance"),
-    ("f_stop", "fStop"),
-    ("focal_length_mm", "focalLength"),
-    ("tilt_rad", "tilt"),
-    ("swing_rad", "swing"),
-)
 
 
 @stage_function
@@ -45,10 +35,7 @@ def import_curve(
     opened: OpenedShots,
     record: ShotRecord,
     camera: str | None,
-    content: bytes,
-    gaps: Literal["refuse", "hold", "interpolate"],
-    first_frame: float | None,
-    baked: bool,
+    change: ImportCurve,
     max_frames: int,
     context: EditContext,
 ) -> ImportedCurve:
@@ -59,19 +46,6 @@ def import_curve(
         SettingsError: it has too many frames.
     """
     with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        read = read_for_shot(shot.stage, content, gaps=gaps, first_frame=first_frame)
-        times = read.curve.time_codes
-        if len(times) > max_frames:
-            raise SettingsError(
-                f"the file has {len(times):,} frames; at most {max_frames:,} are taken", code="bad_frames"
-            )
-        shot.focus.import_curve(camera, read, baked=baked)
-        return ImportedCurve(
-            camera=read_camera_state(shot, camera, float(times[0])),
-            first_time=float(times[0]),
-            last_time=float(times[-1]),
-            frames=len(times),
-            drives=[name for column, name in _DRIVES if column in read.said],
-            findings=[CurveFinding.model_validate(finding) for finding in read.findings],
-        )
+        (imported,) = apply_in_context(shot, camera, [change], context, max_frames)
+        assert isinstance(imported, ImportedCurve)
+        return imported

@@ -1,4 +1,4 @@
-"""Functions of the stage process that walk the edit history of a shot."""
+"""Functions of the stage process that apply edits to a shot and walk their history."""
 
 from __future__ import annotations
 
@@ -7,11 +7,53 @@ from typing import Literal
 from render.errors import NotFoundError
 from render.model.edit_history import EditHistory as KeptHistory
 from service.edit_context import EditContext, edits_tag
-from service.models.edits import EditHistory, EditStep
+from service.models.curve import ImportedCurve
+from service.models.edits import ChangedResource, EditHistory, EditRequest, EditResult, EditStep, HistoryPosition
 from service.models.shots import Shot
+from service.models.solving import Rack
+from service.stage.editing import apply_in_context, resource_tags
 from service.stage.opened import OpenedShots, stage_function
 from service.stage.read_shot import describe
+from service.stage.read_state import read_state
 from service.storage.store import ShotRecord
+
+
+@stage_function
+def apply_edit(
+    opened: OpenedShots, record: ShotRecord, request: EditRequest, context: EditContext, max_curve_frames: int
+) -> EditResult:
+    """Apply an edit: all of its changes or none, as one entry of the history.
+
+    Args:
+        opened: the open shots.
+        record: the shot.
+        request: the edit, with anchors in place of places of the picture.
+        context: tags of what the editor has seen, and the gesture.
+        max_curve_frames: frames of a focus curve, imported or in the answer.
+
+    Raises:
+        ChangedMeanwhileError: something that is edited is not what the editor has seen.
+        PullfocusError: a change cannot be applied; nothing is changed then.
+    """
+    camera = request.camera
+    with opened.edit(record, context, request.label) as shot:
+        before = resource_tags(shot, camera)
+        outcomes = apply_in_context(shot, camera, request.changes, context, max_curve_frames)
+        after = resource_tags(shot, camera)
+    with opened.use(record) as shot:
+        state = read_state(shot, camera, request.answer, max_curve_frames) if request.answer else None
+        return EditResult(
+            history=_history_position(shot.edits.history),
+            changed=[
+                ChangedResource(resource=address, etag=after.get(address))
+                for address in dict.fromkeys((*before, *after))
+                if before.get(address) != after.get(address)
+            ],
+            added=[outcome for outcome in outcomes if isinstance(outcome, str)],
+            racks=[outcome for outcome in outcomes if isinstance(outcome, Rack)],
+            imported=next((outcome for outcome in reversed(outcomes) if isinstance(outcome, ImportedCurve)), None),
+            state=state,
+        )
 
 
 @stage_function
@@ -54,6 +96,17 @@ def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, contex
         shot.edits.replace(state.text)
     with opened.use(record) as shot:
         return describe(record, shot)
+
+
+def _history_position(history: KeptHistory) -> HistoryPosition:
+    states, now = history.states, history.now
+    return HistoryPosition(
+        revision=history.present.revision,
+        before=states[now - 1].revision if now > 0 else None,
+        after=states[now + 1].revision if now + 1 < len(states) else None,
+        undo=history.undo_label,
+        redo=history.redo_label,
+    )
 
 
 def _history_model(history: KeptHistory) -> EditHistory:

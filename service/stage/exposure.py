@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from render.shot import Shot
 from service.models.metering import EquivalentExposure, ExposureReadout
 from service.stage.opened import OpenedShots, stage_function
 from service.storage.store import ShotRecord
@@ -13,8 +14,13 @@ from service.storage.store import ShotRecord
 def read_exposure(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> ExposureReadout:
     """Compute EV, T-stop, bellows factor and equivalents of a camera's exposure at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
-        exposure = shot.exposure.read(camera, time)
-        frames_per_second = shot.stage.GetFramesPerSecond()
+        return exposure_readout(shot, camera, time)
+
+
+def exposure_readout(shot: Shot, camera: str | None, time: float) -> ExposureReadout:
+    """Compute the readout of an exposure. Raises `CameraError`."""
+    exposure = shot.exposure.read(camera, time)
+    frames_per_second = shot.stage.GetFramesPerSecond()
     transmittance = 1.0 if exposure.is_t_stop else exposure.glass
     t_stop = exposure.settings.f_stop / math.sqrt(transmittance) if transmittance > 0 else math.inf
     grey_nits = exposure.grey_nits

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from service.models.exposure import ExposureKeyed
-from service.models.film_settings import FilmKeyed
+from service.models.changes import KeyedSetting
+from service.models.solving import FocusSettings
 from usd_schemas.settings.tables import rest_settings
 
 FOCUS_OF_FIELD = {
@@ -21,10 +21,16 @@ FOCUS_OF_FIELD = {
 }
 
 
-def photography_setting(attribute: ExposureKeyed | FilmKeyed) -> str:
-    """Return the shot's name of an exposure or film setting.
+_LENS_NAMES = {"focusDistanceM": "focus_distance_m", "fStop": "f_stop", "focalLengthMm": "focal_length_mm"}
+_FOCUS_NAMES = {str(info.alias): FOCUS_OF_FIELD.get(field, field) for field, info in FocusSettings.model_fields.items()}
+_PHOTOGRAPHY_NAMES = {item.camel_name: item.name for item in rest_settings("exposure") + rest_settings("film")}
+_NAMES = _FOCUS_NAMES | _PHOTOGRAPHY_NAMES | _LENS_NAMES
+
+
+def setting_name(setting: KeyedSetting) -> str:
+    """Return the shot's name of a camera's setting that takes keys.
 
     Args:
-        attribute: its name over REST.
+        setting: its name over REST.
     """
-    return next(item.name for item in rest_settings("exposure") + rest_settings("film") if item.camel_name == attribute)
+    return _NAMES[setting]

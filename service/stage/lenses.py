@@ -1,4 +1,4 @@
-"""Functions of the stage process that read the lens library, and mount a lens file on a camera."""
+"""Functions of the stage process that read the lens library."""
 
 from __future__ import annotations
 
@@ -8,14 +8,10 @@ from render.errors import NotFoundError, SettingsError
 from render.model.lens import Surface
 from render.optics.report import lens_report
 from render.shot.lens.lens_alone import library_lens_alone
-from render.shot.lens.lens_choice import THIN, LensChoice, file_choice, library_choice, library_entry
+from render.shot.lens.lens_choice import THIN, LensChoice, library_choice, library_entry
 from render.stage.camera.lenses import lens_of
-from service.edit_context import EditContext
-from service.models.cameras import CameraState
 from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import camera_tag, read_camera_state
-from service.storage.store import ShotRecord
 from usd_schemas import LibraryLens, library_lenses
 
 
@@ -66,23 +62,6 @@ def _sheet_png(name: str) -> bytes:
 
     lens = library_lens_alone(name)
     return lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png")
-
-
-@stage_function
-def mount_lens_file(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, name: str, data: bytes, context: EditContext
-) -> CameraState:
-    """Mount the lens of an uploaded file.
-
-    Raises:
-        CameraError: there is no such camera.
-        InputError: it is no lens file, or its numbers make no lens.
-    """
-    choice = file_choice(data, name)
-    with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        shot.camera.mount_lens(camera, choice)
-        return read_camera_state(shot, camera, shot.frame_range.start)
 
 
 def lens_to_mount(name: str | None) -> LensChoice:

@@ -1,17 +1,14 @@
-"""Functions of the stage process that read and edit how a camera exposes, and its film and grade."""
+"""Functions of the stage process that read and change how a camera exposes, and its film and grade."""
 
 from __future__ import annotations
 
 from service.edit_context import EditContext
-from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
-from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
-from service.models.focus import KeyEdit
+from service.models.changes import KeySetting, SetExposure, SetFilm, UnkeySetting
+from service.models.exposure import ExposureSettings
+from service.models.film_settings import FilmSettings, GradeChoices
 from service.stage import read_photography
-from service.stage.applying import apply_to_exposure, apply_to_film
-from service.stage.authoring import authored_key
-from service.stage.field_names import photography_setting
+from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import camera_tag
 from service.storage.store import ShotRecord
 
 
@@ -44,105 +41,38 @@ def read_grade_choices(opened: OpenedShots, record: ShotRecord, camera: str | No
 
 
 @stage_function
-def edit_exposure_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: ExposureSettingsEdit, context: EditContext
-) -> ExposureSettings:
-    """Change how a camera exposes. Raises `CameraError` or `SettingsError`."""
-    with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        time = shot.frame_range.start if edit.time is None else edit.time
-        with shot.keep_usable(camera, time):
-            apply_to_exposure(shot, camera, edit)
-        return read_photography.read_exposure_settings(shot, camera, time)
-
-
-@stage_function
-def edit_film_settings(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, edit: FilmSettingsEdit, context: EditContext
-) -> FilmSettings:
-    """Change film and grade. Raises `CameraError` or `SettingsError`."""
-    with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        time = shot.frame_range.start if edit.time is None else edit.time
-        with shot.keep_usable(camera, time):
-            apply_to_film(shot, camera, edit)
-        return read_photography.read_film_settings(shot, camera, time)
-
-
-@stage_function
-def set_exposure_key(
+def change_exposure_settings(
     opened: OpenedShots,
     record: ShotRecord,
     camera: str | None,
-    attribute: ExposureKeyed,
-    key: KeyEdit,
+    change: SetExposure | KeySetting | UnkeySetting,
+    time: float | None,
     context: EditContext,
 ) -> ExposureSettings:
-    """Set or replace a key of how a camera exposes. Raises `CameraError` or `SettingsError`."""
-    _set_key(opened, record, camera, attribute, key, context)
-    return read_exposure_settings(opened, record, camera, key.time)
+    """Change how a camera exposes, and read that at a time; None is the first frame.
+
+    Raises:
+        CameraError: there is no such camera.
+        SettingsError: a value is not allowed, or no picture can be made with it.
+        NotFoundError: there is no such key.
+    """
+    with opened.edit(record, context) as shot:
+        apply_in_context(shot, camera, [change], context)
+        start = shot.frame_range.start
+        return read_photography.read_exposure_settings(shot, camera, start if time is None else time)
 
 
 @stage_function
-def remove_exposure_key(
+def change_film_settings(
     opened: OpenedShots,
     record: ShotRecord,
     camera: str | None,
-    attribute: ExposureKeyed,
-    time: float,
-    context: EditContext,
-) -> ExposureSettings:
-    """Remove a key of how a camera exposes. Raises `CameraError` or `NotFoundError`."""
-    _remove_key(opened, record, camera, attribute, time, context)
-    return read_exposure_settings(opened, record, camera, time)
-
-
-@stage_function
-def set_film_key(
-    opened: OpenedShots,
-    record: ShotRecord,
-    camera: str | None,
-    attribute: FilmKeyed,
-    key: KeyEdit,
+    change: SetFilm | KeySetting | UnkeySetting,
+    time: float | None,
     context: EditContext,
 ) -> FilmSettings:
-    """Set or replace a key of film or grade. Raises `CameraError` or `SettingsError`."""
-    _set_key(opened, record, camera, attribute, key, context)
-    return read_film_settings(opened, record, camera, key.time)
-
-
-@stage_function
-def remove_film_key(
-    opened: OpenedShots, record: ShotRecord, camera: str | None, attribute: FilmKeyed, time: float, context: EditContext
-) -> FilmSettings:
-    """Remove a key of film or grade. Raises `CameraError` or `NotFoundError`."""
-    _remove_key(opened, record, camera, attribute, time, context)
-    return read_film_settings(opened, record, camera, time)
-
-
-def _set_key(
-    opened: OpenedShots,
-    record: ShotRecord,
-    camera: str | None,
-    attribute: ExposureKeyed | FilmKeyed,
-    key: KeyEdit,
-    context: EditContext,
-) -> None:
-    authored = authored_key(key, attribute, is_switch=False)
+    """Change film and grade, and read them at a time; None is the first frame. Raises as `change_exposure_settings`."""
     with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        with shot.keep_usable(camera, key.time):
-            shot.camera.set_key(camera, photography_setting(attribute), authored)
-
-
-def _remove_key(
-    opened: OpenedShots,
-    record: ShotRecord,
-    camera: str | None,
-    attribute: ExposureKeyed | FilmKeyed,
-    time: float,
-    context: EditContext,
-) -> None:
-    with opened.edit(record, context) as shot:
-        context.check_tag(camera_tag(shot, camera), "the camera")
-        shot.camera.remove_key(camera, photography_setting(attribute), time)
+        apply_in_context(shot, camera, [change], context)
+        start = shot.frame_range.start
+        return read_photography.read_film_settings(shot, camera, start if time is None else time)

@@ -14,7 +14,7 @@ from render.shot import Shot
 from render.stage.opening import confinement
 from service.models.exposure import ExposureKeyed, ExposureSettings
 from service.models.film_settings import DisplayChoice, FilmKeyed, FilmSettings, GradeChoices
-from service.stage.field_names import photography_setting
+from service.stage.field_names import setting_name
 from service.stage.read_shot import Told, as_key, camera_tag, told_of_camera
 from usd_schemas.settings import Asset
 from usd_schemas.units import mm_from_tenths
@@ -89,7 +89,7 @@ def _told(
 ) -> Told:
     """A model of settings, with the keys of those that take any."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
-    keys = {name: shot.camera.keys(camera, photography_setting(name)) for name in keyed}
+    keys = {name: shot.camera.keys(camera, setting_name(name)) for name in keyed}
     values = {field: said[field] for field in fields}
     path = _path(shot, camera)
     return told_of_camera(

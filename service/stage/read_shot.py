@@ -22,13 +22,22 @@ from render.stage import read_camera
 from service.edit_context import tag_of
 from service.models.base import Finding, Vector3
 from service.models.cameras import CameraList, CameraState, PlaceReadout, Readout
-from service.models.focus import FocusPoint, FocusPointCreate, FocusPointEdit, Key, KeyedAttribute, Tangents
+from service.models.focus import (
+    FocusPoint,
+    FocusPointCreate,
+    FocusPointEdit,
+    FocusPointList,
+    Key,
+    KeyedAttribute,
+    Tangents,
+)
 from service.models.inspection import Inspection, Note, ValidationFinding
 from service.models.shots import CameraChoice, FrameRange, Shot, ShotSummary
 from service.stage.opened import as_sent
 from service.storage.store import ShotRecord
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
+from usd_schemas import LensCamera
 
 Told = TypeVar("Told", bound=BaseModel)
 
@@ -159,6 +168,12 @@ def read_points(shot: OpenShot, camera: str | None, time: float, aspect: float |
     return [_point(shot, camera, placed) for placed in shot.focus.points(camera, time, aspect=aspect)]
 
 
+def point_list(shot: OpenShot, camera: str | None, time: float, aspect: float | None = None) -> FocusPointList:
+    """The focus points of a camera as they stand in its picture, with the tag of the list."""
+    points = read_points(shot, camera, time, aspect)
+    return FocusPointList(etag=points_tag(shot, camera), focus_points=points)
+
+
 def read_point(shot: OpenShot, camera: str | None, time: float, name: str) -> FocusPoint:
     """One of them.
 
@@ -188,6 +203,13 @@ def _point(shot: OpenShot, camera: str | None, placed: PlacedPoint) -> FocusPoin
         keys=_keys(shot, camera, point.name),
         etag=point_tag(shot, camera, point.name),
     )
+
+
+def point_names(shot: OpenShot, camera: str | None) -> list[str]:
+    """Names of the focus points of a camera, wherever they are. Raises `CameraError`."""
+    camera_tag(shot, camera)
+    path = camera or shot.default_camera().path
+    return [view.name for view in LensCamera(shot.stage.GetPrimAtPath(path)).focus_points()]
 
 
 def camera_tag(shot: OpenShot, camera: str | None) -> str:

@@ -201,6 +201,33 @@ def test_a_rack_runs_from_the_selected_point_to_another(page: Page, service: str
     expect(page.get_by_role("button", name=f"Redo: Rack to {FAR}")).to_be_enabled()
 
 
+def test_a_rack_by_a_click_is_a_pick_and_an_edit(page: Page, service: str) -> None:
+    page.goto("/?shot=demo&time=60")
+    wait_settled(page, time=60)
+    before = focus_points(service, 60)
+    page.keyboard.press("m")
+    page.wait_for_load_state("networkidle")
+    sent: list[str] = []
+    page.on("request", lambda request: sent.append(f"{request.method} {request.url.removeprefix(service)}"))
+    click_on(page, before[FAR]["screen"])
+    wait_edited(page, revision_of(page))
+    page.wait_for_load_state("networkidle")
+    # Pictures come over the WebSocket that is open already.
+    assert sent == ["POST /v1/shots/demo/pick", "POST /v1/shots/demo/edits"]
+
+    # The page shows what the service has, though it has read nothing.
+    after = focus_points(service, 60)
+    (name,) = set(after) - set(before)
+    depth_m = after[name]["depthM"]
+    assert metres(page.get_by_role("textbox", name="Focus distance").input_value()) == pytest.approx(depth_m, rel=0.01)
+    assert {point: placed["weight"] for point, placed in after.items()} == {name: 1} | dict.fromkeys(before, 0)
+    page.keyboard.press("m")
+    assert_markers_stand_on_their_points(page, after)
+    page.get_by_role("button", name=f"Undo: Focus on {name}").click()
+    expect(page.get_by_role("button", name=f"Redo: Focus on {name}")).to_be_enabled()
+    assert set(focus_points(service, 60)) == set(before)
+
+
 def test_two_editors_do_not_overwrite_each_other(page: Page, service: str) -> None:
     wait_settled(page)
     address = f"{service}/v1/shots/demo"

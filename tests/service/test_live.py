@@ -22,6 +22,7 @@ from tests.service.conftest import running, until
 
 WAIT_S = 60
 SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
+BAD_STOP = {"type": "setCamera", "values": {"fStop": -1}}
 SLOW = SMALL | {"width": 640, "height": 360, "rays": 400}
 
 
@@ -154,7 +155,7 @@ def test_at_most_two_pictures_are_on_their_way_and_the_newest_of_the_others_is_k
 
 def test_what_is_tried_is_seen_and_not_kept(client, room, live):
     before = client.get(f"/v1/shots/{room}").json()["revision"]
-    live.ask(id=1, edit={"camera": {"fStop": 1, "focusDistanceM": 8}})
+    live.ask(id=1, changes=[{"type": "setCamera", "values": {"fStop": 1, "focusDistanceM": 8}}])
     heard = [live.hear()]
     while not (isinstance(heard[-1], Picture) and heard[-1].head["final"]):
         heard.append(live.hear())
@@ -171,19 +172,20 @@ def test_every_kind_of_edit_can_be_tried(client, room, live):
     client.post(f"/v1/shots/{room}/focus-points", params={"time": 1}, json={"name": "a"} | anchor.json()["anchor"])
     client.patch(f"/v1/shots/{room}/camera", json={"focusMode": "points"})
     plain = live_picture(live, 1)
-    tried = {
-        "camera": {"focalLengthMm": 30},
-        "focus": {"mode": "manual", "tiltDeg": 20},
-        "exposure": {"iso": 1600},
-        "film": {"stock": "tri_x"},
-        "points": {"a": {"kind": "soft", "blurMm": 1}},
-        "keys": [{"point": "a", "attribute": "blur", "key": {"time": 1, "value": 0}}],
-    }
-    for number, (kind, edit) in enumerate(tried.items(), 2):
-        if kind == "keys":
+    tried = [
+        {"type": "setCamera", "values": {"focalLengthMm": 30}},
+        {"type": "setFocus", "values": {"mode": "manual", "tiltDeg": 20}},
+        {"type": "setExposure", "values": {"iso": 1600}},
+        {"type": "setFilm", "values": {"stock": "tri_x"}},
+        {"type": "keySetting", "setting": "focalLengthMm", "key": {"time": 1, "value": 30}},
+        {"type": "alterPoint", "name": "a", "time": 1, "values": {"kind": "soft", "blurMm": 1}},
+        {"type": "keyPoint", "name": "a", "attribute": "blur", "key": {"time": 1, "value": 0}},
+    ]
+    for number, change in enumerate(tried, 2):
+        if change["type"] == "keyPoint":
             client.patch(f"/v1/shots/{room}/focus-points/a", params={"time": 1}, json={"kind": "soft", "blurMm": 1})
             plain = live_picture(live, 100)
-        assert (live_picture(live, number, edit={kind: edit}) != plain).any(), kind
+        assert (live_picture(live, number, changes=[change]) != plain).any(), change
 
 
 def live_picture(live: Watching, number: int, **asked: object) -> np.ndarray:
@@ -196,17 +198,21 @@ def live_picture(live: Watching, number: int, **asked: object) -> np.ndarray:
         assert isinstance(heard, Picture) or "readout" in heard, heard
 
 
+def moved_to(x: float, y: float) -> dict[str, Any]:
+    return {"type": "movePoint", "name": "a", "place": [x, y], "time": 1}
+
+
 def test_a_focus_point_is_tried_where_it_is_dragged_to(client, room, live):
     anchor = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
     client.post(f"/v1/shots/{room}/focus-points", params={"time": 1}, json={"name": "a"} | anchor.json()["anchor"])
     client.patch(f"/v1/shots/{room}/camera", json={"focusMode": "points"})
     focused = {}
     for number, x in enumerate((0.1, 0.9)):
-        live.ask(id=number, moving=True, edit={"places": {"a": [x, 0.5]}})
+        live.ask(id=number, moving=True, changes=[moved_to(x, 0.5)])
         assert live.hear().head["id"] == number
         focused[x] = live.hear()["readout"]["focusDistanceM"]
     assert focused == {0.1: pytest.approx(3, abs=0.01), 0.9: pytest.approx(8, abs=0.01)}
-    live.ask(id=9, moving=True, edit={"places": {"a": [0.45, 0.02]}})  # where there is nothing it stays
+    live.ask(id=9, moving=True, changes=[moved_to(0.9, 0.02)])  # where there is nothing it stays
     assert live.hear().head["id"] == 9
     assert live.hear()["readout"]["focusDistanceM"] == pytest.approx(3, abs=0.01)
 
@@ -241,11 +247,11 @@ def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live)
         ('{"ack": "all"}', 422, "invalid_request", "ack"),
         (json.dumps({"id": 3, "time": "soon"}), 422, "invalid_request", "time"),
         (json.dumps({"id": 3, "time": 1, "tiem": 1}), 422, "invalid_request", "tiem"),
-        (json.dumps({"id": 3, "time": 1, "edit": {"camera": {"fStop": -1}}}), 422, "invalid_request", "edit.camera.fStop"),
+        (json.dumps({"id": 3, "time": 1, "changes": [BAD_STOP]}), 422, "invalid_request", "changes.0.setCamera.values.fStop"),
         (json.dumps({"id": 3, "time": 1, "width": 8192, "height": 8192}), 422, "too_many_pixels", "query.width"),
         (json.dumps({"id": 3, "time": 1, "width": 8192}), 422, "too_many_pixels", "query.width"),
         (json.dumps(SMALL | {"id": 3, "camera": "/no/camera"}), 422, "no_such_camera", "/no/camera"),
-        (json.dumps(SMALL | {"id": 3, "edit": {"points": {"nobody": {"weight": 1}}}}), 404, "not_found", "/World/cam"),
+        (json.dumps(SMALL | {"id": 3, "changes": [{"type": "removePoint", "name": "nobody"}]}), 404, "not_found", "/World/cam"),
     ],
 )  # fmt: skip
 def test_a_request_that_cannot_be_used_is_told_in_the_one_shape_and_the_next_one_is_answered(

@@ -26,7 +26,7 @@ PUT /v1/shots/{shot}/focus-points/{name}/keys/{attribute}, DELETE /v1/shots/{sho
 GET /v1/shots/{shot}/focus-curve, PUT /v1/shots/{shot}/focus-curve,
 GET /v1/shots/{shot}/camera, GET /v1/shots/{shot}/edits/history,
 POST /v1/shots/{shot}/edits/undo, POST /v1/shots/{shot}/edits/redo,
-GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits,
+GET /v1/shots/{shot}/readout, GET /v1/shots/{shot}/edits, POST /v1/shots/{shot}/edits,
 PUT /v1/shots/{shot}/edits, PUT /v1/shots/{shot}/camera/lens, GET /v1/lenses, GET /v1/lenses/{name},
 GET /v1/lenses/{name}/section.svg, GET /v1/lenses/{name}/sheet.png,
 GET /v1/films, GET /v1/films/{name}, GET /v1/films/{name}/sheet.png, GET /v1/bodies, GET /v1/bodies/{name},

@@ -1,14 +1,15 @@
 import { signal } from "@preact/signals";
 import { ShotDocument } from "@/editor/document";
-import type { Change, Command } from "@/model/command";
+import type { Change, Changes } from "@/model/changes";
 import { complaintOf } from "@/net/errors";
 import { FakeService, SHOT, turn } from "./fake_service";
+import { point } from "./points";
 
-function setStop(fStop: number): Command {
-  return { do: "setLens", change: { fStop }, time: null };
+function setStop(fStop: number): Change {
+  return { type: "setCamera", values: { fStop } };
 }
 
-function toStop(fStop: number): Change {
+function toStop(fStop: number): Changes {
   return [setStop(fStop)];
 }
 
@@ -23,38 +24,42 @@ describe("edits", () => {
   it("are sent one after the other, and each makes what was fetched stale", async () => {
     const { fake, document } = opened();
     await Promise.all([document.edit("a", toStop(4)), document.edit("b", toStop(8))]);
-    expect(fake.performed).toEqual([setStop(4), setStop(8)]);
+    expect(fake.made).toEqual([toStop(4), toStop(8)]);
     expect(document.revision.value).toBe(2);
     expect(document.pending.value).toBe(0);
   });
 
-  it("are undone and done again, by the name that the person knows them by", async () => {
+  it("are undone and done again, by their labels", async () => {
     const { fake, document } = opened();
     await document.edit("a", toStop(4));
-    expect([document.undoLabel.value, document.redoLabel.value]).toEqual(["a", null]);
+    expect([document.undoLabel.value, document.redoLabel.value]).toEqual(["A", null]);
     await document.undo();
     expect(fake.done).toEqual([]);
-    expect([document.undoLabel.value, document.redoLabel.value]).toEqual([null, "a"]);
+    expect([document.undoLabel.value, document.redoLabel.value]).toEqual([null, "A"]);
     await document.redo();
     expect(fake.done).toEqual([setStop(4)]);
     expect(await document.redo()).toBe(false);
   });
 
-  it("are one step of undo, of however many commands", async () => {
+  it("are one request and one step of undo, of however many changes", async () => {
     const { fake, document } = opened();
-    await document.edit("both", [setStop(4), { do: "removePoint", name: "a" }]);
+    await document.edit("both", [setStop(4), { type: "removePoint", name: "a" }]);
+    expect(fake.made).toHaveLength(1);
     expect(fake.done).toHaveLength(2);
     // Each takes back one edit, however fast they come.
     await Promise.all([document.edit("c", toStop(8)), document.undo(), document.undo()]);
     expect(fake.done).toEqual([]);
   });
 
-  it("of which a part fails are taken back whole, told, and not in the history", async () => {
+  it("that fail are reported, and everything is read again; nothing is sent to take them back", async () => {
     const { fake, document, failed } = opened();
     fake.failing = "removePoint";
-    expect(await document.edit("half", [setStop(4), { do: "removePoint", name: "a" }])).toBe(false);
-    expect(fake.performed).toEqual([setStop(4)]);
-    expect(fake.done).toEqual([]);
+    const asked = vi.spyOn(fake, "focusPoints");
+    await document.pointsAt(1);
+    expect(await document.edit("half", [setStop(4), { type: "removePoint", name: "a" }])).toBe(false);
+    await document.pointsAt(1);
+    expect(asked).toHaveBeenCalledTimes(2);
+    expect([fake.made, fake.done]).toEqual([[], []]);
     expect(failed).toHaveLength(1);
     expect([document.undoLabel.value, document.redoLabel.value]).toEqual([null, null]);
   });
@@ -70,6 +75,32 @@ describe("edits", () => {
   });
 });
 
+describe("the answer to an edit", () => {
+  it("is shown without anything being read again, at its own time", async () => {
+    const { fake, document } = opened();
+    const readout = { ...(await fake.readout()), fStop: 4 };
+    const focusSettings = await fake.focusSettings();
+    fake.state = { points: [point("a")], readout, focusSettings, photography: null, curve: [] };
+    const reads = [
+      vi.spyOn(fake, "focusPoints"),
+      vi.spyOn(fake, "readout"),
+      vi.spyOn(fake, "focusSettings"),
+      vi.spyOn(fake, "history"),
+    ];
+    await document.edit("a", toStop(4));
+    const once = reads.map((read) => read.mock.calls.length);
+    document.follow(1, false, document.revision.value);
+    document.refreshCurve(document.revision.value);
+    await turn();
+    expect(document.points.value.map(({ name }) => name)).toEqual(["a"]);
+    expect([document.readout.value?.fStop, document.fresh.value]).toEqual([4, true]);
+    expect(reads.map((read) => read.mock.calls.length)).toEqual(once);
+    document.follow(2, false, document.revision.value);
+    await turn();
+    expect(reads.slice(0, 3).map((read) => read.mock.calls.length)).toEqual([1, 1, 1]);
+  });
+});
+
 describe("two editors of a shot", () => {
   it("see each other's edits when they come back to the page", async () => {
     const { fake, document } = opened();
@@ -80,7 +111,7 @@ describe("two editors of a shot", () => {
     fake.othersDo(setStop(11));
     await document.catchUp();
     expect(document.revision.value).toBe(revision + 1);
-    expect(document.undoLabel.value).toBe("What the service calls it");
+    expect(document.undoLabel.value).toBe("What the other did");
   });
 
   it("undo nothing that they have not seen, and see it then", async () => {
@@ -90,19 +121,10 @@ describe("two editors of a shot", () => {
     expect(await document.undo()).toBe(false);
     expect(complaintOf(failed[0]).message).toBe("Somebody else changed this meanwhile.");
     expect(fake.done).toEqual([setStop(4), setStop(11)]);
-    expect(document.undoLabel.value).toBe("What the service calls it");
+    expect(document.undoLabel.value).toBe("What the other did");
     await document.undo();
     expect(fake.done).toEqual([setStop(4)]);
-    expect(document.undoLabel.value).toBe("a");
-  });
-
-  it("keep what the other did when an edit is taken back", async () => {
-    const { fake, document } = opened();
-    await document.edit("a", toStop(4));
-    fake.othersDo(setStop(11));
-    fake.failing = "removePoint";
-    await document.edit("half", [setStop(8), { do: "removePoint", name: "a" }]);
-    expect(fake.done).toEqual([setStop(4), setStop(11)]);
+    expect(document.undoLabel.value).toBe("A");
   });
 });
 
@@ -115,13 +137,13 @@ describe("a drag", () => {
       expect(document.tried.value).toEqual(toStop(stop));
     }
     await turn();
-    expect([fake.performed, document.revision.value, document.dragging.value]).toEqual([[], 0, true]);
+    expect([fake.made, document.revision.value, document.dragging.value]).toEqual([[], 0, true]);
     drag.commit(8);
     expect([document.tried.value, document.dragging.value, document.pending.value]).toEqual([toStop(8), false, 1]);
     await turn();
-    expect(fake.performed).toEqual([setStop(8)]);
+    expect(fake.made).toEqual([toStop(8)]);
     expect([document.tried.value, document.revision.value]).toEqual([[], 1]);
-    expect(document.undoLabel.value).toBe("stop");
+    expect(document.undoLabel.value).toBe("Stop");
     await document.undo();
     expect(fake.done).toEqual([]);
     expect(document.undoLabel.value).toBeNull();
@@ -153,7 +175,7 @@ describe("a drag", () => {
     document.drag("stop", toStop).move(11);
     open();
     await turn();
-    expect(fake.performed).toEqual([setStop(8)]);
+    expect(fake.made).toEqual([toStop(8)]);
     expect([document.tried.value, document.dragging.value]).toEqual([toStop(11), true]);
   });
 });
@@ -165,7 +187,7 @@ describe("a drag that comes to nothing", () => {
     drag.move(4);
     drag.cancel();
     await turn();
-    expect(fake.performed).toEqual([]);
+    expect(fake.made).toEqual([]);
     expect([document.tried.value, document.dragging.value, document.undoLabel.value]).toEqual([[], false, null]);
   });
 
@@ -175,18 +197,18 @@ describe("a drag that comes to nothing", () => {
     drag.move(4);
     drag.commit(2);
     await turn();
-    expect([fake.performed, document.tried.value, document.dragging.value]).toEqual([[], [], false]);
+    expect([fake.made, document.tried.value, document.dragging.value]).toEqual([[], [], false]);
   });
 
   it("because it is refused shows again what is saved", async () => {
     const { fake, document, failed } = opened();
-    fake.failing = "setLens";
+    fake.failing = "setCamera";
     const drag = document.drag("stop", toStop);
     drag.move(4);
     drag.commit(8);
     await turn();
     expect(failed).toHaveLength(1);
-    expect(fake.performed).toEqual([]);
+    expect(fake.made).toEqual([]);
     expect([document.tried.value, document.dragging.value]).toEqual([[], false]);
   });
 });

@@ -1,4 +1,4 @@
-import { setAttribute, setFocus, setFocusMode, setKind, setLens, toggleKey } from "@/model/command";
+import { setAttribute, setFocus, setFocusMode, setKind, setLens, toggleKey, type Changes } from "@/model/changes";
 import type { Curve, CurveSample } from "@/model/curve";
 import type { FocusSettings, Readout } from "@/model/shot";
 import { point } from "./points";
@@ -27,37 +27,43 @@ function curve(...samples: Partial<CurveSample>[]): Curve {
 describe("changes", () => {
   it("what is not keyed changes for the whole shot", () => {
     const change = setAttribute(point("a"), "weight", 0.3, 12);
-    expect(change).toEqual([{ do: "changePoint", name: "a", change: { weight: 0.3 } }]);
+    expect(change).toEqual([{ type: "alterPoint", name: "a", values: { weight: 0.3 }, time: 12 }]);
   });
 
   it("what is keyed gets a key at the time", () => {
     const change = setAttribute(point("a", { weight: { 1: 1 } }), "weight", 0.3, 12);
-    expect(change).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.3, interpolation: "auto" } }]);
+    expect(change).toMatchObject([{ type: "keyPoint", key: { time: 12, value: 0.3, interpolation: "auto" } }]);
   });
 
   it("a key that is there keeps its interpolation", () => {
     const change = setAttribute(point("a", { weight: { 12: 0.9 } }), "weight", 0.3, 12);
-    expect(change).toMatchObject([{ do: "setKey", key: { time: 12, value: 0.3, interpolation: "linear" } }]);
+    expect(change).toMatchObject([{ type: "keyPoint", key: { time: 12, value: 0.3, interpolation: "linear" } }]);
   });
 
   it("the key button keeps the value and only keys it", () => {
     const on = toggleKey(point("a", {}, { weight: 0.7 }), "weight", 5);
-    expect(on).toMatchObject([{ do: "setKey", key: { time: 5, value: 0.7 } }]);
+    expect(on).toMatchObject([{ type: "keyPoint", key: { time: 5, value: 0.7 } }]);
     const off = toggleKey(point("a", { weight: { 5: 0.7 } }), "weight", 5);
-    expect(off).toMatchObject([{ do: "removeKey", time: 5 }]);
+    expect(off).toMatchObject([{ type: "unkeyPoint", time: 5 }]);
   });
 });
 
 describe("the lens", () => {
   it("a hand on the focus ring of a camera that points focus sets it for the whole shot", () => {
     const change = setLens("focusDistanceM", 5, 10, readout, curve({}, { focusDistanceM: 4 }));
-    expect(change).toEqual([{ do: "setLens", change: { focusDistanceM: 5 }, time: null }]);
+    expect(change).toEqual([{ type: "setCamera", values: { focusDistanceM: 5 } }]);
   });
 
   it("a still lens changes for the whole shot, a zoom gets a key", () => {
-    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {}))).toMatchObject([{ time: null }]);
+    const still: Changes = [{ type: "setCamera", values: { focalLengthMm: 35 } }];
+    expect(setLens("focalLengthMm", 35, 10, readout, curve({}, {}))).toEqual(still);
     const zoom = curve({ focalLengthMm: 50 }, { focalLengthMm: 60 });
-    expect(setLens("focalLengthMm", 35, 10, readout, zoom)).toMatchObject([{ time: 10 }]);
+    expect(setLens("focalLengthMm", 35, 10, readout, zoom)).toMatchObject([{ values: { time: 10 } }]);
+  });
+
+  it("infinity is the 0 that USD and the service write for it", () => {
+    const change = setLens("focusDistanceM", Infinity, 10, readout, []);
+    expect(change).toEqual([{ type: "setCamera", values: { focusDistanceM: 0 } }]);
   });
 
   it("saying again who focuses changes nothing", () => {
@@ -88,21 +94,21 @@ describe("how the focus is found", () => {
 
   it("what is keyed gets a key at the time, the rest changes for the whole shot", () => {
     expect(setFocus({ maxAngleDeg: 5 }, 12, settings)).toEqual([
-      { do: "setFocus", change: { maxAngleDeg: 5 }, time: 12 },
+      { type: "setFocus", values: { maxAngleDeg: 5, time: 12 } },
     ]);
-    expect(setFocus({ lagS: 0.2 }, 12, settings)).toEqual([{ do: "setFocus", change: { lagS: 0.2 }, time: null }]);
+    expect(setFocus({ lagS: 0.2 }, 12, settings)).toEqual([{ type: "setFocus", values: { lagS: 0.2 } }]);
   });
 
   it("a point that becomes soft is seen to be so, and one that was keeps its blur", () => {
-    expect(setKind(point("a"), "soft")).toMatchObject([{ change: { kind: "soft", blurMm: 0.1 } }]);
-    const kept = { do: "changePoint", name: "a", change: { kind: "soft" } };
-    expect(setKind(point("a", {}, { blurMm: 0.3 }), "soft")).toEqual([kept]);
-    expect(setKind(point("a", {}, { surfaceOffset: 2 }), "soft")).toEqual([kept]);
-    expect(setKind(point("a", { blur: { 1: 0 } }), "soft")).toEqual([kept]);
+    expect(setKind(point("a"), "soft", 1)).toMatchObject([{ values: { kind: "soft", blurMm: 0.1 } }]);
+    const kept = { type: "alterPoint", name: "a", values: { kind: "soft" }, time: 1 };
+    expect(setKind(point("a", {}, { blurMm: 0.3 }), "soft", 1)).toEqual([kept]);
+    expect(setKind(point("a", {}, { surfaceOffset: 2 }), "soft", 1)).toEqual([kept]);
+    expect(setKind(point("a", { blur: { 1: 0 } }), "soft", 1)).toEqual([kept]);
   });
 
   it("attributes of a point go by the names that its settings have", () => {
-    expect(setAttribute(point("a"), "blur", 0.2, 1)).toMatchObject([{ change: { blurMm: 0.2 } }]);
-    expect(setAttribute(point("a"), "enabled", 0, 1)).toMatchObject([{ change: { enabled: false } }]);
+    expect(setAttribute(point("a"), "blur", 0.2, 1)).toMatchObject([{ values: { blurMm: 0.2 } }]);
+    expect(setAttribute(point("a"), "enabled", 0, 1)).toMatchObject([{ values: { enabled: false } }]);
   });
 });

@@ -1,12 +1,13 @@
 /** A service that answers as the test says and remembers what it was asked. */
 
-import type { Command } from "@/model/command";
+import type { Change, Changes } from "@/model/changes";
 import type { EditHistory } from "@/model/history";
 import type { Quality } from "@/model/quality";
 import type { FocusSettings, Readout, Shot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
-import type { LiveEar, LiveLink, LivePicture, Wish } from "@/net/live";
-import type { Service, View } from "@/net/service";
+import type { LiveEar, LiveLink, LivePicture, Wish } from "@/net/live_link";
+import type { Edit, Edited, Service } from "@/net/service";
+import type { View } from "@/net/view";
 
 export const SHOT: Shot = {
   id: "demo",
@@ -35,16 +36,16 @@ const READOUT: Readout = {
   lensModel: "thin",
 };
 
-/** A state of the edits: all that was done to come to it, and the gesture that did the last of it. */
+/** A state of the edits: all changes that led to it, and the label of the last edit. */
 interface State {
-  readonly done: readonly Command[];
-  readonly gesture: string;
+  readonly done: Changes;
+  readonly label: string;
 }
 
 export class FakeService implements Partial<Service> {
-  /** All that was asked, undone or not. */
-  readonly performed: Command[] = [];
-  #states: State[] = [{ done: [], gesture: "" }];
+  /** All edits that were made, undone or not. */
+  readonly made: Changes[] = [];
+  #states: State[] = [{ done: [], label: "" }];
   #now = 0;
   readonly frames: { time: number; quality: Quality }[] = [];
   /** What live pictures were wanted, and who waits for them. */
@@ -52,9 +53,11 @@ export class FakeService implements Partial<Service> {
   ear: LiveEar | null = null;
   /** How often live pictures were given up. */
   forgotten = 0;
-  /** Commands of this kind fail. */
-  failing: Command["do"] | null = null;
-  /** Called for each command, before it is done; a test may hold it up. */
+  /** Edits with a change of this type fail, as a whole. */
+  failing: Change["type"] | null = null;
+  /** State that answers have; null as where the service could not read any. */
+  state: Omit<Edited, "history"> | null = null;
+  /** Called for each edit, before it is made; a test may hold it up. */
   gate: () => Promise<void> = () => Promise.resolve();
 
   /** As the interface that the editor asks; what a test does not need is not there. */
@@ -63,26 +66,26 @@ export class FakeService implements Partial<Service> {
   }
 
   /** What holds now, of all that was ever asked. */
-  get done(): readonly Command[] {
+  get done(): Changes {
     return this.#states[this.#now]?.done ?? [];
   }
 
-  async perform(_: View, command: Command, __: number, gesture: string): Promise<void> {
+  async edit(_: View, { label, changes }: Edit): Promise<Edited> {
     await this.gate();
-    if (command.do === this.failing) throw new Error(`no ${command.do}`);
-    this.performed.push(command);
-    this.#comeTo([...this.done, command], gesture);
+    if (changes.some(({ type }) => type === this.failing)) throw new Error(`no ${String(this.failing)}`);
+    this.made.push(changes);
+    this.#comeTo([...this.done, ...changes], label);
+    const nothing = { points: null, readout: null, focusSettings: null, photography: null, curve: null };
+    return { ...(this.state ?? nothing), history: await this.history() };
   }
 
-  /** Somebody else does something. */
-  othersDo(command: Command): void {
-    this.#comeTo([...this.done, command], "theirs");
+  /** Somebody else makes a change. */
+  othersDo(change: Change): void {
+    this.#comeTo([...this.done, change], "what the other did");
   }
 
-  #comeTo(done: readonly Command[], gesture: string): void {
-    const isSame = this.#states[this.#now]?.gesture === gesture;
-    const kept = this.#states.slice(0, isSame ? this.#now : this.#now + 1);
-    this.#states = JSON.stringify(kept.at(-1)?.done) === JSON.stringify(done) ? kept : [...kept, { done, gesture }];
+  #comeTo(done: Changes, label: string): void {
+    this.#states = [...this.#states.slice(0, this.#now + 1), { done, label }];
     this.#now = this.#states.length - 1;
   }
 
@@ -95,8 +98,8 @@ export class FakeService implements Partial<Service> {
       revision: revision(this.#now) ?? "",
       before: revision(this.#now - 1),
       after: revision(this.#now + 1),
-      undo: "what the service calls it",
-      redo: "what the service calls it",
+      undo: this.#states[this.#now]?.label ?? "",
+      redo: this.#states[this.#now + 1]?.label ?? "",
     });
   }
 
@@ -112,11 +115,6 @@ export class FakeService implements Partial<Service> {
     if ((await this.history()).revision !== revision) throw errorOf(412, { code: "changed_meanwhile", detail: "No." });
     this.#now += by;
     return this.history();
-  }
-
-  async restore(_: string, to: string, now: string, gesture: string): Promise<void> {
-    if ((await this.history()).revision !== now) throw errorOf(412, { code: "changed_meanwhile", detail: "No." });
-    this.#comeTo(JSON.parse(to) as Command[], gesture);
   }
 
   forget(): void {

@@ -1,6 +1,7 @@
 import { restQuality } from "@/model/quality";
-import type { Trial } from "@/model/command";
-import { LiveSocket, liveAddress, type LivePicture, type Socket, type Wish } from "@/net/live";
+import type { Changes } from "@/model/changes";
+import { LiveSocket, liveAddress, type Socket } from "@/net/live";
+import type { LivePicture, Wish } from "@/net/live_link";
 
 const QUALITY = restQuality(800, 400);
 
@@ -76,7 +77,7 @@ function connected(): Heard & { socket: FakeSocket } {
   return { sockets, live, pictures, said, states, socket };
 }
 
-function wish(time: number, tried: readonly Trial[] = [], moving = true): Wish {
+function wish(time: number, tried: Changes = [], moving = true): Wish {
   return { time, quality: QUALITY, tried, moving };
 }
 
@@ -115,25 +116,15 @@ describe("a live connection", () => {
     expect(live.free).toBe(true);
   });
 
-  it("sends what is tried in the bodies that would edit it", () => {
+  it("sends what is tried as the changes that an edit takes", () => {
     const { live, socket } = connected();
     socket.open();
-    const tried: Trial[] = [
-      { do: "setLens", change: { focusDistanceM: Infinity }, time: 3 },
-      { do: "setLens", change: { fStop: 4 }, time: 3 },
-      { do: "setExposure", change: { iso: 400 }, time: null },
-      { do: "changePoint", name: "hero", change: { weight: 0.5 } },
-      { do: "setKey", name: "hero", attribute: "blur", key: { time: 3, value: 1, interpolation: "auto" } },
-      { do: "place", name: "side", at: [0.1, 0.2] },
+    const tried: Changes = [
+      { type: "setCamera", values: { focusDistanceM: 0, time: 3 } },
+      { type: "movePoint", name: "side", place: [0.1, 0.2], time: 3 },
     ];
     live.want(wish(1, tried));
-    expect(socket.sent[0]?.edit).toEqual({
-      camera: { focusDistanceM: 0, fStop: 4, time: 3 },
-      exposure: { iso: 400 },
-      points: { hero: { weight: 0.5 } },
-      keys: [{ point: "hero", attribute: "blur", key: { time: 3, value: 1, interpolation: "auto" } }],
-      places: { side: [0.1, 0.2] },
-    });
+    expect(socket.sent[0]?.changes).toEqual(tried);
   });
 });
 

@@ -1,11 +1,15 @@
 import { restQuality } from "@/model/quality";
-import type { Command } from "@/model/command";
+import type { Change, Changes } from "@/model/changes";
 import { complaintOf, errorOf, isAbort, UnreachableError } from "@/net/errors";
+import { base64Of } from "@/net/files";
 import { HttpService } from "@/net/http";
 import { Recent } from "@/net/recent";
 import { point } from "./points";
 
 const view = { shot: "demo", camera: "/World/cam" };
+const HISTORY = { revision: "r1", before: null, after: null, undo: null, redo: null };
+/** Answer to an edit that says nothing of the state. */
+const NOTHING = { history: HISTORY, changed: [], added: [], racks: [], imported: null, state: null };
 
 /** Answers every request and remembers what was asked. */
 function answering(status: number, body: unknown): Request[] {
@@ -72,27 +76,33 @@ describe("what the service says", () => {
 });
 
 describe("what is asked of the service", () => {
-  it("infinity is sent as the 0 that stands for it", async () => {
-    const asked = answering(200, {});
-    const command = { do: "setLens", change: { focusDistanceM: Infinity }, time: null } as const;
-    await new HttpService("http://host").perform(view, command, 7, "g");
-    expect(asked[0]?.method).toBe("PATCH");
-    expect(await asked[0]?.json()).toEqual({ focusDistanceM: 0 });
+  it("an edit is one request, with all that its answer must have", async () => {
+    const requests = answering(200, NOTHING);
+    const rack: Change = { type: "rack", rack: { from: "a", to: "b", start: 5, end: 17, ease: "smooth" } };
+    const changes: Changes = [{ type: "setFocus", values: { mode: "points" } }, rack];
+    await new HttpService("http://host").edit(view, { label: "Rack to b", changes, time: 5, withCurve: true });
+    expect(requests.map(({ method, url }) => [method, new URL(url).pathname])).toEqual([
+      ["POST", "/v1/shots/demo/edits"],
+    ]);
+    const answer = { time: 5, curve: true };
+    expect(await requests[0]?.json()).toEqual({ camera: "/World/cam", label: "Rack to b", changes, answer });
   });
 
-  it("a rack, and how the focus is found, go where they belong", async () => {
-    const asked = answering(201, {});
-    const service = new HttpService("http://host");
-    const rack = { from: "a", to: "b", start: 5, end: 17, ease: "smooth" } as const;
-    await service.perform(view, { do: "rack", rack }, 5, "g");
-    await service.perform(view, { do: "setFocus", change: { mode: "surface" }, time: null }, 5, "g");
-    expect(asked.map(({ method, url }) => [method, new URL(url).pathname])).toEqual([
-      ["POST", "/v1/shots/demo/racks"],
-      ["PATCH", "/v1/shots/demo/camera/focus"],
-    ]);
-    expect(await asked[0]?.json()).toEqual(rack);
-    expect(await asked[1]?.json()).toEqual({ mode: "surface" });
-    expect(new URL(asked[0]?.url ?? "").searchParams.get("gesture")).toBe("g");
+  it("a part of the answer that the service could not read is null, and is no failure", async () => {
+    answering(200, NOTHING);
+    const edited = await new HttpService("http://host").edit(view, {
+      label: "",
+      changes: [],
+      time: 5,
+      withCurve: true,
+    });
+    expect([edited.points, edited.readout, edited.photography, edited.curve]).toEqual([null, null, null, null]);
+    expect([edited.history.revision, edited.history.undo]).toEqual(["r1", ""]);
+  });
+
+  it("the content of a file travels as base64", async () => {
+    expect(await base64Of(new Blob([new Uint8Array([0, 255, 128])]))).toBe("AP+A");
+    expect(atob(await base64Of(new Blob(["a".repeat(20_000)])))).toBe("a".repeat(20_000));
   });
 
   it("a prim path travels whole", async () => {
@@ -104,7 +114,9 @@ describe("what is asked of the service", () => {
   });
 });
 
-const change: Command = { do: "changePoint", name: "a", change: { weight: 0.5 } };
+const alter: Change = { type: "alterPoint", name: "a", values: { weight: 0.5 }, time: 1 };
+const add: Change = { type: "addPoint", point: { name: "b", ...point("b").anchor } };
+const key: Change = { type: "keyPoint", name: "b", attribute: "weight", key: { time: 1, value: 1 } };
 
 /** Answers as a service whose list of points has tags `list-n` and `a-n`, n of the time that is asked for. */
 function tagging(refuse = false): (string | null)[] {
@@ -117,9 +129,18 @@ function tagging(refuse = false): (string | null)[] {
     }
     sent.push(request.headers.get("if-match"));
     if (refuse) return Promise.resolve(Response.json({ code: "changed_meanwhile", detail: "No" }, { status: 412 }));
-    return Promise.resolve(Response.json({}, { headers: { ETag: '"answer"' } }));
+    if (request.url.endsWith("/undo")) return Promise.resolve(Response.json({ ...HISTORY, now: 0, steps: [] }));
+    const changed = ["focus-points", "focus-points/a", "focus-points/b"].map((resource) => ({
+      resource,
+      etag: `"${resource} ${sent.length}"`,
+    }));
+    return Promise.resolve(Response.json({ ...NOTHING, changed }));
   });
   return sent;
+}
+
+function edit(service: HttpService, ...changes: Changes): Promise<unknown> {
+  return service.edit(view, { label: "", changes, time: 1, withCurve: false });
 }
 
 describe("entity tags", () => {
@@ -128,44 +149,48 @@ describe("entity tags", () => {
     const service = new HttpService("http://host");
     await service.focusPoints(view, 1);
     await service.focusPoints(view, 2); // another time: the person may have seen the first
-    await service.perform(view, change, 1, "g");
-    await service.perform(view, change, 1, "g");
-    expect(sent).toEqual(['"a-1"', '"answer"']);
+    await edit(service, alter);
+    await edit(service, alter);
+    expect(sent).toEqual(['"a-1"', '"focus-points/a 1"']);
   });
 
-  it("a point is added to the list that was read; after that the list is unknown until it is read", async () => {
+  it("an edit names all that it is made upon, a point that it adds excepted", async () => {
     const sent = tagging();
     const service = new HttpService("http://host");
-    const add: Command = { do: "addPoint", name: "b", anchor: point("b").anchor };
     await service.focusPoints(view, 1);
-    await service.perform(view, add, 1, "g");
-    await service.perform(view, { ...change, name: "b" }, 1, "g");
-    await service.perform(view, add, 1, "g");
-    await service.focusPoints(view, 3);
-    await service.perform(view, add, 1, "g");
-    expect(sent).toEqual(['"list-1"', '"answer"', null, '"list-3"']);
+    await edit(service, add, key, alter);
+    await edit(service, key);
+    expect(sent).toEqual(['"list-1", "a-1"', '"focus-points/b 1"']);
+  });
+
+  it("where one of the tags is not known the edit is made upon whatever is there", async () => {
+    const sent = tagging();
+    const service = new HttpService("http://host");
+    await service.focusPoints(view, 1);
+    await edit(service, alter, { type: "setCamera", values: { fStop: 4 } });
+    expect(sent).toEqual([null]);
   });
 
   it("a reading that an edit overtook does not count, nor does one after an undo know what was before it", async () => {
     const sent = tagging();
     const service = new HttpService("http://host");
     const read = service.focusPoints(view, 1);
-    await service.perform(view, change, 1, "g");
+    await edit(service, alter);
     await read;
-    await service.perform(view, change, 1, "g");
-    await service.restore("demo", "then", "now", "g");
-    await service.perform(view, change, 1, "g");
-    expect(sent).toEqual([null, '"answer"', '"now"', null]);
+    await edit(service, alter);
+    await service.undo("demo", "now");
+    await edit(service, alter);
+    expect(sent).toEqual([null, '"focus-points/a 1"', '"now"', null]);
   });
 
-  it("what was refused is told in a sentence, and read anew before it is edited again", async () => {
+  it("a refusal is reported in a sentence, and the resource read anew before it is edited again", async () => {
     const sent = tagging(true);
     const service = new HttpService("http://host");
     await service.focusPoints(view, 1);
-    const error: unknown = await service.perform(view, change, 1, "g").catch((reason: unknown) => reason);
+    const error: unknown = await edit(service, alter).catch((reason: unknown) => reason);
     expect(complaintOf(error).message).toBe("Somebody else changed this meanwhile.");
     await service.focusPoints(view, 2);
-    await service.perform(view, change, 1, "g").catch(() => undefined);
+    await edit(service, alter).catch(() => undefined);
     expect(sent).toEqual(['"a-1"', '"a-2"']);
   });
 });

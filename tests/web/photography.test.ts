@@ -1,4 +1,5 @@
-import { setExposure, setFilm, toggleSettingKey } from "@/model/command";
+import { setExposure, setFilm, toggleSettingKey } from "@/model/changes";
+import type { Keyed } from "@/model/keys";
 import {
   agrees,
   formatStops,
@@ -13,7 +14,6 @@ import {
   type ExposureSettings,
   type FilmSettings,
   type FilmSummary,
-  type Keyed,
 } from "@/model/photography";
 import { ISOS } from "@/model/scale";
 
@@ -98,24 +98,24 @@ describe("the stop", () => {
 
 describe("edits", () => {
   it("what is keyed gets a key at the time, the rest changes for the whole shot", () => {
-    expect(setExposure({ iso: 200 }, 5, EXPOSURE)).toMatchObject([{ time: null }]);
-    expect(setExposure({ iso: 200 }, 5, { ...EXPOSURE, keys: keyed("iso") })).toMatchObject([{ time: 5 }]);
+    expect(setExposure({ iso: 200 }, 5, EXPOSURE)).toEqual([{ type: "setExposure", values: { iso: 200 } }]);
+    expect(setExposure({ iso: 200 }, 5, { ...EXPOSURE, keys: keyed("iso") })).toMatchObject([{ values: { time: 5 } }]);
     const film = { keys: keyed("push") } as unknown as FilmSettings;
-    expect(setFilm({ push: 1 }, 5, film)).toMatchObject([{ time: 5 }]);
+    expect(setFilm({ push: 1 }, 5, film)).toMatchObject([{ values: { time: 5 } }]);
   });
 
   it("the angle of a shutter has its keys where it closes", () => {
     const animated = { ...EXPOSURE, keys: keyed("shutterClose") };
-    expect(setExposure({ shutterAngleDeg: 90 }, 5, animated)).toMatchObject([{ time: 5 }]);
+    expect(setExposure({ shutterAngleDeg: 90 }, 5, animated)).toMatchObject([{ values: { time: 5 } }]);
   });
 
   it("the diamond sets a key with the value that is there, or removes it", () => {
-    const [on] = toggleSettingKey("film", "push", 0.5, 5, {});
-    expect(on).toMatchObject({ do: "keySetting", of: "film", setting: "push", key: { time: 5, value: 0.5 } });
-    const [off] = toggleSettingKey("film", "push", 0.5, 1, keyed("push"));
-    expect(off).toMatchObject({ key: null, time: 1 });
-    expect(toggleSettingKey("focus", "focusDistanceM", Infinity, 5, {})).toMatchObject([{ key: { value: 1e5 } }]);
-    expect(toggleSettingKey("focus", "solveStop", 1, 5, {})).toMatchObject([{ key: { interpolation: "held" } }]);
+    const [on] = toggleSettingKey("push", 0.5, 5, {});
+    expect(on).toMatchObject({ type: "keySetting", setting: "push", key: { time: 5, value: 0.5 } });
+    const [off] = toggleSettingKey("push", 0.5, 1, keyed("push"));
+    expect(off).toEqual({ type: "unkeySetting", setting: "push", time: 1 });
+    expect(toggleSettingKey("focusDistanceM", Infinity, 5, {})).toMatchObject([{ key: { value: 1e5 } }]);
+    expect(toggleSettingKey("solveStop", 1, 5, {})).toMatchObject([{ key: { interpolation: "held" } }]);
   });
 });
 

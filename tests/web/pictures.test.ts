@@ -1,12 +1,12 @@
 import { signal } from "@preact/signals";
 import { ShotDocument } from "@/editor/document";
 import { Pictures } from "@/editor/pictures";
-import type { Trial } from "@/model/command";
+import type { Changes } from "@/model/changes";
 import { restQuality } from "@/model/quality";
 import { FakeService, SHOT } from "./fake_service";
 
 const REST = restQuality(800, 400);
-const TRIED: readonly Trial[] = [{ do: "place", name: "hero", at: [0.5, 0.5] }];
+const TRIED: Changes = [{ type: "movePoint", name: "hero", place: [0.5, 0.5], time: 1 }];
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -22,12 +22,12 @@ function opened(): {
   fake: FakeService;
   pictures: Pictures;
   document: ShotDocument;
-  want: (time: number, moving: boolean, tried?: readonly Trial[]) => void;
+  want: (time: number, moving: boolean, tried?: Changes) => void;
 } {
   const fake = new FakeService();
   const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail);
   const pictures = new Pictures(fake.service, document, fail);
-  const want = (time: number, moving: boolean, tried: readonly Trial[] = []): void => {
+  const want = (time: number, moving: boolean, tried: Changes = []): void => {
     pictures.want({ time, revision: document.revision.value, quality: REST, moving, tried });
   };
   return { fake, pictures, document, want };

@@ -1,6 +1,7 @@
 /** Focus points for tests. */
 
-import type { FocusPoint, Key, KeyedAttribute } from "@/model/shot";
+import type { Key } from "@/model/keys";
+import type { FocusPoint, KeyedAttribute } from "@/model/shot";
 
 type Keys = Partial<Record<KeyedAttribute, Record<number, number>>>;
 

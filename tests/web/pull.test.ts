@@ -1,5 +1,6 @@
 import { freshName, pullTo, type WeightKey } from "@/model/pull";
-import { keysOf, thingName, type FocusPoint, type Key } from "@/model/shot";
+import type { Key } from "@/model/keys";
+import { keysOf, thingName, type FocusPoint } from "@/model/shot";
 import { point, valueAt } from "./points";
 
 /** The points after the keys were set; a new one is there with weight 1. */

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from pxr import Sdf, Usd
@@ -13,7 +13,6 @@ from render.errors import InputError
 from render.model.arrays import DoubleArray
 from render.optics.photometry.metering import one_key
 from render.shot.edits.edit_layer import schema_errors_as_settings, set_value
-from render.shot.exposure.metering import Metered
 from render.stage import quiet_diagnostics
 from usd_schemas import LensCamera, curves
 
@@ -22,7 +21,19 @@ TOLERANCE_STOPS = 0.005
 """Largest error of splines at the frames, below what the eye can see."""
 
 
-def compensation_stops(readings: Sequence[Metered], *, held: bool = False) -> DoubleArray:
+class MeteredStops(Protocol):
+    """Reading of a light meter at a time."""
+
+    @property
+    def time(self) -> float:
+        """USD time code."""
+
+    @property
+    def compensation_stops(self) -> float:
+        """In place of the camera's; not finite for a black frame."""
+
+
+def compensation_stops(readings: Sequence[MeteredStops], *, held: bool = False) -> DoubleArray:
     """Return the compensation of each frame, interpolated over black frames.
 
     Args:

@@ -11,8 +11,8 @@ from render.errors import SettingsError
 from render.shot.camera.attributes import author_settings, read_settings, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits
-from render.shot.exposure.keys import author_exposure, compensation_stops
-from render.shot.exposure.metering import Metered, read_metering
+from render.shot.exposure.keys import MeteredStops, author_exposure, compensation_stops
+from render.shot.exposure.metering import read_metering
 from render.shot.exposure.readout import ExposureReadout, read_exposure
 from render.shot.focus.solver import FocusSolver
 from render.stage import StageReader
@@ -91,7 +91,7 @@ class ShotExposure:
         """
         return read_metering(self._stage, self._cameras.path(camera_path), time)
 
-    def key(self, camera_path: str | None, readings: Sequence[Metered], *, held: bool = False) -> None:
+    def key(self, camera_path: str | None, readings: Sequence[MeteredStops], *, held: bool = False) -> None:
         """Expose a camera by hand from now on, with keys from a light meter.
 
         Args:

@@ -11,6 +11,7 @@ from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, 
 from service.http.service import Service, ServiceDep
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
+from service.models.changes import SetCamera
 from service.picture.calls import frames
 from service.stage.calls import cameras
 from service.storage.store import ShotRecord
@@ -45,7 +46,8 @@ async def edit_camera(
     camera: CameraQuery = None,
 ) -> CameraState:
     """Set f-number, focal length or focus distance: for all time, or as a key at `time`."""
-    state = await service.call_stage(cameras.edit_camera, service.store.get(shot), camera, edit, context)
+    change = SetCamera(values=edit)
+    state = await service.call_stage(cameras.change_camera, service.store.get(shot), camera, change, edit.time, context)
     tagged(response, state.etag)
     return state
 

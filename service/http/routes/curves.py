@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, tagged
 from service.http.service import ServiceDep
+from service.models.changes import GapPolicy, ImportCurve
 from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
 from service.stage.calls import curves
 
@@ -80,7 +81,7 @@ async def import_focus_curve(
     ],
     camera: CameraQuery = None,
     gaps: Annotated[
-        Literal["refuse", "hold", "interpolate"],
+        GapPolicy,
         Query(description="What becomes of rows that are missing or cannot be used.", examples=["interpolate"]),
     ] = "refuse",
     first_frame: Annotated[
@@ -98,16 +99,9 @@ async def import_focus_curve(
     baked: Annotated[bool, Query(description="Time samples in place of splines.", examples=[False])] = False,
 ) -> ImportedCurve:
     """Put a focus curve that another tool made onto a camera, which is then focused by hand. `If-Match` is the camera's."""
+    change = ImportCurve(content=await file.read(), gaps=gaps, first_frame=first_frame, baked=baked)
     imported = await service.call_stage(
-        curves.import_curve,
-        service.store.get(shot),
-        camera,
-        await file.read(),
-        gaps,
-        first_frame,
-        baked,
-        service.settings.max_curve_frames,
-        context,
+        curves.import_curve, service.store.get(shot), camera, change, service.settings.max_curve_frames, context
     )
     tagged(response, imported.camera.etag)
     return imported

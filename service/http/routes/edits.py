@@ -1,4 +1,4 @@
-"""The edits of a shot: one USD layer, and the states that it has had."""
+"""Edits of a shot: changes to be applied, the USD layer that they make, and the states that it has had."""
 
 from __future__ import annotations
 
@@ -7,13 +7,18 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Response
 
 from render.model.edit_history import revision_of
-from service.edit_context import edits_tag
+from service.edit_context import EditContext, edits_tag
+from service.http.errors import ServiceError
 from service.http.frame_cache import matches
-from service.http.routes.parameters import EditContextDep, ShotId, problems, tagged
-from service.http.service import ServiceDep
-from service.models.edits import EditHistory, Restore
+from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, tagged
+from service.http.service import Service, ServiceDep
+from service.models.changes import PictureSpot, anchor_spots, picture_spots
+from service.models.edits import EditHistory, EditRequest, EditResult, Restore
+from service.models.focus import Anchor
 from service.models.shots import Shot
+from service.picture.calls import frames
 from service.stage.calls import edits
+from service.storage.store import ShotRecord
 
 router = APIRouter(tags=["edits"])
 
@@ -41,6 +46,38 @@ async def get_edits(
         return Response(status_code=304, headers=headers)
     headers["Content-Disposition"] = f'attachment; filename="{record.id}-edits.usda"'
     return Response(text or "#usda 1.0\n", media_type="text/plain; charset=utf-8", headers=headers)
+
+
+@router.post("/shots/{shot}/edits", operation_id="edit", responses=problems(404, 412, 413, 503, 504))
+async def edit(
+    service: ServiceDep, response: Response, shot: ShotId, request: EditRequest, if_match: IfMatch = None
+) -> EditResult:
+    """Apply changes to a camera: all of them or none, as one entry of the history.
+
+    `If-Match` takes the tag of all edits, or the tags, with commas between, of each resource that is changed: the camera, the
+    list of focus points (to add one, or to rack) and each focus point. The answer has their new tags, and where `answer` asks for
+    it the state of the camera, so that nothing has to be read again. Its own `ETag` is that of all edits.
+    """
+    record = service.store.get(shot)
+    anchored = await _with_anchors(service, record, request)
+    context = EditContext(if_match, request.gesture)
+    result = await service.call_stage(edits.apply_edit, record, anchored, context, service.settings.max_curve_frames)
+    tagged(response, edits_tag(result.history.revision))
+    return result
+
+
+async def _with_anchors(service: Service, record: ShotRecord, request: EditRequest) -> EditRequest:
+    """Look up the places of the picture that changes name. Raises `ServiceError` 422: nothing is seen at one of them."""
+    anchors: dict[PictureSpot, Anchor | None] = {}
+    for spot in picture_spots(request.changes):
+        (x, y), time = spot
+        anchors[spot] = await service.call_picture(
+            frames.find_anchor, record, record.edit_text(), request.camera, time, (x, y)
+        )
+        if anchors[spot] is None:
+            detail = f"There is no surface at ({x:g}, {y:g}) of the picture at {time:g} to move a focus point to."
+            raise ServiceError(422, "nothing_there", detail, path="changes")
+    return request.model_copy(update={"changes": anchor_spots(request.changes, anchors)})
 
 
 @router.put("/shots/{shot}/edits", operation_id="restoreEdits", responses=problems(404, 412, 503, 504))

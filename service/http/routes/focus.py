@@ -17,6 +17,7 @@ from service.http.routes.parameters import (
     tagged,
 )
 from service.http.service import ServiceDep
+from service.models.changes import AddPoint, AlterPoint, KeyPoint, RemovePoint, UnkeyPoint
 from service.models.focus import (
     FocusPoint,
     FocusPointCreate,
@@ -59,11 +60,12 @@ async def create_focus_point(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag."""
-    placed = await service.call_stage(
-        focus_points.add_focus_point, service.store.get(shot), camera, time, point, context
+    change = AddPoint(point=point)
+    added = await service.call_stage(
+        focus_points.add_focus_point, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, placed.etag)
-    return placed
+    tagged(response, added.etag)
+    return added
 
 
 @router.get("/shots/{shot}/focus-points/{name}", operation_id="getFocusPoint")
@@ -88,8 +90,9 @@ async def edit_focus_point(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Change a focus point: a value that has keys gets one at `time`, any other is changed for all time."""
+    change = AlterPoint(name=name, values=edit, time=time)
     point = await service.call_stage(
-        focus_points.edit_focus_point, service.store.get(shot), camera, time, name, edit, context
+        focus_points.change_focus_point, service.store.get(shot), camera, change, time, context
     )
     tagged(response, point.etag)
     return point
@@ -100,7 +103,8 @@ async def delete_focus_point(
     service: ServiceDep, shot: ShotId, name: PointNameInPath, context: EditContextDep, camera: CameraQuery = None
 ) -> None:
     """Remove a focus point and its keys."""
-    await service.call_stage(focus_points.remove_focus_point, service.store.get(shot), camera, name, context)
+    change = RemovePoint(name=name)
+    await service.call_stage(focus_points.remove_focus_point, service.store.get(shot), camera, change, context)
 
 
 @router.put("/shots/{shot}/focus-points/{name}/keys/{attribute}", operation_id="setKey", responses=EDITED)
@@ -115,8 +119,9 @@ async def set_key(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Set a key; one at the same time is replaced. Answers with the point at the key's time; `If-Match` takes its tag."""
+    change = KeyPoint(name=name, attribute=attribute, key=key)
     point = await service.call_stage(
-        focus_points.set_key, service.store.get(shot), camera, name, attribute, key, context
+        focus_points.change_focus_point, service.store.get(shot), camera, change, key.time, context
     )
     tagged(response, point.etag)
     return point
@@ -134,8 +139,9 @@ async def delete_key(
     camera: CameraQuery = None,
 ) -> FocusPoint:
     """Remove the key at `time`. Answers with the point at that time; `If-Match` takes its tag."""
+    change = UnkeyPoint(name=name, attribute=attribute, time=time)
     point = await service.call_stage(
-        focus_points.remove_key, service.store.get(shot), camera, name, attribute, time, context
+        focus_points.change_focus_point, service.store.get(shot), camera, change, time, context
     )
     tagged(response, point.etag)
     return point

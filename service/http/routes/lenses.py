@@ -19,8 +19,9 @@ from service.http.routes.parameters import (
 from service.http.service import ServiceDep
 from service.http.upload import lens_file_name
 from service.models.cameras import CameraState
+from service.models.changes import MountLensFile
 from service.models.lenses import Lens, LensList
-from service.stage.calls import lenses
+from service.stage.calls import cameras, lenses
 
 router = APIRouter(tags=["lenses"])
 
@@ -84,8 +85,7 @@ async def mount_lens_file(
 ) -> CameraState:
     """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
     name = lens_file_name(file.filename)
-    state = await service.call_stage(
-        lenses.mount_lens_file, service.store.get(shot), camera, name, await file.read(), context
-    )
+    change = MountLensFile(file_name=name, content=await file.read())
+    state = await service.call_stage(cameras.change_camera, service.store.get(shot), camera, change, None, context)
     tagged(response, state.etag)
     return state

@@ -7,10 +7,12 @@ from typing import Annotated, Any
 from fastapi import Depends, Header, Path, Query, Response
 
 from service.edit_context import EditContext
-from service.models.base import PrimPath, Problem, TimeCode
+from service.models.base import MAX_POINT_NAME, PrimPath, Problem, TimeCode
 
 ShotId = Annotated[str, Path(alias="shot", description="A shot's id.", examples=["demo"], max_length=80)]
-PointNameInPath = Annotated[str, Path(alias="name", description="A focus point's name.", examples=["driver"])]
+PointNameInPath = Annotated[
+    str, Path(alias="name", max_length=MAX_POINT_NAME, description="A focus point's name.", examples=["driver"])
+]
 Time = Annotated[TimeCode, Query(allow_inf_nan=False, description="USD time code.", examples=[24])]
 CameraQuery = Annotated[
     PrimPath | None,
@@ -28,16 +30,19 @@ AspectQuery = Annotated[
 ]
 
 
+IfMatch = Annotated[
+    str | None,
+    Header(
+        max_length=8000,
+        description="The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it "
+        "since. Left out: whatever is there is edited.",
+        examples=['"5f70bf18a0860070"'],
+    ),
+]
+
+
 def _edit_context(
-    if_match: Annotated[
-        str | None,
-        Header(
-            max_length=1000,
-            description="The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it "
-            "since. Left out: whatever is there is edited.",
-            examples=['"5f70bf18a0860070"'],
-        ),
-    ] = None,
+    if_match: IfMatch = None,
     gesture: Annotated[
         str,
         Query(

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Path, Response
 
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
 from service.http.service import ServiceDep
+from service.models.changes import KeySetting, SetExposure, SetFilm, UnkeySetting
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettings, FilmSettingsEdit, GradeChoices
 from service.models.focus import KeyEdit
@@ -41,8 +42,9 @@ async def edit_exposure_settings(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Change how a camera exposes: for all time, or as keys at `time`."""
+    change = SetExposure(values=edit)
     settings = await service.call_stage(
-        photography.edit_exposure_settings, service.store.get(shot), camera, edit, context
+        photography.change_exposure_settings, service.store.get(shot), camera, change, edit.time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -59,8 +61,9 @@ async def set_exposure_key(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Set a key; one at the same time is replaced."""
+    change = KeySetting(setting=attribute, key=key)
     settings = await service.call_stage(
-        photography.set_exposure_key, service.store.get(shot), camera, attribute, key, context
+        photography.change_exposure_settings, service.store.get(shot), camera, change, key.time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -77,8 +80,9 @@ async def delete_exposure_key(
     camera: CameraQuery = None,
 ) -> ExposureSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
+    change = UnkeySetting(setting=attribute, time=time)
     settings = await service.call_stage(
-        photography.remove_exposure_key, service.store.get(shot), camera, attribute, time, context
+        photography.change_exposure_settings, service.store.get(shot), camera, change, time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -104,7 +108,10 @@ async def edit_film_settings(
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Change film and grade: for all time, or as keys at `time`. What makes no picture is refused."""
-    settings = await service.call_stage(photography.edit_film_settings, service.store.get(shot), camera, edit, context)
+    change = SetFilm(values=edit)
+    settings = await service.call_stage(
+        photography.change_film_settings, service.store.get(shot), camera, change, edit.time, context
+    )
     tagged(response, settings.etag)
     return settings
 
@@ -120,8 +127,9 @@ async def set_film_key(
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Set a key; one at the same time is replaced."""
+    change = KeySetting(setting=attribute, key=key)
     settings = await service.call_stage(
-        photography.set_film_key, service.store.get(shot), camera, attribute, key, context
+        photography.change_film_settings, service.store.get(shot), camera, change, key.time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -138,8 +146,9 @@ async def delete_film_key(
     camera: CameraQuery = None,
 ) -> FilmSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
+    change = UnkeySetting(setting=attribute, time=time)
     settings = await service.call_stage(
-        photography.remove_film_key, service.store.get(shot), camera, attribute, time, context
+        photography.change_film_settings, service.store.get(shot), camera, change, time, context
     )
     tagged(response, settings.etag)
     return settings

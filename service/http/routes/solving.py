@@ -8,6 +8,7 @@ from fastapi import APIRouter, Path, Response
 
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
 from service.http.service import ServiceDep
+from service.models.changes import KeySetting, MakeRack, SetFocus, UnkeySetting
 from service.models.focus import KeyEdit
 from service.models.solving import CameraKeyed, FocusSettings, FocusSettingsEdit, Rack, RackCreate
 from service.stage.calls import solving
@@ -40,7 +41,10 @@ async def edit_focus_settings(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Change how the focus is found: for all time, or as keys at `time`."""
-    settings = await service.call_stage(solving.edit_focus_settings, service.store.get(shot), camera, edit, context)
+    change = SetFocus(values=edit)
+    settings = await service.call_stage(
+        solving.change_focus_settings, service.store.get(shot), camera, change, edit.time, context
+    )
     tagged(response, settings.etag)
     return settings
 
@@ -56,8 +60,9 @@ async def set_camera_key(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Set a key; one at the same time is replaced. A key of `focusDistanceM` gives the focus back to the hand."""
+    change = KeySetting(setting=attribute, key=key)
     settings = await service.call_stage(
-        solving.set_camera_key, service.store.get(shot), camera, attribute, key, context
+        solving.change_focus_settings, service.store.get(shot), camera, change, key.time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -74,8 +79,9 @@ async def delete_camera_key(
     camera: CameraQuery = None,
 ) -> FocusSettings:
     """Remove the key at `time`; after the last one its value stays for all time."""
+    change = UnkeySetting(setting=attribute, time=time)
     settings = await service.call_stage(
-        solving.remove_camera_key, service.store.get(shot), camera, attribute, time, context
+        solving.change_focus_settings, service.store.get(shot), camera, change, time, context
     )
     tagged(response, settings.etag)
     return settings
@@ -94,6 +100,6 @@ async def create_rack(
 
     `If-Match` takes the tag of the list of focus points.
     """
-    made = await service.call_stage(solving.make_rack, service.store.get(shot), camera, rack, context)
+    made = await service.call_stage(solving.make_rack, service.store.get(shot), camera, MakeRack(rack=rack), context)
     tagged(response, made.etag)
     return made

@@ -1,19 +1,28 @@
 /** One shot as it is at the service: its focus points, lens and curve, and the edits that change them. */
 
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
-import type { Change, Trial } from "../model/command";
+import type { Changes } from "../model/changes";
 import { sampleAt, type Curve } from "../model/curve";
-import { NO_HISTORY, redoLabel, undoLabel, type Labels } from "../model/history";
+import { NO_HISTORY, redoLabel, undoLabel } from "../model/history";
 import type { FocusPoint, FocusSettings, Readout, Shot } from "../model/shot";
-import { sameTime } from "../model/time";
+import { frameCount, sameTime } from "../model/time";
 import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
-import type { Service, View } from "../net/service";
+import type { Edited, Service } from "../net/service";
+import type { View } from "../net/view";
 
-const NOTHING_TRIED: readonly Trial[] = [];
+const NOTHING_TRIED: Changes = [];
+/** Frames of a shot whose focus curve comes with the answer to an edit; that of a longer one is read after it. */
+const MOST_CURVE_FRAMES = 500;
 
 type Fail = (error: unknown) => void;
+
+/** When something was read. */
+interface At {
+  readonly time: number;
+  readonly revision: number;
+}
 
 /** A change that a person is still dragging: tried in the picture as it goes, and one edit in the end. */
 export interface Drag<Value> {
@@ -38,21 +47,20 @@ export class ShotDocument {
   readonly tried = signal(NOTHING_TRIED);
   /** Edits that are on their way. */
   readonly pending = signal(0);
-  readonly #readout = signal<{ readonly revision: number; readonly time: number; readonly value: Readout } | null>(
-    null,
-  );
+  readonly #readout = signal<(At & { readonly value: Readout }) | null>(null);
   readonly #triedReadout = signal<{ readonly time: number; readonly value: Readout } | null>(null);
   readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
   readonly #curveRevision = signal(-1);
-  readonly #labels = signal<Labels>(new Map());
   readonly #time: ReadonlySignal<number>;
 
   readonly #service: Service;
   readonly #fail: Fail;
-  readonly #pointsAt = new Recent<Promise<FocusPoint[]>>(512);
-  readonly #followPoints: NewestWins<number, FocusPoint[]>;
-  readonly #followReadout: NewestWins<{ time: number; revision: number }, Readout>;
-  readonly #followSettings: NewestWins<{ time: number; revision: number }, FocusSettings>;
+  /** The shot as the last edit left it. */
+  #edited: (Edited & At) | null = null;
+  readonly #pointsAt = new Recent<Promise<readonly FocusPoint[]>>(512);
+  readonly #followPoints: NewestWins<number, readonly FocusPoint[]>;
+  readonly #followReadout: NewestWins<At, Readout>;
+  readonly #followSettings: NewestWins<At, FocusSettings>;
   readonly #followCurve: NewestWins<number, Curve>;
   #queue: Promise<unknown> = Promise.resolve();
 
@@ -70,12 +78,8 @@ export class ShotDocument {
     });
     this.#followReadout = new NewestWins({
       load: ({ time: at }, signal) => service.readout(this.view, at, signal),
-      onResult: (value, request) => {
-        batch(() => {
-          this.#readout.value = { ...request, value };
-          if (request.revision === this.revision.value && this.tried.value.length === 0)
-            this.#triedReadout.value = null;
-        });
+      onResult: (value, at) => {
+        this.#takeReadout(value, at);
       },
       onError: fail,
       mostInFlight: 1,
@@ -129,20 +133,32 @@ export class ShotDocument {
     if (!this.hasLens) return;
     this.#followPoints.want({ request: time });
     if (moving) return;
-    this.#followReadout.want({ request: { time, revision } });
-    this.#followSettings.want({ request: { time, revision } });
+    const at = { time, revision };
+    const edited = this.edited(at);
+    if (edited?.readout) this.#takeReadout(edited.readout, at);
+    else this.#followReadout.want({ request: at });
+    if (edited?.focusSettings) this.#settings.value = { revision, value: edited.focusSettings };
+    else this.#followSettings.want({ request: at });
   }
 
   /** Fetches the curve of a revision. */
   refreshCurve(revision: number): void {
     if (!this.hasLens) return;
-    this.#followCurve.want({ request: revision });
+    if (this.#edited?.revision === revision && this.#edited.curve) {
+      this.curve.value = this.#edited.curve;
+      this.#curveRevision.value = revision;
+    } else this.#followCurve.want({ request: revision });
+  }
+
+  /** The answer to the edit that made a revision, where it is of that time: nothing has to be read again. */
+  edited({ time, revision }: At): Edited | null {
+    return this.#edited?.revision === revision && sameTime(this.#edited.time, time) ? this.#edited : null;
   }
 
   /** The focus points at a time, asked for once in each revision. */
-  pointsAt(time: number): Promise<FocusPoint[]> {
+  pointsAt(time: number): Promise<readonly FocusPoint[]> {
     if (!this.hasLens) return Promise.resolve([]);
-    const name = `${this.revision.value}@${time}`;
+    const name = nameOf({ time, revision: this.revision.value });
     const known = this.#pointsAt.get(name);
     if (known) return known;
     const asked = this.#service.focusPoints(this.view, time);
@@ -153,23 +169,26 @@ export class ShotDocument {
     return asked;
   }
 
-  readonly undoLabel = computed(() => undoLabel(this.history.value, this.#labels.value));
-  readonly redoLabel = computed(() => redoLabel(this.history.value, this.#labels.value));
+  readonly undoLabel = computed(() => undoLabel(this.history.value));
+  readonly redoLabel = computed(() => redoLabel(this.history.value));
 
   /**
-   * Makes an edit, which is one step of undo. Resolves to whether it was made.
+   * Makes an edit: one request, all of it or nothing, one step of undo. Resolves to whether it was made.
    *
+   * @param changes a promise where they have to be read first, as from a file.
    * @param tried is shown until then, and is what comes of it.
    */
-  edit(label: string, change: Change, tried?: readonly Trial[]): Promise<boolean> {
-    if (change.length === 0) {
+  edit(label: string, changes: Changes | Promise<Changes>, tried?: Changes): Promise<boolean> {
+    if (!(changes instanceof Promise) && changes.length === 0) {
       if (tried) this.stopTrying();
       return Promise.resolve(true);
     }
     const time = this.#time.peek();
+    const withCurve = frameCount(this.shot.range) <= MOST_CURVE_FRAMES;
     return this.#inTurn(async () => {
-      await this.#make(change, time, freshGesture());
-      await this.#name(label);
+      const edited = await this.#service.edit(this.view, { label, changes: await changes, time, withCurve });
+      this.history.value = edited.history;
+      return { ...edited, time };
     }, tried);
   }
 
@@ -179,6 +198,7 @@ export class ShotDocument {
     return this.#inTurn(async () => {
       const { before, revision } = this.history.value;
       if (before !== null) this.history.value = await this.#service.undo(this.shot.id, revision);
+      return null;
     });
   }
 
@@ -187,6 +207,7 @@ export class ShotDocument {
     return this.#inTurn(async () => {
       const { after, revision } = this.history.value;
       if (after !== null) this.history.value = await this.#service.redo(this.shot.id, revision);
+      return null;
     });
   }
 
@@ -207,17 +228,17 @@ export class ShotDocument {
   /**
    * Starts a drag. Its values are tried in the picture; the last one is made an edit.
    *
-   * @param make the change to a value.
+   * @param make the changes to a value.
    */
-  drag<Value>(label: string, make: (value: Value) => Change): Drag<Value> {
+  drag<Value>(label: string, make: (value: Value) => Changes): Drag<Value> {
     return {
       move: (value) => {
         this.try(make(value));
       },
       commit: (value) => {
-        const change = make(value);
-        this.tried.value = change;
-        void this.edit(label, change, change);
+        const changes = make(value);
+        this.tried.value = changes;
+        void this.edit(label, changes, changes);
         this.dragging.value = false;
       },
       cancel: () => {
@@ -227,7 +248,7 @@ export class ShotDocument {
   }
 
   /** Has the picture show what is not saved, in place of what it tried before. */
-  try(tried: readonly Trial[]): void {
+  try(tried: Changes): void {
     batch(() => {
       this.tried.value = tried;
       this.dragging.value = true;
@@ -244,16 +265,23 @@ export class ShotDocument {
   }
 
   /** The lens in a picture in which something was tried. */
-  hearReadout(readout: Readout, tried: readonly Trial[]): void {
+  hearReadout(readout: Readout, tried: Changes): void {
     if (tried === this.tried.value || this.dragging.value)
       this.#triedReadout.value = { time: this.#time.peek(), value: readout };
   }
 
-  /** Asks again for everything, as after an edit. */
-  refresh(): void {
+  /**
+   * Shows the shot as it is now.
+   *
+   * @param edited what the answer to an edit says of it; null reads everything again.
+   */
+  refresh(edited: (Edited & { readonly time: number }) | null = null): void {
+    const revision = this.revision.value + 1;
     this.#service.forget(this.shot.id);
     this.#pointsAt.clear();
-    this.revision.value += 1;
+    this.#edited = edited && { ...edited, revision };
+    if (edited?.points) this.#pointsAt.set(nameOf({ time: edited.time, revision }), Promise.resolve(edited.points));
+    this.revision.value = revision;
   }
 
   /** Lets go of everything that is under way. */
@@ -262,16 +290,25 @@ export class ShotDocument {
       follower.clear();
   }
 
+  #takeReadout(value: Readout, at: At): void {
+    batch(() => {
+      this.#readout.value = { ...at, value };
+      if (at.revision === this.revision.value && this.tried.value.length === 0) this.#triedReadout.value = null;
+    });
+  }
+
   /**
-   * Does something after all that was begun before, and then asks again for everything. Resolves to whether it was done.
+   * Does something after all that was begun before, and then shows the shot as it is. Resolves to whether it was done.
    *
+   * @param task resolves to the answer to an edit, or to null where everything is to be read again.
    * @param tried is not shown any more then.
    */
-  #inTurn(task: () => Promise<void>, tried?: readonly Trial[]): Promise<boolean> {
+  #inTurn(task: () => Promise<(Edited & { readonly time: number }) | null>, tried?: Changes): Promise<boolean> {
     this.pending.value += 1;
     const done = this.#queue.then(async () => {
+      let edited: (Edited & { readonly time: number }) | null = null;
       try {
-        await task();
+        edited = await task();
         return true;
       } catch (error) {
         if (!isAbort(error)) this.#fail(error);
@@ -281,7 +318,7 @@ export class ShotDocument {
       } finally {
         batch(() => {
           if (tried && this.tried.value === tried) this.tried.value = NOTHING_TRIED;
-          this.refresh();
+          this.refresh(edited);
           this.pending.value -= 1;
         });
       }
@@ -289,39 +326,9 @@ export class ShotDocument {
     this.#queue = done;
     return done;
   }
-
-  /** Sends commands; if one of several is refused, those before it are taken back. */
-  async #make(change: Change, time: number, gesture: string): Promise<void> {
-    const before = change.length > 1 ? (await this.#service.history(this.shot.id)).revision : null;
-    let made = 0;
-    try {
-      for (const command of change) {
-        await this.#service.perform(this.view, command, time, gesture);
-        made += 1;
-      }
-    } catch (error) {
-      if (before !== null && made > 0) await this.#takeBack(before, gesture).catch(() => undefined);
-      throw error;
-    }
-  }
-
-  /** Goes back to a revision, unless somebody else edited since. Within the gesture that leaves no trace in the history. */
-  async #takeBack(revision: string, gesture: string): Promise<void> {
-    const now = await this.#service.history(this.shot.id);
-    if (now.before === revision) await this.#service.restore(this.shot.id, revision, now.revision, gesture);
-    this.history.value = await this.#service.history(this.shot.id);
-  }
-
-  /** Gives the edit that was made last the name that a person knows it by. */
-  async #name(label: string): Promise<void> {
-    const history = await this.#service.history(this.shot.id);
-    if (history.revision !== this.history.value.revision)
-      this.#labels.value = new Map(this.#labels.value).set(history.revision, label);
-    this.history.value = history;
-  }
 }
 
-/** Names one edit among those of all who edit the shot. */
-function freshGesture(): string {
-  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (word) => word.toString(36)).join("-");
+/** Names what was read at a time of a revision. */
+function nameOf({ time, revision }: At): string {
+  return `${revision}@${time}`;
 }

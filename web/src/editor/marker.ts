@@ -19,7 +19,7 @@ export class MarkerDrag {
     const { name } = this.#point;
     this.#last = at;
     this.#session.selected.value = name;
-    this.#session.document.try([{ do: "place", name, at }]);
+    this.#session.document.try([{ type: "movePoint", name, place: at, time: this.#session.playhead.time.peek() }]);
   }
 
   /** Puts the point there. */

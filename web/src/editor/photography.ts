@@ -17,7 +17,7 @@ import {
   type MeterReading,
   type Photography,
 } from "../model/photography";
-import { setExposure, setFilm, type Change } from "../model/command";
+import { setExposure, setFilm } from "../model/changes";
 import { NewestWins } from "../net/newest";
 import type { Service } from "../net/service";
 import type { Drag, ShotDocument } from "./document";
@@ -69,7 +69,10 @@ export class CameraPhotography {
   follow(time: number, moving: boolean, revision: number): void {
     // While something moves, what is dragged is shown as it goes and the rest can wait.
     if (!this.#document.hasLens || (moving && this.said.peek() !== null)) return;
-    this.#follow.want({ request: { time, revision } });
+    const at = { time, revision };
+    const photography = this.#document.edited(at)?.photography;
+    if (photography) this.said.value = { ...photography, ...at };
+    else this.#follow.want({ request: at });
   }
 
   /**
@@ -124,10 +127,6 @@ export class CameraPhotography {
   dragFilm(label: string, name: FilmNumber, before: FilmSettings): Drag<number> {
     const time = this.#time();
     return this.#document.drag(label, (value: number) => setFilm({ [name]: value }, time, before));
-  }
-
-  edit(label: string, change: Change): void {
-    void this.#document.edit(label, change);
   }
 
   close(): void {

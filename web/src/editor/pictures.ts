@@ -4,11 +4,11 @@
  */
 
 import { signal } from "@preact/signals";
-import type { Trial } from "../model/command";
+import type { Changes } from "../model/changes";
 import { draftQuality, type Quality } from "../model/quality";
 import type { FocusPoint, Readout } from "../model/shot";
 import { sameTime } from "../model/time";
-import type { LiveLink, LivePicture, Wish } from "../net/live";
+import type { LiveLink, LivePicture, Wish } from "../net/live_link";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
 import type { Service } from "../net/service";
@@ -28,7 +28,7 @@ export interface Displayed extends Omit<LivePicture, "blob"> {
   readonly revision: number;
   /** That was asked for; the picture may be less. */
   readonly quality: Quality;
-  readonly tried: readonly Trial[];
+  readonly tried: Changes;
   readonly points: readonly FocusPoint[];
 }
 
@@ -56,7 +56,7 @@ export class Pictures {
   readonly #document: ShotDocument;
   readonly #link: LiveLink;
   readonly #fetcher: NewestWins<Asked, LivePicture>;
-  readonly #hearReadout: (readout: Readout, tried: readonly Trial[]) => void;
+  readonly #hearReadout: (readout: Readout, tried: Changes) => void;
   readonly #kept = new Recent<Kept>(MOST_KEPT);
   #isLive = true;
   #keptRevision = -1;

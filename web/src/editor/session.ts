@@ -10,13 +10,13 @@ import {
   setLens,
   toggleKey,
   toggleSettingKey,
-  type Change,
+  type Changes,
   type FocusChange,
-  type SettingsKind,
   type SimpleAttribute,
-} from "../model/command";
+} from "../model/changes";
 import type { LensSummary } from "../model/lens";
-import type { BodySummary, Keyed } from "../model/photography";
+import type { Keyed, KeyedSetting } from "../model/keys";
+import type { BodySummary } from "../model/photography";
 import { freshName, pullTo } from "../model/pull";
 import { restQuality } from "../model/quality";
 import {
@@ -39,6 +39,7 @@ import {
 } from "../model/shot";
 import { sameTime } from "../model/time";
 import { HintError } from "../net/errors";
+import { base64Of } from "../net/files";
 import type { CurveFormat, Download, PictureFormat, Service } from "../net/service";
 import { ShotDocument, type Drag } from "./document";
 import { CameraPhotography } from "./photography";
@@ -151,24 +152,24 @@ export class Session {
     const points = await this.document.pointsAt(time);
     const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
     if (moved) {
-      const change: Change = [{ do: "changePoint", name: moved.name, change: { anchor } }];
-      await this.document.edit(`Move ${moved.name}`, change, this.document.tried.peek());
+      const changes: Changes = [{ type: "movePoint", name: moved.name, anchor, time }];
+      await this.document.edit(`Move ${moved.name}`, changes, this.document.tried.peek());
       return;
     }
     const name = freshName(
       thingName(anchor.target[0] ?? ""),
       points.map((point) => point.name),
     );
-    const pull = intent === "add" ? [] : pullChange(name, time, points);
-    const change: Change = [...this.#byPoints(), { do: "addPoint", name, anchor }, ...pull];
-    if (await this.document.edit(`Focus on ${name}`, change)) this.selected.value = name;
+    const pull = intent === "add" ? [] : pullChanges(name, time, points);
+    const changes: Changes = [...this.#byPoints(), { type: "addPoint", point: { name, ...anchor } }, ...pull];
+    if (await this.document.edit(`Focus on ${name}`, changes)) this.selected.value = name;
   }
 
   /** Gives a point that is there already the focus at this time. */
   pullTo(point: FocusPoint): void {
     const time = this.playhead.time.value;
     const on = point.settings.enabled ? [] : setAttribute(point, "enabled", 1, time);
-    const pull = pullChange(point.name, time, this.document.points.value);
+    const pull = pullChanges(point.name, time, this.document.points.value);
     this.selected.value = point.name;
     void this.document.edit(`Focus on ${point.name}`, [...this.#byPoints(), ...on, ...pull]);
   }
@@ -198,19 +199,19 @@ export class Session {
   });
 
   /** Lets the points decide the focus, in the way that they do already. */
-  #byPoints(): Change {
+  #byPoints(): Changes {
     return this.document.readout.value?.focusMode === "manual" ? setFocusMode("points", "manual") : [];
   }
 
   setKind(point: FocusPoint, kind: PointSettings["kind"]): void {
-    void this.document.edit(`Make ${point.name} ${kind}`, setKind(point, kind));
+    void this.document.edit(`Make ${point.name} ${kind}`, setKind(point, kind, this.playhead.time.value));
   }
 
   /** Racks the focus from one point to another, from now on. */
   rack(from: FocusPoint, to: string, frames: number, ease: Ease): void {
     const start = this.playhead.time.value;
     const rack = { from: from.name, to, start, end: start + frames, ease };
-    void this.document.edit(`Rack to ${to}`, [...this.#byPoints(), { do: "rack", rack }]);
+    void this.document.edit(`Rack to ${to}`, [...this.#byPoints(), { type: "rack", rack }]);
   }
 
   /** Goes to the next key of a point, or with -1 to the one before. */
@@ -237,7 +238,7 @@ export class Session {
 
   remove(point: FocusPoint): void {
     if (this.selected.value === point.name) this.selected.value = null;
-    void this.document.edit(`Remove ${point.name}`, [{ do: "removePoint", name: point.name }]);
+    void this.document.edit(`Remove ${point.name}`, [{ type: "removePoint", name: point.name }]);
   }
 
   dragLens(label: string, name: keyof Lens, before: Readout): Drag<number> {
@@ -247,26 +248,32 @@ export class Session {
 
   /** Puts a lens of the library on the camera, or with null the thin lens. */
   mountLens(lens: LensSummary | null): void {
-    void this.document.edit(`Mount ${lens?.title ?? "the thin lens"}`, [{ do: "mountLens", lens: lens?.name ?? null }]);
+    void this.document.edit(`Mount ${lens?.title ?? "the thin lens"}`, [
+      { type: "setCamera", values: { lens: lens?.name ?? null } },
+    ]);
   }
 
   mountBody(body: BodySummary): void {
-    void this.document.edit(`Mount the ${body.title}`, [{ do: "mountBody", body: body.name }]);
+    void this.document.edit(`Mount the ${body.title}`, [{ type: "setCamera", values: { body: body.name } }]);
   }
 
   /** Gives the camera the focus curve of a file; it is focused by hand then. */
   importCurve(file: File): void {
-    void this.document.edit(`Import ${file.name}`, [{ do: "importCurve", file }]);
+    const changes = base64Of(file).then((content): Changes => [{ type: "importCurve", content, gaps: "interpolate" }]);
+    void this.document.edit(`Import ${file.name}`, changes);
   }
 
   /** Sets or removes a key of a setting at this time. */
-  toggleSettingKey(label: string, of: SettingsKind, setting: string, value: number, keys: Keyed): void {
-    const change = toggleSettingKey(of, setting, value, this.playhead.time.value, keys);
-    void this.document.edit(`Key of ${label}`, change);
+  toggleSettingKey(label: string, setting: KeyedSetting, value: number, keys: Keyed): void {
+    const changes = toggleSettingKey(setting, value, this.playhead.time.value, keys);
+    void this.document.edit(`Key of ${label}`, changes);
   }
 
   mountLensFile(file: File): void {
-    void this.document.edit(`Mount ${file.name}`, [{ do: "mountLensFile", file }]);
+    const changes = base64Of(file).then((content): Changes => [
+      { type: "mountLensFile", fileName: file.name, content },
+    ]);
+    void this.document.edit(`Mount ${file.name}`, changes);
   }
 
   downloadCurve(format: CurveFormat): Promise<Download> {
@@ -338,13 +345,13 @@ export class Session {
   }
 }
 
-/** The keys that give a point the focus at a time, as an edit. */
-function pullChange(name: string, time: number, points: readonly FocusPoint[]): Change {
-  const isThere = new Map(points.map((point) => [point.name, point]));
-  return pullTo(name, time, points).flatMap((key): Change => {
-    const point = isThere.get(key.point);
+/** The keys that give a point the focus at a time. */
+function pullChanges(name: string, time: number, points: readonly FocusPoint[]): Changes {
+  const known = new Map(points.map((point) => [point.name, point]));
+  return pullTo(name, time, points).flatMap((key): Changes => {
+    const point = known.get(key.point);
     if (point) return setKey(point, "weight", key.value, key.time);
     const { time: at, value } = key;
-    return [{ do: "setKey", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
+    return [{ type: "keyPoint", name, attribute: "weight", key: { time: at, value, interpolation: "auto" } }];
   });
 }

@@ -12,27 +12,25 @@ export interface EditHistory {
   readonly before: string | null;
   /** Revision that a redo goes on to; null for nothing to do again. */
   readonly after: string | null;
-  /** What an undo takes back, in the service's words. */
+  /** Label of the edit that an undo takes back. */
   readonly undo: string;
-  /** What a redo does again, in the service's words. */
+  /** Label of the edit that a redo does again. */
   readonly redo: string;
 }
 
 export const NO_HISTORY: EditHistory = { revision: "", before: null, after: null, undo: "", redo: "" };
 
-/** What the person called the edits of this visit; those of others have the service's words. */
-export type Labels = ReadonlyMap<string, string>;
-
 /** What an undo would take back, for a button: "Focus on lantern"; null for nothing. */
-export function undoLabel(history: EditHistory, labels: Labels): string | null {
-  return history.before === null ? null : (labels.get(history.revision) ?? capitalised(history.undo));
+export function undoLabel(history: EditHistory): string | null {
+  return history.before === null ? null : capitalised(history.undo);
 }
 
 /** What a redo would do again; null for nothing. */
-export function redoLabel(history: EditHistory, labels: Labels): string | null {
-  return history.after === null ? null : (labels.get(history.after) ?? capitalised(history.redo));
+export function redoLabel(history: EditHistory): string | null {
+  return history.after === null ? null : capitalised(history.redo);
 }
 
+/** Edits that were made without a label have the service's words, in lower case. */
 function capitalised(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -1,9 +1,6 @@
 /** How a camera takes the picture: its exposure, shutter, film and grade, and what a light meter says. */
 
-import type { Key } from "./shot";
-
-/** Keys of settings by their names; those that are not keyed are not there. */
-export type Keyed = Readonly<Record<string, readonly Key[]>>;
+import type { Keyed, KeyedSetting } from "./keys";
 
 export interface ExposureSettings {
   readonly exposureTimeS: number;
@@ -57,8 +54,9 @@ export interface FilmSettings {
   readonly keys: Keyed;
 }
 
-export type ExposureNumber = NumbersOf<ExposureSettings>;
-export type FilmNumber = NumbersOf<FilmSettings>;
+/** The numbers that take keys. */
+export type ExposureNumber = Extract<NumbersOf<ExposureSettings>, KeyedSetting>;
+export type FilmNumber = Extract<NumbersOf<FilmSettings>, KeyedSetting>;
 type NumbersOf<Settings> = { [Name in keyof Settings]: Settings[Name] extends number ? Name : never }[keyof Settings];
 
 export type ExposureChange = Partial<Omit<ExposureSettings, "keys">>;

@@ -6,7 +6,8 @@
  * which somebody else was keyed, the point gets 0, so that what was decided there stays, and between them focus racks.
  */
 
-import { keysOf, type FocusPoint, type Key } from "./shot";
+import type { Key } from "./keys";
+import { keysOf, type FocusPoint } from "./shot";
 import { sameTime } from "./time";
 
 /** One weight key to set. */

@@ -1,6 +1,6 @@
 /** What the page knows of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
 
-import type { Keyed } from "./photography";
+import type { Key, Keyed } from "./keys";
 import type { FrameRange } from "./time";
 
 export interface ShotSummary {
@@ -116,15 +116,6 @@ export interface Readout extends LensSample {
   readonly lensName: string;
   /** How light passes it. */
   readonly lensModel: string;
-}
-
-/** `auto` eases in and out of its neighbours without overshooting them. */
-export type Interpolation = "held" | "linear" | "bezier" | "auto";
-
-export interface Key {
-  readonly time: number;
-  readonly value: number;
-  readonly interpolation: Interpolation;
 }
 
 /** The attributes of a focus point that take keys. `enabled` is 0 or 1. */

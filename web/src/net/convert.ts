@@ -3,14 +3,14 @@
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
-import type { FilmSummary, Keyed, MeterReading, Photography } from "../model/photography";
+import type { Key, Keyed } from "../model/keys";
+import type { FilmSummary, MeterReading, Photography } from "../model/photography";
 import {
   KEYED_ATTRIBUTES,
   type Anchor,
   type CameraSummary,
   type FocusPoint,
   type FocusSettings,
-  type Key,
   type LensSample,
   type Pick,
   type Readout,
@@ -18,6 +18,7 @@ import {
   type ShotSummary,
 } from "../model/shot";
 import type { components } from "./schema";
+import type { Edited } from "./service";
 
 export type Json = components["schemas"];
 
@@ -139,6 +140,18 @@ export function toHistory(json: Json["EditHistory"]): EditHistory {
     after: redo === null ? null : (steps[now + 1]?.revision ?? null),
     undo: undo ?? "",
     redo: redo ?? "",
+  };
+}
+
+export function toEdited({ history, state }: Json["EditResult"]): Edited {
+  const { exposure, film, exposureReadout } = state ?? {};
+  return {
+    history: { ...history, undo: history.undo ?? "", redo: history.redo ?? "" },
+    points: state?.focusPoints?.focusPoints.map(toPoint) ?? null,
+    readout: state?.readout ? toReadout(state.readout) : null,
+    focusSettings: state?.focus ? toFocusSettings(state.focus) : null,
+    photography: exposure && film && exposureReadout ? toPhotography(exposure, film, exposureReadout) : null,
+    curve: state?.curve ? toCurve(state.curve) : null,
   };
 }
 

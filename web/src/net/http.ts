@@ -1,7 +1,6 @@
 /** The service over REST, by its OpenAPI document: `npm run types` writes `schema.d.ts` from it. */
 
 import createClient, { type Client } from "openapi-fetch";
-import type { Command } from "../model/command";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
@@ -10,6 +9,7 @@ import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import {
   toCurve,
+  toEdited,
   toFilm,
   toFocusSettings,
   toHistory,
@@ -24,12 +24,20 @@ import {
   type Json,
 } from "./convert";
 import { errorOf, isAbort, UnreachableError } from "./errors";
-import { LiveSocket, liveAddress, type LiveEar, type LiveLink } from "./live";
-import { CAMERA, cameraOf, pointThing, POINTS, send, thingOf, type Answer } from "./perform";
+import { LiveSocket, liveAddress } from "./live";
+import type { LiveEar, LiveLink } from "./live_link";
 import type { paths } from "./schema";
-import type { CurveFormat, Download, PictureFormat, Service, View } from "./service";
-import { TagBook } from "./tags";
+import type { CurveFormat, Download, Edit, Edited, PictureFormat, Service } from "./service";
+import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
+import { cameraOf, type View } from "./view";
+
+/** What openapi-fetch resolves to: one of the two is there. */
+interface Answer<Data> {
+  readonly data?: Data;
+  readonly error?: unknown;
+  readonly response: Response;
+}
 
 export class HttpService implements Service {
   readonly #base: string;
@@ -114,12 +122,6 @@ export class HttpService implements Service {
     return this.#asWhole(shot, async () => toHistory(await result(asked)));
   }
 
-  async restore(shot: string, to: string, now: string, gesture: string): Promise<void> {
-    const { params } = ifStill(shot, now);
-    const options = { params: { ...params, query: { gesture } }, body: { revision: to } };
-    return this.#asWhole(shot, () => done(this.#client.PUT("/v1/shots/{shot}/edits", options)));
-  }
-
   async notes(shot: string): Promise<readonly Note[]> {
     const asked = this.#client.GET("/v1/shots/{shot}/inspect", { params: { path: { shot } } });
     return (await result(asked)).notes;
@@ -138,7 +140,7 @@ export class HttpService implements Service {
     const asked = this.#client.GET("/v1/shots/{shot}/focus-points", { ...at(view, { time }), ...abortable(signal) });
     const { focusPoints, etag } = await result(asked);
     read(POINTS, etag);
-    for (const point of focusPoints) read(pointThing(point.name), point.etag);
+    for (const point of focusPoints) read(pointAddress(point.name), point.etag);
     return focusPoints.map(toPoint);
   }
 
@@ -168,19 +170,18 @@ export class HttpService implements Service {
     return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", { params: { path }, body })));
   }
 
-  async perform(view: View, command: Command, time: number, gesture: string): Promise<void> {
+  async edit(view: View, { label, changes, time, withCurve }: Edit): Promise<Edited> {
     const tags = this.#tagsOf(view);
-    const madeUpon = thingOf(command);
+    const ifMatch = tags.ifMatch(changes);
+    const params = { path: { shot: view.shot }, header: ifMatch === null ? {} : { "if-match": ifMatch } };
+    const body = { ...cameraOf(view), label, changes, answer: { time, curve: withCurve } };
     tags.turn();
     try {
-      const tag = (
-        await answered(send(this.#client, view, command, { time, gesture, tag: tags.of(madeUpon) }))
-      ).headers.get("ETag");
-      if (command.do === "rack") tags.clear();
-      else tags.forget(madeUpon, POINTS);
-      if (tag !== null) tags.set("name" in command ? pointThing(command.name) : madeUpon, tag);
+      const edited = await result(this.#client.POST("/v1/shots/{shot}/edits", { params, body }));
+      tags.take(edited.changed);
+      return toEdited(edited);
     } catch (error) {
-      tags.forget(madeUpon);
+      tags.forget(changes);
       throw error;
     } finally {
       tags.turn();
@@ -262,12 +263,6 @@ async function result<Data>(asked: Promise<Answer<Data>>): Promise<Data> {
   const answer = await reached(asked);
   if (!answer.response.ok) throw errorOf(answer.response.status, answer.error);
   return answer.data as Data;
-}
-
-async function answered(asked: Promise<Answer<unknown>>): Promise<Response> {
-  const answer = await reached(asked);
-  if (!answer.response.ok) throw errorOf(answer.response.status, answer.error);
-  return answer.response;
 }
 
 async function done(asked: Promise<Answer<unknown>>): Promise<void> {

@@ -3,56 +3,10 @@
  * acknowledged once it is on screen, so that no more pictures are on their way than are looked at.
  */
 
-import type { Trial } from "../model/command";
-import type { Quality } from "../model/quality";
-import type { Readout } from "../model/shot";
 import { toReadout, type Json } from "./convert";
 import { errorOf } from "./errors";
-import { cameraOf, triedIn } from "./perform";
-import type { View } from "./service";
-
-/** A picture that is wanted. */
-export interface Wish {
-  readonly time: number;
-  readonly quality: Quality;
-  /** What is tried in it and not saved. */
-  readonly tried: readonly Trial[];
-  /** While a hand moves one picture will do, since the next is wanted soon; else they get better to the last. */
-  readonly moving: boolean;
-}
-
-export interface LivePicture {
-  readonly blob: Blob;
-  readonly stage: "preview" | "refining" | "final";
-  readonly width: number;
-  readonly height: number;
-  /** Lens rays for each pixel; 0 where it was blurred instead. */
-  readonly rays: number;
-  /** Of the work for the final picture. */
-  readonly share: number;
-  /** From when the service had the request to when it had the picture. */
-  readonly tookMs: number;
-}
-
-export interface LiveEar {
-  /** A picture is there; the promise resolves when it was looked at. */
-  onPicture(picture: LivePicture, wish: Wish): Promise<void>;
-  /** What the lens does in the pictures of a wish that tries something. */
-  onReadout(readout: Readout, wish: Wish): void;
-  onError(error: unknown): void;
-  /** The connection came to be, or is lost; it is tried again by itself. */
-  onOpen(isOpen: boolean): void;
-}
-
-export interface LiveLink {
-  /** Whether another wish would be looked at soon: what playing waits for. */
-  readonly free: boolean;
-  /** Asks for a picture, in place of what was wanted before. Where there is no connection it is forgotten. */
-  want(wish: Wish): void;
-  /** Gives up what was wanted, here and at the service: nothing is heard of it any more. */
-  forget(): void;
-  close(): void;
-}
+import type { LiveEar, LiveLink, Wish } from "./live_link";
+import { cameraOf, type View } from "./view";
 
 /** The part of a WebSocket that is used. */
 export type Socket = Pick<WebSocket, "send" | "close" | "binaryType" | "onopen" | "onclose" | "onmessage">;
@@ -140,12 +94,11 @@ export class LiveSocket implements LiveLink {
 
   #send(id: number, { time, quality, tried, moving }: Wish): void {
     const { width, height, rays, layers, supersample, motion, motionBy } = quality;
-    const edit = triedIn(tried);
     const asked: Json["LiveRequest"] = {
       id,
       ...cameraOf(this.#view),
       ...{ time, width, height, rays, layers, supersample, motion, motionBy, moving },
-      ...(edit && { edit }),
+      ...(tried.length > 0 && { changes: tried }),
     };
     this.#socket?.send(JSON.stringify(asked));
   }

@@ -537,7 +537,15 @@ export interface paths {
          * @description Take back every edit since a revision: the edits are then what they were. This can be undone.
          */
         readonly put: operations["restoreEdits"];
-        readonly post?: never;
+        /**
+         * Edit
+         * @description Apply changes to a camera: all of them or none, as one entry of the history.
+         *
+         *     `If-Match` takes the tag of all edits, or the tags, with commas between, of each resource that is changed: the camera, the
+         *     list of focus points (to add one, or to rack) and each focus point. The answer has their new tags, and where `answer` asks for
+         *     it the state of the camera, so that nothing has to be read again. Its own `ETag` is that of all edits.
+         */
+        readonly post: operations["edit"];
         readonly delete?: never;
         readonly options?: never;
         readonly head?: never;
@@ -977,6 +985,65 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * AddPoint
+         * @description Add a focus point. Where the camera is focused by hand, its points focus it from then on.
+         * @example {
+         *       "point": {
+         *         "barycentric": [
+         *           0.2,
+         *           0.3,
+         *           0.5
+         *         ],
+         *         "face": 1042,
+         *         "fanTriangle": 0,
+         *         "instance": -1,
+         *         "name": "driver",
+         *         "target": [
+         *           "/World/Tram/Driver"
+         *         ]
+         *       },
+         *       "type": "addPoint"
+         *     }
+         */
+        readonly AddPoint: {
+            readonly point: components["schemas"]["FocusPointCreate"];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "addPoint";
+        };
+        /**
+         * AlterPoint
+         * @description Alter values of a focus point.
+         * @example {
+         *       "name": "driver",
+         *       "time": 24,
+         *       "type": "alterPoint",
+         *       "values": {
+         *         "weight": 0.5
+         *       }
+         *     }
+         */
+        readonly AlterPoint: {
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * Time
+             * @description USD time code: a value that has keys gets one there, others hold for all time.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "alterPoint";
+            readonly values: components["schemas"]["FocusPointEdit"];
+        };
         /**
          * Anchor
          * @description A place on a surface that stays with it, however it moves.
@@ -1427,6 +1494,41 @@ export interface components {
             readonly verticalApertureMm: number;
         };
         /**
+         * CameraStateAfter
+         * @description A camera after an edit, as each resource answers it. A part that cannot be read is null: its own resource says why.
+         */
+        readonly CameraStateAfter: {
+            /** @description Of the whole shot; null where none was asked for. */
+            readonly curve: components["schemas"]["FocusCurve"] | null;
+            readonly exposure: components["schemas"]["ExposureSettings"] | null;
+            readonly exposureReadout: components["schemas"]["ExposureReadout"] | null;
+            readonly film: components["schemas"]["FilmSettings"] | null;
+            readonly focus: components["schemas"]["FocusSettings"] | null;
+            readonly focusPoints: components["schemas"]["FocusPointList"] | null;
+            readonly readout: components["schemas"]["Readout"] | null;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
+         * ChangedResource
+         * @description A resource that an edit has changed.
+         */
+        readonly ChangedResource: {
+            /**
+             * Etag
+             * @description Its new `ETag`; null for a focus point that was removed.
+             */
+            readonly etag: string | null;
+            /**
+             * Resource
+             * @description Its address below the shot: `camera`, `focus-points` (the list) or `focus-points/{name}`.
+             */
+            readonly resource: string;
+        };
+        /**
          * CurveFinding
          * @description One thing about a file that was sent.
          */
@@ -1599,6 +1701,396 @@ export interface components {
              * @description What an undo takes back; null for nothing.
              */
             readonly undo: string | null;
+        };
+        /**
+         * EditRequest
+         * @description An edit: changes of one camera that are applied in order, all of them or none.
+         * @example {
+         *       "answer": {
+         *         "curve": true,
+         *         "time": 24
+         *       },
+         *       "camera": "/World/Camera",
+         *       "changes": [
+         *         {
+         *           "point": {
+         *             "barycentric": [
+         *               0.2,
+         *               0.3,
+         *               0.5
+         *             ],
+         *             "face": 1042,
+         *             "fanTriangle": 0,
+         *             "instance": -1,
+         *             "name": "driver",
+         *             "target": [
+         *               "/World/Tram/Driver"
+         *             ]
+         *           },
+         *           "type": "addPoint"
+         *         },
+         *         {
+         *           "attribute": "weight",
+         *           "key": {
+         *             "time": 24,
+         *             "value": 1
+         *           },
+         *           "name": "driver",
+         *           "type": "keyPoint"
+         *         }
+         *       ],
+         *       "label": "Focus on driver"
+         *     }
+         */
+        readonly EditRequest: {
+            /** @description Asks for the camera's state after the edit, so that nothing has to be read again. */
+            readonly answer?: components["schemas"]["StateRequest"] | null;
+            /**
+             * Camera
+             * @description Prim path; the shot's default camera when left out.
+             */
+            readonly camera?: string | null;
+            /** Changes */
+            readonly changes: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            /**
+             * Gesture
+             * @description Names one drag of a hand: its edits, one after the other, are one step of undo.
+             * @default
+             */
+            readonly gesture?: string;
+            /**
+             * Label
+             * @description Name of the edit in the history; left out, what its changes are.
+             * @default
+             */
+            readonly label?: string;
+        };
+        /**
+         * EditResult
+         * @description The answer to an edit.
+         * @example {
+         *       "added": [
+         *         "driver"
+         *       ],
+         *       "changed": [
+         *         {
+         *           "etag": "\"77aebf18a0860070\"",
+         *           "resource": "focus-points"
+         *         },
+         *         {
+         *           "etag": "\"0b64bf18a0860070\"",
+         *           "resource": "focus-points/driver"
+         *         }
+         *       ],
+         *       "history": {
+         *         "before": "e3b0c44298fc1c14",
+         *         "revision": "5f70bf18a0860070",
+         *         "undo": "Focus on driver"
+         *       },
+         *       "racks": [],
+         *       "state": {
+         *         "exposure": {
+         *           "breathing": false,
+         *           "camera": "/World/Camera",
+         *           "compensationStops": 0,
+         *           "etag": "\"92c4bf18a0860070\"",
+         *           "exposureFStop": 2,
+         *           "exposureStop": "iris",
+         *           "exposureTimeS": 0.02083,
+         *           "flareGhosts": 0,
+         *           "flareStar": 1,
+         *           "iso": 800,
+         *           "keys": {
+         *             "compensationStops": [
+         *               {
+         *                 "interpolation": "linear",
+         *                 "time": 24,
+         *                 "value": 1
+         *               }
+         *             ]
+         *           },
+         *           "meteringCompensationStops": 0,
+         *           "meteringFocusPoint": "",
+         *           "meteringMode": "manual",
+         *           "meteringSmoothingS": 1,
+         *           "meteringSpot": [
+         *             0.5,
+         *             0.5
+         *           ],
+         *           "naturalVignetting": false,
+         *           "neutralDensity": 0.6,
+         *           "responsivity": 1,
+         *           "shutterAngleDeg": 180,
+         *           "shutterClose": 0.5,
+         *           "shutterDirection": "down",
+         *           "shutterEfficiency": [],
+         *           "shutterOpen": 0,
+         *           "shutterTravelS": 0,
+         *           "shutterType": "global",
+         *           "stopMarking": "t",
+         *           "time": 24,
+         *           "transmittance": 0.9
+         *         },
+         *         "exposureReadout": {
+         *           "bellowsFactor": 1.04,
+         *           "camera": "/World/Camera",
+         *           "compensationStops": 0,
+         *           "effectiveTStop": 2.14,
+         *           "equivalents": [
+         *             {
+         *               "exposureTimeS": 0.02083,
+         *               "fStop": 2.8,
+         *               "shutterAngleDeg": 180
+         *             }
+         *           ],
+         *           "ev100": 4.6,
+         *           "exposureScale": 0.0417,
+         *           "exposureTimeS": 0.02083,
+         *           "fStop": 2,
+         *           "greyLux": 2.7,
+         *           "greyNits": 17.3,
+         *           "isTStop": false,
+         *           "iso": 800,
+         *           "ndStops": 2,
+         *           "shutterAngleDeg": 180,
+         *           "shutterTimeS": 0.02083,
+         *           "stop": "iris",
+         *           "tStop": 2.1,
+         *           "time": 24
+         *         },
+         *         "film": {
+         *           "body": "Super 35 4-perf",
+         *           "camera": "/World/Camera",
+         *           "cdlFile": "",
+         *           "cdlOffset": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "cdlPower": [
+         *             1,
+         *             1,
+         *             1
+         *           ],
+         *           "cdlSaturation": 1,
+         *           "cdlSlope": [
+         *             1,
+         *             1,
+         *             1
+         *           ],
+         *           "curveBlue": [],
+         *           "curveGamma": [
+         *             0.6,
+         *             0.6,
+         *             0.6
+         *           ],
+         *           "curveGreen": [],
+         *           "curveMaxDensity": [
+         *             2.5,
+         *             2.5,
+         *             2.5
+         *           ],
+         *           "curveMiddleGray": 0,
+         *           "curveMinDensity": [
+         *             0.1,
+         *             0.1,
+         *             0.1
+         *           ],
+         *           "curveRed": [],
+         *           "curveShoulder": [
+         *             0.5,
+         *             0.5,
+         *             0.5
+         *           ],
+         *           "curveSource": "stock",
+         *           "curveToe": [
+         *             0.5,
+         *             0.5,
+         *             0.5
+         *           ],
+         *           "display": "sRGB - Display",
+         *           "etag": "\"92c4bf18a0860070\"",
+         *           "gateMm": [
+         *             24.89,
+         *             18.66
+         *           ],
+         *           "grainAmount": 1,
+         *           "grainRms": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "grainSeed": 0,
+         *           "grainSizeUm": 0,
+         *           "halationAmount": 0.01,
+         *           "halationColor": [
+         *             1,
+         *             0.3,
+         *             0.1
+         *           ],
+         *           "halationRadiusMm": 0.1,
+         *           "keys": {
+         *             "push": [
+         *               {
+         *                 "interpolation": "linear",
+         *                 "time": 24,
+         *                 "value": 1
+         *               }
+         *             ]
+         *           },
+         *           "look": "",
+         *           "ocioConfig": "",
+         *           "printStock": "vision_2383",
+         *           "process": "negative",
+         *           "push": 1,
+         *           "sensorClipStops": 0,
+         *           "sensorFullWellE": 40000,
+         *           "sensorReadNoiseE": 0,
+         *           "sensorSensitivity": [
+         *             1,
+         *             1,
+         *             1
+         *           ],
+         *           "speed": 0,
+         *           "stock": "vision3_500t_5219",
+         *           "time": 24,
+         *           "tint": 0,
+         *           "view": "ACES 2.0 - SDR 100 nits (Rec.709)",
+         *           "whiteBalanceK": 3200
+         *         },
+         *         "focus": {
+         *           "camera": "/World/Camera",
+         *           "circleOfConfusionMm": 0,
+         *           "deadZoneMm": 0.01,
+         *           "drivenByPoints": true,
+         *           "etag": "\"92c4bf18a0860070\"",
+         *           "expressive": 1,
+         *           "fieldOffsets": [],
+         *           "keys": {
+         *             "focusDistanceM": [
+         *               {
+         *                 "interpolation": "linear",
+         *                 "time": 24,
+         *                 "value": 1
+         *               }
+         *             ]
+         *           },
+         *           "lagS": 0.1,
+         *           "maxAngleDeg": 15,
+         *           "maxSpeedDegS": 180,
+         *           "mode": "tiltPlane",
+         *           "nearPriority": 0,
+         *           "occluded": "fade",
+         *           "offScreen": "ignore",
+         *           "riseMm": 0,
+         *           "shiftMm": 0,
+         *           "smoothingS": 0.25,
+         *           "solveStop": false,
+         *           "surfaceExponent": 3,
+         *           "swingDeg": 0,
+         *           "tiltDeg": 0,
+         *           "time": 24
+         *         },
+         *         "focusPoints": {
+         *           "etag": "\"77aebf18a0860070\"",
+         *           "focusPoints": [
+         *             {
+         *               "barycentric": [
+         *                 0.2,
+         *                 0.3,
+         *                 0.5
+         *               ],
+         *               "blurMm": 0,
+         *               "cocMm": 0,
+         *               "depthM": 3.42,
+         *               "enabled": true,
+         *               "etag": "\"0b64bf18a0860070\"",
+         *               "extent": 1,
+         *               "face": 1042,
+         *               "falloff": 0,
+         *               "fanTriangle": 0,
+         *               "instance": -1,
+         *               "keys": {
+         *                 "weight": [
+         *                   {
+         *                     "interpolation": "linear",
+         *                     "time": 24,
+         *                     "value": 1
+         *                   }
+         *                 ]
+         *               },
+         *               "kind": "sharp",
+         *               "name": "driver",
+         *               "offset": [
+         *                 0,
+         *                 0,
+         *                 0
+         *               ],
+         *               "positionM": [
+         *                 0.4,
+         *                 1.6,
+         *                 -3.1
+         *               ],
+         *               "problem": "",
+         *               "screen": [
+         *                 0.43,
+         *                 0.55
+         *               ],
+         *               "share": 1,
+         *               "state": "used",
+         *               "surfaceOffset": 0,
+         *               "target": [
+         *                 "/World/Tram/Driver"
+         *               ],
+         *               "visibleInFrame": true,
+         *               "weight": 1
+         *             }
+         *           ]
+         *         },
+         *         "readout": {
+         *           "camera": "/World/Camera",
+         *           "cocLimitMm": 0.019,
+         *           "fStop": 2,
+         *           "farM": 3.58,
+         *           "focalLengthMm": 50,
+         *           "focusDistanceM": 3.42,
+         *           "focusMode": "points",
+         *           "hyperfocalM": 65.7,
+         *           "lensModel": "prescription",
+         *           "lensName": "Planar 50 mm f/1.4",
+         *           "nearM": 3.28,
+         *           "note": "",
+         *           "reason": "focused by driver",
+         *           "source": "points",
+         *           "swingDeg": 0,
+         *           "tiltDeg": 0,
+         *           "time": 24
+         *         },
+         *         "time": 24
+         *       }
+         *     }
+         */
+        readonly EditResult: {
+            /**
+             * Added
+             * @description Names of the added focus points, in order.
+             */
+            readonly added: readonly string[];
+            /**
+             * Changed
+             * @description With their new tags, for `If-Match`; empty for no difference.
+             */
+            readonly changed: readonly components["schemas"]["ChangedResource"][];
+            readonly history: components["schemas"]["HistoryPosition"];
+            /** @description What came of an imported curve, the last if there are several. */
+            readonly imported: components["schemas"]["ImportedCurve"] | null;
+            /**
+             * Racks
+             * @description The racks as they were made, in order.
+             */
+            readonly racks: readonly components["schemas"]["Rack"][];
+            /** @description As `answer` asked for it. */
+            readonly state: components["schemas"]["CameraStateAfter"] | null;
         };
         /**
          * EditStep
@@ -3888,6 +4380,76 @@ export interface components {
             readonly status?: "ok";
         };
         /**
+         * HistoryPosition
+         * @description The present state of the edits, and its neighbours in the history.
+         */
+        readonly HistoryPosition: {
+            /**
+             * After
+             * @description Revision that a redo goes on to; null for none.
+             */
+            readonly after: string | null;
+            /**
+             * Before
+             * @description Revision that an undo goes back to; null for none.
+             */
+            readonly before: string | null;
+            /**
+             * Redo
+             * @description Label of the edit that a redo does again.
+             */
+            readonly redo: string | null;
+            /**
+             * Revision
+             * @description Of the present state.
+             */
+            readonly revision: string;
+            /**
+             * Undo
+             * @description Label of the edit that an undo takes back.
+             */
+            readonly undo: string | null;
+        };
+        /**
+         * ImportCurve
+         * @description Put a focus curve that another tool made onto the camera, which is focused by hand from then on.
+         * @example {
+         *       "content": "ZnJhbWUsZm9jdXNfZGlzdGFuY2VfbQoxLDMuNQo=",
+         *       "type": "importCurve"
+         *     }
+         */
+        readonly ImportCurve: {
+            /**
+             * Baked
+             * @description Time samples in place of splines.
+             * @default false
+             */
+            readonly baked?: boolean;
+            /**
+             * Content
+             * Format: byte
+             * @description A csv, json, OpenTrackIO or OpenTimelineIO file, in base64.
+             */
+            readonly content: string;
+            /**
+             * Firstframe
+             * @description Time code where the file's first frame comes to lie. Left out: frame numbers are kept, and what ran by timecode begins where the shot does.
+             */
+            readonly firstFrame?: number | null;
+            /**
+             * Gaps
+             * @description What becomes of rows that are missing or cannot be used.
+             * @default refuse
+             * @enum {string}
+             */
+            readonly gaps?: "refuse" | "hold" | "interpolate";
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "importCurve";
+        };
+        /**
          * ImportedCurve
          * @description What came of a focus curve that was sent.
          * @example {
@@ -4109,6 +4671,92 @@ export interface components {
              * @description For `enabled`: 0 or 1. For `blur`: mm.
              */
             readonly value: number;
+        };
+        /**
+         * KeyExposure
+         * @description Expose as a light meter says, by keys of `compensationStops`; the meter itself decides nothing from then on.
+         * @example {
+         *       "readings": [
+         *         {
+         *           "compensationStops": -1,
+         *           "time": 24
+         *         }
+         *       ],
+         *       "type": "keyExposure"
+         *     }
+         */
+        readonly KeyExposure: {
+            /**
+             * Held
+             * @description One exposure for all of them, in place of keys.
+             * @default false
+             */
+            readonly held?: boolean;
+            /**
+             * Readings
+             * @description In order of time.
+             */
+            readonly readings: readonly components["schemas"]["MeteredStops"][];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "keyExposure";
+        };
+        /**
+         * KeyPoint
+         * @description Set a key of a focus point's attribute; one at the same time is replaced.
+         * @example {
+         *       "attribute": "weight",
+         *       "key": {
+         *         "interpolation": "linear",
+         *         "time": 24,
+         *         "value": 1
+         *       },
+         *       "name": "driver",
+         *       "type": "keyPoint"
+         *     }
+         */
+        readonly KeyPoint: {
+            /**
+             * Attribute
+             * @enum {string}
+             */
+            readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
+            readonly key: components["schemas"]["KeyEdit"];
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "keyPoint";
+        };
+        /**
+         * KeySetting
+         * @description Set a key of a camera's setting; one at the same time is replaced. `focusDistanceM` is focused by hand from then on.
+         * @example {
+         *       "key": {
+         *         "interpolation": "linear",
+         *         "time": 24,
+         *         "value": 3.5
+         *       },
+         *       "setting": "focusDistanceM",
+         *       "type": "keySetting"
+         *     }
+         */
+        readonly KeySetting: {
+            readonly key: components["schemas"]["KeyEdit"];
+            /** Setting */
+            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "keySetting";
         };
         /**
          * Lens
@@ -4616,17 +5264,18 @@ export interface components {
              */
             readonly camera?: string | null;
             /**
+             * Changes
+             * @description Changes that are tried in these pictures and not kept: those that an edit takes.
+             * @default []
+             */
+            readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
+            /**
              * Display
              * @description Of the OpenColorIO configuration, in place of the shot's.
              * @default null
              * @example sRGB - Display
              */
             readonly display?: string | null;
-            /**
-             * @description What is tried in these pictures, and not kept.
-             * @default null
-             */
-            readonly edit?: components["schemas"]["UnsavedEdit"] | null;
             /**
              * Engine
              * @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed since the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp.
@@ -5032,6 +5681,44 @@ export interface components {
             readonly time: number;
         };
         /**
+         * MakeRack
+         * @description Rack the focus from one focus point to another, by keys of their weights.
+         * @example {
+         *       "rack": {
+         *         "ease": "smooth",
+         *         "end": 36,
+         *         "from": "driver",
+         *         "start": 24,
+         *         "to": "sign"
+         *       },
+         *       "type": "rack"
+         *     }
+         */
+        readonly MakeRack: {
+            readonly rack: components["schemas"]["RackCreate"];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "rack";
+        };
+        /**
+         * MeteredStops
+         * @description What a light meter says of one frame.
+         */
+        readonly MeteredStops: {
+            /**
+             * Compensationstops
+             * @description As `meter` gives it; null for a black frame, which is bridged.
+             */
+            readonly compensationStops: number | null;
+            /**
+             * Time
+             * @description USD time code.
+             */
+            readonly time: number;
+        };
+        /**
          * MeterReading
          * @description What a light meter on a camera says at one time.
          * @example {
@@ -5104,6 +5791,73 @@ export interface components {
             readonly stops: number | null;
             /** Time */
             readonly time: number;
+        };
+        /**
+         * MountLensFile
+         * @description Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has.
+         * @example {
+         *       "content": "MzAgNCAxLjUxNjggMjAK",
+         *       "fileName": "plano-convex.dat",
+         *       "type": "mountLensFile"
+         *     }
+         */
+        readonly MountLensFile: {
+            /**
+             * Content
+             * Format: byte
+             * @description pbrt's .dat, Zemax's .zmx, CODE V's .seq, an Optical Bench .txt or a data sheet .lens file, in base64.
+             */
+            readonly content: string;
+            /**
+             * Filename
+             * @description Its extension names the format.
+             */
+            readonly fileName: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "mountLensFile";
+        };
+        /**
+         * MovePoint
+         * @description Move a focus point to an anchor, or to the surface that is seen at a place of the picture.
+         * @example {
+         *       "name": "driver",
+         *       "place": [
+         *         0.43,
+         *         0.55
+         *       ],
+         *       "time": 24,
+         *       "type": "movePoint"
+         *     }
+         */
+        readonly MovePoint: {
+            /** @description Where to, as a pick gives it. */
+            readonly anchor?: components["schemas"]["Anchor"] | null;
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * Place
+             * @description In place of an anchor: from (0, 0) in the picture's top left corner to (1, 1) in the bottom right one, in the picture before the edit. Where nothing is seen, an edit is refused, and a live picture leaves the point.
+             */
+            readonly place?: readonly [
+                number,
+                number
+            ] | null;
+            /**
+             * Time
+             * @description USD time code of the picture, and of the key of what has keys.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "movePoint";
         };
         /**
          * Note
@@ -5527,6 +6281,26 @@ export interface components {
             readonly time: number;
         };
         /**
+         * RemovePoint
+         * @description Remove a focus point and its keys.
+         * @example {
+         *       "name": "driver",
+         *       "type": "removePoint"
+         *     }
+         */
+        readonly RemovePoint: {
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "removePoint";
+        };
+        /**
          * Restore
          * @description Which state of the edits to go back to.
          * @example {
@@ -5539,6 +6313,151 @@ export interface components {
              * @description A `revision` that the shot has had; the newest 200 are kept.
              */
             readonly revision: string;
+        };
+        /**
+         * SetCamera
+         * @description Set f-number, focal length, focus distance or focus mode, or mount a lens or a body of the library.
+         * @example {
+         *       "type": "setCamera",
+         *       "values": {
+         *         "fStop": 2.8,
+         *         "lens": "planar_50"
+         *       }
+         *     }
+         */
+        readonly SetCamera: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setCamera";
+            readonly values: components["schemas"]["CameraEdit"];
+        };
+        /**
+         * SetExposure
+         * @description Set how the camera exposes: stop, shutter, sensitivity, filters and meter.
+         * @example {
+         *       "type": "setExposure",
+         *       "values": {
+         *         "iso": 800,
+         *         "shutterAngleDeg": 172.8
+         *       }
+         *     }
+         */
+        readonly SetExposure: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setExposure";
+            readonly values: components["schemas"]["ExposureSettingsEdit"];
+        };
+        /**
+         * SetFilm
+         * @description Put a film stock in the camera, or set film, sensor and grade.
+         * @example {
+         *       "type": "setFilm",
+         *       "values": {
+         *         "push": 1,
+         *         "stock": "5219"
+         *       }
+         *     }
+         */
+        readonly SetFilm: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setFilm";
+            readonly values: components["schemas"]["FilmSettingsEdit"];
+        };
+        /**
+         * SetFocus
+         * @description Set how the focus is found: the mode, the solver, the hand on the ring, tilt and shift.
+         * @example {
+         *       "type": "setFocus",
+         *       "values": {
+         *         "maxAngleDeg": 12,
+         *         "mode": "tiltPlane"
+         *       }
+         *     }
+         */
+        readonly SetFocus: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setFocus";
+            readonly values: components["schemas"]["FocusSettingsEdit"];
+        };
+        /**
+         * SetPointTangents
+         * @description Set the tangents of a key of a focus point's attribute, which makes it a bezier key. Its value stays.
+         * @example {
+         *       "attribute": "weight",
+         *       "name": "driver",
+         *       "tangents": {
+         *         "inSlope": 0,
+         *         "inWidth": 4,
+         *         "outSlope": 0,
+         *         "outWidth": 4
+         *       },
+         *       "time": 24,
+         *       "type": "setPointTangents"
+         *     }
+         */
+        readonly SetPointTangents: {
+            /**
+             * Attribute
+             * @enum {string}
+             */
+            readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            readonly tangents: components["schemas"]["TangentsEdit"];
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setPointTangents";
+        };
+        /**
+         * SetSettingTangents
+         * @description Set the tangents of a key of a camera's setting, which makes it a bezier key. Its value stays.
+         * @example {
+         *       "setting": "focusDistanceM",
+         *       "tangents": {
+         *         "inSlope": 0,
+         *         "inWidth": 4,
+         *         "outSlope": 0,
+         *         "outWidth": 4
+         *       },
+         *       "time": 24,
+         *       "type": "setSettingTangents"
+         *     }
+         */
+        readonly SetSettingTangents: {
+            /** Setting */
+            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            readonly tangents: components["schemas"]["TangentsEdit"];
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "setSettingTangents";
         };
         /**
          * Shape
@@ -5685,6 +6604,23 @@ export interface components {
             readonly sizeBytes: number;
         };
         /**
+         * StateRequest
+         * @description Asks for the state of a camera after an edit.
+         */
+        readonly StateRequest: {
+            /**
+             * Curve
+             * @description Whether the focus curve of the whole shot is wanted too.
+             * @default false
+             */
+            readonly curve?: boolean;
+            /**
+             * Time
+             * @description USD time code of the state.
+             */
+            readonly time: number;
+        };
+        /**
          * Tangents
          * @description The handles of a bezier key.
          * @example {
@@ -5757,88 +6693,59 @@ export interface components {
             readonly outWidth?: number;
         };
         /**
-         * UnsavedEdit
-         * @description What is tried in one picture and not kept: each part is the body of the request that would edit it for good.
-         * @example {
-         *       "camera": {
-         *         "focusDistanceM": 3.5
-         *       },
-         *       "places": {
-         *         "driver": [
-         *           0.43,
-         *           0.55
-         *         ]
-         *       }
-         *     }
-         */
-        readonly UnsavedEdit: {
-            /**
-             * @description As `editCamera` takes it.
-             * @default null
-             */
-            readonly camera?: components["schemas"]["CameraEdit"] | null;
-            /**
-             * @description As `editExposureSettings` takes it.
-             * @default null
-             */
-            readonly exposure?: components["schemas"]["ExposureSettingsEdit"] | null;
-            /**
-             * @description As `editFilmSettings` takes it.
-             * @default null
-             */
-            readonly film?: components["schemas"]["FilmSettingsEdit"] | null;
-            /**
-             * @description As `editFocusSettings` takes it.
-             * @default null
-             */
-            readonly focus?: components["schemas"]["FocusSettingsEdit"] | null;
-            /**
-             * Keys
-             * @description Keys of focus points, as `setKey` takes them.
-             * @default []
-             */
-            readonly keys?: readonly components["schemas"]["UnsavedKey"][];
-            /**
-             * Places
-             * @description Focus points that are put on what is seen at a place, from (0, 0) in the picture's top left corner to (1, 1) in the bottom right one; where nothing is seen they stay.
-             * @default {}
-             */
-            readonly places?: {
-                readonly [key: string]: readonly [
-                    number,
-                    number
-                ];
-            };
-            /**
-             * Points
-             * @description Focus points by name, each as `editFocusPoint` takes it.
-             * @default {}
-             */
-            readonly points?: {
-                readonly [key: string]: components["schemas"]["FocusPointEdit"];
-            };
-        };
-        /**
-         * UnsavedKey
-         * @description A key of a focus point.
+         * UnkeyPoint
+         * @description Remove a key of a focus point's attribute; after the last one its value stays for all time.
          * @example {
          *       "attribute": "weight",
-         *       "key": {
-         *         "time": 24,
-         *         "value": 0.5
-         *       },
-         *       "point": "driver"
+         *       "name": "driver",
+         *       "time": 24,
+         *       "type": "unkeyPoint"
          *     }
          */
-        readonly UnsavedKey: {
+        readonly UnkeyPoint: {
             /**
              * Attribute
              * @enum {string}
              */
             readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
-            readonly key: components["schemas"]["KeyEdit"];
-            /** Point */
-            readonly point: string;
+            /**
+             * Name
+             * @description Name of the focus point.
+             */
+            readonly name: string;
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "unkeyPoint";
+        };
+        /**
+         * UnkeySetting
+         * @description Remove a key of a camera's setting; after the last one its value stays for all time.
+         * @example {
+         *       "setting": "focusDistanceM",
+         *       "time": 24,
+         *       "type": "unkeySetting"
+         *     }
+         */
+        readonly UnkeySetting: {
+            /** Setting */
+            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            /**
+             * Time
+             * @description USD time code of the key.
+             */
+            readonly time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            readonly type: "unkeySetting";
         };
         /**
          * ValidationFinding
@@ -8037,6 +8944,90 @@ export interface operations {
             };
             /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
             readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            readonly 422: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            readonly 503: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It took too long and was ended. */
+            readonly 504: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    readonly edit: {
+        readonly parameters: {
+            readonly query?: never;
+            readonly header?: {
+                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                readonly "if-match"?: string | null;
+            };
+            readonly path: {
+                /** @description A shot's id. */
+                readonly shot: string;
+            };
+            readonly cookie?: never;
+        };
+        readonly requestBody: {
+            readonly content: {
+                readonly "application/json": components["schemas"]["EditRequest"];
+            };
+        };
+        readonly responses: {
+            /** @description Successful Response */
+            readonly 200: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["EditResult"];
+                };
+            };
+            /** @description There is no such shot, camera, lens, film, body, focus point, key or revision. */
+            readonly 404: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            readonly 412: {
+                headers: {
+                    readonly [name: string]: unknown;
+                };
+                content: {
+                    readonly "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description More was sent, or unpacked, than is taken. */
+            readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
                 };

@@ -1,18 +1,34 @@
 /** What the page asks of the service, in the model's own terms. `net/http.ts` asks it over REST; tests answer themselves. */
 
-import type { Command } from "../model/command";
+import type { Changes } from "../model/changes";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
 import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
-import type { LiveEar, LiveLink } from "./live";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
+import type { LiveEar, LiveLink } from "./live_link";
+import type { View } from "./view";
 
-/** Which camera of which shot; null is the shot's own choice. */
-export interface View {
-  readonly shot: string;
-  readonly camera: string | null;
+/** An edit that is asked for. */
+export interface Edit {
+  /** Its name in the history. */
+  readonly label: string;
+  readonly changes: Changes;
+  /** At which the person looks. */
+  readonly time: number;
+  /** Whether the answer has the focus curve. */
+  readonly withCurve: boolean;
+}
+
+/** The shot after an edit, at the edit's time; a part that the service could not read is null. */
+export interface Edited {
+  readonly history: EditHistory;
+  readonly points: readonly FocusPoint[] | null;
+  readonly readout: Readout | null;
+  readonly focusSettings: FocusSettings | null;
+  readonly photography: Photography | null;
+  readonly curve: Curve | null;
 }
 
 export interface Download {
@@ -37,8 +53,6 @@ export interface Service {
   /** Takes back the last edit if it is the one that came to `revision`, else fails. */
   undo(shot: string, revision: string): Promise<EditHistory>;
   redo(shot: string, revision: string): Promise<EditHistory>;
-  /** Goes back to an earlier state of the edits, `to`, if `now` is still the present one. */
-  restore(shot: string, to: string, now: string, gesture: string): Promise<void>;
   /** What of the shot is not shown as it says. */
   notes(shot: string): Promise<readonly Note[]>;
   /** Pictures of a view as they are wanted, that get better and better. */
@@ -57,13 +71,8 @@ export interface Service {
   curve(view: View, signal?: AbortSignal): Promise<Curve>;
   /** What is seen at a place of the picture (0 to 1 from its top left), or null for nothing. */
   pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;
-  /**
-   * Does one thing to a shot. Fails where somebody else changed the same thing since it was read last.
-   *
-   * @param time at which the person looks: what is keyed is changed there.
-   * @param gesture names the edit that it is part of: what is done in one, one after the other, is one step of undo.
-   */
-  perform(view: View, command: Command, time: number, gesture: string): Promise<void>;
+  /** Applies an edit, all of it or nothing. Fails where somebody else changed the same thing since it was read last. */
+  edit(view: View, edit: Edit): Promise<Edited>;
   /** Takes what is read of a shot from now on for what the person sees and edits. */
   forget(shot: string): void;
   downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download>;

@@ -1,7 +1,21 @@
 /**
- * The entity tags of what was read, so that an edit can say what it was made upon (`If-Match`): what somebody else changed
- * since is then not overwritten unseen.
+ * Entity tags of what was read, so that an edit can name what it is made upon (`If-Match`): a change of somebody else is then
+ * not overwritten unseen. Resources go by their addresses below the shot, as the answer to an edit has them.
  */
+
+import type { Change, Changes } from "../model/changes";
+
+export const [CAMERA, POINTS] = ["camera", "focus-points"];
+
+export function pointAddress(name: string): string {
+  return `${POINTS}/${name}`;
+}
+
+/** Address of the resource that a change is made upon. */
+export function addressOf(change: Change): string {
+  if (change.type === "addPoint" || change.type === "rack") return POINTS;
+  return "name" in change ? pointAddress(change.name) : CAMERA;
+}
 
 export class TagBook {
   readonly #tags = new Map<string, { readonly tag: string; readonly since: number }>();
@@ -14,17 +28,20 @@ export class TagBook {
    * What it brings counts unless an edit was sent meanwhile, which it may not have seen. And of what is read more than
    * once, as at several times, the first counts: that is what the person may have seen.
    */
-  reading(): (thing: string, tag: string) => void {
+  reading(): (address: string, tag: string) => void {
     const epoch = this.#epoch;
-    return (thing, tag) => {
-      const known = this.#tags.get(thing);
-      if (epoch === this.#epoch && (!known || known.since < epoch)) this.#tags.set(thing, { tag, since: epoch });
+    return (address, tag) => {
+      const known = this.#tags.get(address);
+      if (epoch === this.#epoch && (!known || known.since < epoch)) this.#tags.set(address, { tag, since: epoch });
     };
   }
 
-  /** The tag that an edit of a thing is made upon; null where none is known. */
-  of(thing: string): string | null {
-    return this.#tags.get(thing)?.tag ?? null;
+  /** The header of an edit that is made upon what was read; null where a tag of that is not known. */
+  ifMatch(changes: Changes): string | null {
+    const added = changes.map((change) => (change.type === "addPoint" ? pointAddress(change.point.name ?? "") : ""));
+    const addresses = new Set(changes.map(addressOf).filter((address) => !added.includes(address)));
+    const tags = [...addresses].map((address) => this.#tags.get(address)?.tag);
+    return tags.every((tag) => tag !== undefined) ? tags.join(", ") : null;
   }
 
   /** From now on what is read is newer than all that is known. */
@@ -32,13 +49,16 @@ export class TagBook {
     this.#epoch += 1;
   }
 
-  /** Takes the tag that the answer to an edit has. */
-  set(thing: string, tag: string): void {
-    this.#tags.set(thing, { tag, since: this.#epoch });
+  /** Takes the tags that the answer to an edit has; null where there is nothing any more. */
+  take(changed: readonly { readonly resource: string; readonly etag: string | null }[]): void {
+    for (const { resource, etag } of changed) {
+      if (etag === null) this.#tags.delete(resource);
+      else this.#tags.set(resource, { tag: etag, since: this.#epoch });
+    }
   }
 
-  forget(...things: readonly string[]): void {
-    for (const thing of things) this.#tags.delete(thing);
+  forget(changes: Changes): void {
+    for (const change of changes) this.#tags.delete(addressOf(change));
   }
 
   clear(): void {

@@ -2,22 +2,21 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
-import { settingKeyAt, type SettingsKind } from "../../model/command";
-import type { Keyed } from "../../model/photography";
+import { settingKeyAt } from "../../model/changes";
+import type { Keyed, KeyedSetting } from "../../model/keys";
 import { Field, type FieldProps } from "./Field";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 
 interface SettingProps extends FieldProps {
   readonly session: Session;
-  readonly of: SettingsKind;
-  /** What takes the keys. */
-  readonly setting: string;
+  /** Takes the keys. */
+  readonly setting: KeyedSetting;
   /** Of the thing that takes the keys, where that is not `value`. */
   readonly keyValue?: number;
   readonly keys: Keyed;
 }
 
-export function Setting({ session, of, setting, keys, keyValue, ...field }: SettingProps): JSX.Element {
+export function Setting({ session, setting, keys, keyValue, ...field }: SettingProps): JSX.Element {
   return (
     <div class="setting">
       <KeyDiamond
@@ -26,7 +25,7 @@ export function Setting({ session, of, setting, keys, keyValue, ...field }: Sett
         keyed={(keys[setting] ?? []).length > 0}
         now={settingKeyAt(keys, setting, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey(field.label.toLowerCase(), of, setting, keyValue ?? field.value, keys);
+          session.toggleSettingKey(field.label.toLowerCase(), setting, keyValue ?? field.value, keys);
         }}
       />
       <Field {...field} />

@@ -113,12 +113,11 @@ function Marking({ session, exposure }: { session: Session; exposure: ExposureSe
   );
 }
 
-type StopField = Pick<Parameters<typeof Setting>[0], "of" | "setting" | "keys" | "value" | "fresh" | "startDrag">;
+type StopField = Pick<Parameters<typeof Setting>[0], "setting" | "keys" | "value" | "fresh" | "startDrag">;
 
 function stopField(session: Session, exposure: ExposureSettings, lens: Readout): StopField {
   if (exposure.exposureStop === "iris")
     return {
-      of: "focus", // where the lens has its keys
       setting: "fStop",
       keys: session.document.focusSettings.value?.keys ?? {},
       value: lens.fStop,
@@ -126,7 +125,6 @@ function stopField(session: Session, exposure: ExposureSettings, lens: Readout):
       startDrag: () => session.dragLens("stop", "fStop", lens),
     };
   return {
-    of: "exposure",
     setting: "exposureFStop",
     keys: exposure.keys,
     value: exposure.exposureFStop,
@@ -143,7 +141,6 @@ function Shutter({ session, said }: PartProps): JSX.Element {
     <>
       <Setting
         session={session}
-        of="exposure"
         setting="shutterClose"
         keyValue={exposure.shutterAngleDeg / 360}
         keys={exposure.keys}
@@ -234,7 +231,6 @@ function Numbers({ session, exposure }: { session: Session; exposure: ExposureSe
           {...row}
           key={name}
           session={session}
-          of="exposure"
           setting={name}
           keys={exposure.keys}
           value={exposure[name]}

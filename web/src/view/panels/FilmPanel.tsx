@@ -176,7 +176,6 @@ function Number({ session, film, row: { name, ...row } }: PartProps & { readonly
     <Setting
       {...row}
       session={session}
-      of="film"
       setting={name}
       keys={film.keys}
       value={film[name]}

@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
-import { settingKeyAt } from "../../model/command";
+import { settingKeyAt } from "../../model/changes";
 import type { FocusNumber, FocusSettings } from "../../model/shot";
 import type { FieldProps } from "../controls/Field";
 import { KeyDiamond } from "../timeline/KeyDiamond";
@@ -45,7 +45,6 @@ export function Amount({
   return (
     <Setting
       session={session}
-      of="focus"
       setting={name}
       keys={settings.keys}
       label={label}
@@ -81,7 +80,7 @@ export function Switch({ session, settings, name, label, hint, onEdit }: SwitchP
         keyed={(settings.keys[name] ?? []).length > 0}
         now={settingKeyAt(settings.keys, name, session.playhead.time.value) !== null}
         onToggle={() => {
-          session.toggleSettingKey(label.toLowerCase(), "focus", name, Number(settings[name]), settings.keys);
+          session.toggleSettingKey(label.toLowerCase(), name, Number(settings[name]), settings.keys);
         }}
       />
       <label class="switch-row" title={hint}>

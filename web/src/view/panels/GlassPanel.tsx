@@ -93,7 +93,6 @@ function Amount({ session, exposure, name, ...field }: AmountProps & PartProps):
     <Setting
       {...field}
       session={session}
-      of="exposure"
       setting={name}
       keys={exposure.keys}
       value={exposure[name]}

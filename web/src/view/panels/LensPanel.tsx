@@ -45,7 +45,6 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
     <div class="fields">
       <Setting
         session={session}
-        of="focus"
         setting="fStop"
         keys={keys}
         label="f-number"
@@ -61,7 +60,6 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
       />
       <Setting
         session={session}
-        of="focus"
         setting="focalLengthMm"
         keys={keys}
         label="Focal length"
@@ -75,7 +73,6 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
       />
       <Setting
         session={session}
-        of="focus"
         setting="focusDistanceM"
         keys={keys}
         label="Focus distance"

@@ -94,7 +94,6 @@ function Aim({ session, exposure }: MeterProps): JSX.Element {
   return (
     <Setting
       session={session}
-      of="exposure"
       setting="meteringCompensationStops"
       keys={exposure.keys}
       label="Brighter"

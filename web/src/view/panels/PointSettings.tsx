@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
-import { keyAt, valueOf, type SimpleAttribute } from "../../model/command";
+import { keyAt, valueOf, type SimpleAttribute } from "../../model/changes";
 import { BLURS_MM, EXTENTS, FALLOFFS } from "../../model/scale";
 import { EASES, keysOf, type Ease, type FocusPoint } from "../../model/shot";
 import { Field, type FieldProps } from "../controls/Field";

@@ -13,7 +13,7 @@ import {
   type LengthUnit,
 } from "../../model/distance";
 import { useSize } from "../hooks";
-import type { TimeAxis } from "./Timeline";
+import type { TimeAxis } from "./time_axis";
 
 interface CurveChartProps {
   readonly session: Session;

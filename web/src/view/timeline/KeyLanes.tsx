@@ -2,9 +2,10 @@
 
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
-import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type Key, type KeyedAttribute } from "../../model/shot";
+import type { Key } from "../../model/keys";
+import { KEYED_ATTRIBUTES, keysOf, type FocusPoint, type KeyedAttribute } from "../../model/shot";
 import { formatFrame, sameTime } from "../../model/time";
-import type { TimeAxis } from "./Timeline";
+import type { TimeAxis } from "./time_axis";
 
 export function KeyLanes({ session, axis }: { session: Session; axis: TimeAxis }): JSX.Element {
   const points = session.document.points.value.filter((point) => keysOfPage(point).length > 0);

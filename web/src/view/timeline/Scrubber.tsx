@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { formatFrame, frameTicks } from "../../model/time";
-import type { TimeAxis } from "./Timeline";
+import type { TimeAxis } from "./time_axis";
 
 const HEIGHT_PX = 26;
 

@@ -1,0 +1,327 @@
+"""Apply functions of the edit language: one for each model of `service.models.changes`.
+
+They run in the stage process, where an edit is kept, and in the picture process, where a live picture tries it. They raise what
+the shot's own edits raise: `CameraError`, `NotFoundError`, `SettingsError` and `InputError`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from typing import Any, Literal
+
+from render.errors import NotFoundError, SettingsError
+from render.shot import Shot
+from render.shot.focus.curve_import import read_for_shot
+from render.shot.lens.lens_choice import file_choice
+from service.models.changes import (
+    AddPoint,
+    AlterPoint,
+    Change,
+    ImportCurve,
+    KeyExposure,
+    KeyPoint,
+    KeySetting,
+    MakeRack,
+    MountLensFile,
+    MovePoint,
+    RemovePoint,
+    SetCamera,
+    SetExposure,
+    SetFilm,
+    SetFocus,
+    SetPointTangents,
+    SetSettingTangents,
+    UnkeyPoint,
+    UnkeySetting,
+)
+from service.models.curve import CurveFinding, ImportedCurve
+from service.models.exposure import ExposureSettingsEdit
+from service.models.film_settings import FilmSettingsEdit
+from service.models.focus import FocusPointEdit, KeyEdit, TangentsEdit
+from service.models.solving import FocusSettingsEdit, Rack
+from service.stage.field_names import FOCUS_OF_FIELD, setting_name
+from service.stage.lenses import lens_to_mount
+from service.stage.libraries import body_to_mount, film_to_mount
+from service.stage.read_photography import shutter_closes
+from service.stage.read_shot import free_name, new_point, point_fields, points_tag, read_camera_state
+from usd_schemas import Key, Tangents
+from usd_schemas.racks import WeightRack
+
+MAX_CURVE_FRAMES = 20_000
+SWITCHES = ("enabled", "solveStop", "drivenByPoints")
+_DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]], ...] = (
+    ("focus_distance_m", "focusDistance"),
+    ("f_stop", "fStop"),
+    ("focal_length_mm", "focalLength"),
+    ("tilt_rad", "tilt"),
+    ("swing_rad", "swing"),
+)
+
+Outcome = Rack | ImportedCurve | str | None
+"""Result of a change: of a rack or an imported curve what came of it, of an added point its name."""
+
+
+@dataclass(frozen=True)
+class EditedCamera:
+    """The camera that changes are applied to.
+
+    Attributes:
+        shot: opened, within an edit.
+        path: of the camera; None for the default camera.
+        max_curve_frames: frames of an imported curve.
+    """
+
+    shot: Shot
+    path: str | None
+    max_curve_frames: int = MAX_CURVE_FRAMES
+
+
+@dataclass(frozen=True)
+class MeteredFrame:
+    """A reading of a light meter, as the shot keys it.
+
+    Attributes:
+        time: USD time code.
+        compensation_stops: in place of the camera's; nan for a black frame.
+    """
+
+    time: float
+    compensation_stops: float
+
+
+def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outcome]:
+    """Apply changes in order, within the edit that the caller has begun.
+
+    Args:
+        camera: what is edited.
+        changes: with anchors in place of places of the picture (`service.models.changes.anchor_spots`).
+    """
+    return [apply_change(change, camera) for change in changes]
+
+
+@singledispatch
+def apply_change(change: Change, camera: EditedCamera) -> Outcome:
+    """Apply one change.
+
+    Args:
+        change: of any type of the edit language.
+        camera: what is edited.
+    """
+    raise TypeError(f"no apply function is registered for {type(change).__name__}")
+
+
+@apply_change.register
+def _add_point(change: AddPoint, camera: EditedCamera) -> Outcome:
+    shot = camera.shot
+    name = change.point.name or free_name(shot, camera.path, shot.frame_range.start)
+    shot.focus.add_point(camera.path, name, new_point(name, change.point))
+    return name
+
+
+@apply_change.register
+def _move_point(change: MovePoint, camera: EditedCamera) -> Outcome:
+    if change.anchor is None:
+        raise SettingsError(f"focus point {change.name!r} moves to a place that was not looked up", path=change.name)
+    fields = point_fields(FocusPointEdit(**change.anchor.model_dump()))
+    camera.shot.focus.update_point(camera.path, change.name, time=change.time, **fields)
+    return None
+
+
+@apply_change.register
+def _alter_point(change: AlterPoint, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.update_point(camera.path, change.name, time=change.time, **point_fields(change.values))
+    return None
+
+
+@apply_change.register
+def _remove_point(change: RemovePoint, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.remove_point(camera.path, change.name)
+    return None
+
+
+@apply_change.register
+def _key_point(change: KeyPoint, camera: EditedCamera) -> Outcome:
+    key = schema_key(change.key, change.attribute)
+    camera.shot.focus.set_key(
+        camera.path, change.name, change.attribute, key.time, key.value, key.interpolation, key.tangents
+    )
+    return None
+
+
+@apply_change.register
+def _unkey_point(change: UnkeyPoint, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.remove_key(camera.path, change.name, change.attribute, change.time)
+    return None
+
+
+@apply_change.register
+def _set_point_tangents(change: SetPointTangents, camera: EditedCamera) -> Outcome:
+    keys = camera.shot.focus.keys(camera.path, change.name, change.attribute)
+    what = f"{change.attribute} of focus point {change.name!r}"
+    key = _with_tangents(keys, change.time, change.tangents, what)
+    camera.shot.focus.set_key(
+        camera.path, change.name, change.attribute, key.time, key.value, key.interpolation, key.tangents
+    )
+    return None
+
+
+@apply_change.register
+def _set_camera(change: SetCamera, camera: EditedCamera) -> Outcome:
+    shot, values = camera.shot, change.values
+    if "lens" in values.model_fields_set:
+        shot.camera.mount_lens(camera.path, lens_to_mount(values.lens))
+    if values.body is not None:
+        shot.camera.mount_body(camera.path, body_to_mount(values.body))
+    shot.camera.set(
+        camera.path,
+        f_stop=values.f_stop,
+        focal_length_mm=values.focal_length_mm,
+        focus_distance_m=math.inf if values.focus_distance_m == 0 else values.focus_distance_m,
+        focus_mode=values.focus_mode,
+        time=values.time,
+    )
+    return None
+
+
+@apply_change.register
+def _set_focus(change: SetFocus, camera: EditedCamera) -> Outcome:
+    camera.shot.focus.set(camera.path, time=change.values.time, **_sent_values(change.values, FOCUS_OF_FIELD))
+    return None
+
+
+@apply_change.register
+def _set_exposure(change: SetExposure, camera: EditedCamera) -> Outcome:
+    shot, values = camera.shot, _sent_values(change.values)
+    angle_deg = values.pop("shutter_angle_deg", None)
+    if angle_deg is not None and "shutter_close" in values:
+        raise SettingsError(
+            "shutterAngleDeg sets when the shutter closes: send no shutterClose beside it", path="shutterAngleDeg"
+        )
+    if angle_deg is not None:
+        time = shot.frame_range.start if change.values.time is None else change.values.time
+        values["shutter_close"] = shutter_closes(shot, camera.path, time, angle_deg, values.get("shutter_open"))
+    shot.exposure.set(camera.path, time=change.values.time, **values)
+    return None
+
+
+@apply_change.register
+def _set_film(change: SetFilm, camera: EditedCamera) -> Outcome:
+    values = _sent_values(change.values)
+    stock = values.pop("stock", None)
+    if "stock" in change.values.model_fields_set:
+        camera.shot.film.mount_stock(camera.path, film_to_mount(stock))
+    if values:
+        camera.shot.film.set(camera.path, time=change.values.time, **values)
+    return None
+
+
+@apply_change.register
+def _key_setting(change: KeySetting, camera: EditedCamera) -> Outcome:
+    camera.shot.camera.set_key(camera.path, setting_name(change.setting), schema_key(change.key, change.setting))
+    return None
+
+
+@apply_change.register
+def _unkey_setting(change: UnkeySetting, camera: EditedCamera) -> Outcome:
+    camera.shot.camera.remove_key(camera.path, setting_name(change.setting), change.time)
+    return None
+
+
+@apply_change.register
+def _set_setting_tangents(change: SetSettingTangents, camera: EditedCamera) -> Outcome:
+    name = setting_name(change.setting)
+    keys = camera.shot.camera.keys(camera.path, name)
+    camera.shot.camera.set_key(camera.path, name, _with_tangents(keys, change.time, change.tangents, change.setting))
+    return None
+
+
+@apply_change.register
+def _key_exposure(change: KeyExposure, camera: EditedCamera) -> Outcome:
+    readings = [MeteredFrame(reading.time, _stops_or_nan(reading.compensation_stops)) for reading in change.readings]
+    camera.shot.exposure.key(camera.path, readings, held=change.held)
+    return None
+
+
+@apply_change.register
+def _rack(change: MakeRack, camera: EditedCamera) -> Outcome:
+    shot = camera.shot
+    rack, lens = shot.focus.rack(camera.path, WeightRack(**change.rack.model_dump()))
+    return Rack.model_validate(
+        {
+            **vars(rack),
+            "stretched": lens.is_stretched,
+            "start_distance_m": 1 / lens.start_w if lens.start_w > 0 else math.inf,
+            "end_distance_m": 1 / lens.end_w if lens.end_w > 0 else math.inf,
+            "etag": points_tag(shot, camera.path),
+        }
+    )
+
+
+@apply_change.register
+def _import_curve(change: ImportCurve, camera: EditedCamera) -> Outcome:
+    shot, most = camera.shot, camera.max_curve_frames
+    read = read_for_shot(shot.stage, change.content, gaps=change.gaps, first_frame=change.first_frame)
+    times = read.curve.time_codes
+    if len(times) > most:
+        raise SettingsError(f"the file has {len(times):,} frames; at most {most:,} are taken", code="bad_frames")
+    shot.focus.import_curve(camera.path, read, baked=change.baked)
+    return ImportedCurve(
+        camera=read_camera_state(shot, camera.path, float(times[0])),
+        first_time=float(times[0]),
+        last_time=float(times[-1]),
+        frames=len(times),
+        drives=[name for column, name in _DRIVES if column in read.said],
+        findings=[CurveFinding.model_validate(finding) for finding in read.findings],
+    )
+
+
+@apply_change.register
+def _mount_lens_file(change: MountLensFile, camera: EditedCamera) -> Outcome:
+    camera.shot.camera.mount_lens(camera.path, file_choice(change.content, change.file_name))
+    return None
+
+
+def schema_key(key: KeyEdit, attribute: str) -> Key:
+    """A key as the schemas have it.
+
+    Args:
+        key: as it was sent.
+        attribute: name of what is keyed, over REST; a switch is 0 or 1, and held.
+
+    Raises:
+        SettingsError: a switch is neither, or tangents were sent with a key that has none.
+    """
+    if key.tangents is not None and key.interpolation != "bezier":
+        raise SettingsError(
+            f"only a bezier key has tangents, got some with a {key.interpolation} key", code="bad_key", path="tangents"
+        )
+    if attribute not in SWITCHES:
+        tangents = Tangents(**key.tangents.model_dump()) if key.tangents else None
+        return Key(key.time, key.value, key.interpolation, tangents)
+    if key.value not in (0, 1):
+        raise SettingsError(f"a key of {attribute!r} is 0 or 1, got {key.value:g}", code="bad_key", path="value")
+    return Key(key.time, bool(key.value), "held")
+
+
+def _sent_values(
+    edit: FocusSettingsEdit | ExposureSettingsEdit | FilmSettingsEdit, names: Mapping[str, str] | None = None
+) -> dict[str, Any]:
+    """The values of an edit that were sent (null is left out), by the shot's names; ``names`` has those that differ."""
+    values = edit.model_dump(exclude={"time"}, exclude_none=True)
+    return {(names or {}).get(field, field): value for field, value in values.items()}
+
+
+def _stops_or_nan(stops: float | None) -> float:
+    return math.nan if stops is None else stops
+
+
+def _with_tangents(keys: Sequence[Key], time: float, tangents: TangentsEdit, what: str) -> Key:
+    """The key at a time as a bezier key. Raises `NotFoundError`: there is none."""
+    for key in keys:
+        if key.time == time:
+            return replace(key, interpolation="bezier", tangents=Tangents(**tangents.model_dump()))
+    times = ", ".join(f"{key.time:g}" for key in keys) or "none"
+    raise NotFoundError(f"{what} has no key at time {time:g}, its keys are: {times}")

@@ -1,0 +1,119 @@
+"""Changes of a camera within an edit: its condition is checked first, and pictures must be possible after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+
+from render.shot import Shot
+from service.edit_context import EditContext, allows, edits_tag
+from service.models.changes import (
+    AddPoint,
+    Change,
+    KeySetting,
+    MakeRack,
+    SetExposure,
+    SetFilm,
+    SetFocus,
+    SetSettingTangents,
+)
+from service.stage.changes import MAX_CURVE_FRAMES, EditedCamera, Outcome, apply_changes
+from service.stage.read_shot import camera_tag, point_names, point_tag, points_tag
+
+CAMERA, POINTS = "camera", "focus-points"
+"""Addresses, below a shot, of resources that have entity tags; a focus point's is `point_address`."""
+
+
+def point_address(name: str) -> str:
+    """Address of a focus point below its shot."""
+    return f"{POINTS}/{name}"
+
+
+def apply_in_context(
+    shot: Shot,
+    camera: str | None,
+    changes: Sequence[Change],
+    context: EditContext,
+    max_curve_frames: int = MAX_CURVE_FRAMES,
+) -> list[Outcome]:
+    """Apply changes to a camera within an edit of its shot (`OpenedShots.edit`), which takes them all back on an error.
+
+    Args:
+        shot: within an edit.
+        camera: prim path; None for the default camera.
+        changes: in order, with anchors in place of places of the picture.
+        context: tags of what the editor has seen.
+        max_curve_frames: frames of an imported curve.
+
+    Returns:
+        The outcome of each change.
+
+    Raises:
+        ChangedMeanwhileError: a resource that the changes are made upon is not what the editor has seen.
+        PullfocusError: a change cannot be applied, or no picture can be made after it.
+    """
+    check_context(shot, camera, changes, context)
+    with ExitStack() as usable:
+        for time in checked_times(shot, changes):
+            usable.enter_context(shot.keep_usable(camera, time))
+        return apply_changes(EditedCamera(shot, camera, max_curve_frames), changes)
+
+
+def check_context(shot: Shot, camera: str | None, changes: Sequence[Change], context: EditContext) -> None:
+    """Check that the editor has seen what the changes are made upon: all of the edits, or each resource that they change.
+
+    Args:
+        shot: before the edit.
+        camera: prim path; None for the default camera.
+        changes: of the edit; a focus point that one of them adds is not there yet.
+        context: of the edit.
+
+    Raises:
+        ChangedMeanwhileError: a resource is another than the editor has seen.
+        NotFoundError: a focus point is not there.
+    """
+    if context.if_match is None or allows(context.if_match, edits_tag(shot.edits.history.present.revision)):
+        return
+    added = {
+        point_address(change.point.name) for change in changes if isinstance(change, AddPoint) and change.point.name
+    }
+    for address in dict.fromkeys(edited_address(change) for change in changes):
+        if address not in added:
+            context.check_tag(*_tag_and_words(shot, camera, address))
+
+
+def edited_address(change: Change) -> str:
+    """Address of the resource that a change is made upon."""
+    if isinstance(change, AddPoint | MakeRack):
+        return POINTS
+    name = getattr(change, "name", None)
+    return CAMERA if name is None else point_address(name)
+
+
+def _tag_and_words(shot: Shot, camera: str | None, address: str) -> tuple[str, str]:
+    if address == CAMERA:
+        return camera_tag(shot, camera), "the camera"
+    if address == POINTS:
+        return points_tag(shot, camera), "the list of focus points"
+    name = address.removeprefix(f"{POINTS}/")
+    return point_tag(shot, camera, name), f"focus point {name!r}"
+
+
+def resource_tags(shot: Shot, camera: str | None) -> dict[str, str]:
+    """Entity tags of a camera, of its list of focus points and of each of these, by their addresses below the shot."""
+    points = {point_address(name): point_tag(shot, camera, name) for name in point_names(shot, camera)}
+    return {CAMERA: camera_tag(shot, camera), POINTS: points_tag(shot, camera)} | points
+
+
+def checked_times(shot: Shot, changes: Sequence[Change]) -> list[float]:
+    """Times at which a picture must still be possible after the changes, if it was before."""
+    times: dict[float, None] = {}
+    for change in changes:
+        match change:
+            case SetFocus() | SetExposure() | SetFilm():
+                times[shot.frame_range.start if change.values.time is None else change.values.time] = None
+            case KeySetting():
+                times[change.key.time] = None
+            case SetSettingTangents():
+                times[change.time] = None
+    return list(times)

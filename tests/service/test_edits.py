@@ -1,0 +1,234 @@
+"""The edit language over HTTP: a list of changes is one edit, all of it or nothing, and its answer says what there is then."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any, get_args
+
+import pytest
+
+from service.models.changes import Change
+from service.models.edits import EditRequest, EditResult
+from service.stage.changes import apply_change
+from tests.service.conftest import send
+
+NEAR = {"target": ["/World/near"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
+FAR = {"target": ["/World/far"], "face": 0, "barycentric": [0.3, 0.3, 0.4]}
+CHANGES = get_args(get_args(Change)[0])
+TWO_POINTS = [
+    {"type": "addPoint", "point": NEAR | {"name": "near"}},
+    {"type": "addPoint", "point": FAR | {"name": "far"}},
+]
+RACK = {"type": "rack", "rack": {"from": "near", "to": "far", "start": 5, "end": 17}}
+
+
+@pytest.fixture
+def shot(room) -> str:
+    return f"/v1/shots/{room}"
+
+
+def edit(client, shot: str, *changes: dict[str, Any], headers: dict[str, str] | None = None, **request: Any):
+    return client.post(f"{shot}/edits", json={"changes": changes} | request, headers=headers)
+
+
+def edited(client, shot: str, *changes: dict[str, Any], **request: Any) -> dict[str, Any]:
+    answer = edit(client, shot, *changes, **request)
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def layer(client, shot: str) -> str:
+    return client.get(f"{shot}/edits").text
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+def test_every_change_has_an_example_and_an_apply_function(change):
+    example = change.model_config["json_schema_extra"]["example"]
+    (parsed,) = EditRequest.model_validate({"changes": [example]}).changes
+    assert type(parsed) is change
+    assert apply_change.dispatch(change) is not apply_change.dispatch(object)
+
+
+def test_the_example_of_an_answer_is_one():
+    EditResult.model_validate(EditResult.model_config["json_schema_extra"]["example"])
+
+
+def test_a_list_of_changes_is_one_edit_of_the_history(client, shot):
+    empty = layer(client, shot)
+    answer = edited(client, shot, *TWO_POINTS, {"type": "setCamera", "values": {"fStop": 4}}, label="Two points")
+    history = answer["history"]
+    assert (history["undo"], history["redo"], history["after"]) == ("Two points", None, None)
+    assert history["revision"] == client.get(shot).json()["revision"]
+    assert answer["added"] == ["near", "far"]
+    undone = client.post(f"{shot}/edits/undo").json()
+    assert undone["revision"] == history["before"]
+    assert undone["redo"] == "Two points"
+    assert layer(client, shot) == empty
+
+
+def test_without_a_label_an_edit_goes_by_its_changes(client, shot):
+    answer = edited(client, shot, {"type": "setCamera", "values": {"fStop": 4}}, *TWO_POINTS)
+    assert answer["history"]["undo"] == "set f-number of cam, add focus point near, add focus point far"
+
+
+def test_edits_of_one_gesture_are_one_entry(client, shot):
+    for f_stop in (2, 4, 8):
+        change = {"type": "setCamera", "values": {"fStop": f_stop}}
+        edited(client, shot, change, label="f-number", gesture="drag-1")
+    assert client.get(f"{shot}/edits/history").json()["now"] == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "status", "code"),
+    [
+        ({"type": "removePoint", "name": "nobody"}, 404, "not_found"),
+        ({"type": "addPoint", "point": NEAR | {"name": "near"}}, 422, "name_taken"),
+        ({"type": "setCamera", "values": {"lens": "no_such_lens"}}, 422, "no_such_lens"),
+        ({"type": "unkeySetting", "setting": "push", "time": 3}, 404, "not_found"),
+        ({"type": "setSettingTangents", "setting": "push", "time": 3, "tangents": {}}, 404, "not_found"),
+        ({"type": "movePoint", "name": "near", "place": [0.9, 0.02], "time": 1}, 422, "nothing_there"),
+        ({"type": "setFilm", "values": {"display": "no such display"}}, 422, None),
+        ({"type": "importCurve", "content": "bm8gY3VydmU="}, 422, "bad_curve"),
+        ({"type": "importCurve", "content": "not base64!"}, 422, "invalid_request"),
+        ({"type": "paintItRed"}, 422, "invalid_request"),
+    ],
+)
+def test_a_change_that_is_refused_takes_the_whole_edit_with_it(client, shot, change, status, code):
+    before, history = layer(client, shot), client.get(f"{shot}/edits/history").json()
+    answer = edit(client, shot, *TWO_POINTS, change)
+    assert (answer.status_code, answer.json()["code"]) == (status, code or answer.json()["code"]), answer.text
+    assert set(answer.json()) == {"code", "detail", "path", "errors"}
+    assert layer(client, shot) == before
+    assert client.get(f"{shot}/edits/history").json() == history
+
+
+@pytest.mark.parametrize("changes", [[], [{"type": "removePoint", "name": "a"}] * 257])
+def test_an_edit_has_changes_and_not_without_end(client, shot, changes):
+    assert edit(client, shot, *changes).status_code == 422
+
+
+def test_the_answer_is_what_the_resources_say(client, shot):
+    edited(client, shot, *TWO_POINTS)
+    answer = edited(client, shot, RACK, answer={"time": 11, "curve": True})
+    state, ask = answer["state"], {"time": 11}
+    for part, address in {
+        "focusPoints": "focus-points",
+        "readout": "readout",
+        "focus": "camera/focus",
+        "exposure": "camera/exposure",
+        "exposureReadout": "readout/exposure",
+        "film": "camera/film",
+    }.items():
+        assert state[part] == client.get(f"{shot}/{address}", params=ask).json(), part
+    assert state["curve"] == client.get(f"{shot}/focus-curve").json()
+    assert (answer["racks"][0]["from"], answer["racks"][0]["end"]) == ("near", 17)
+
+
+def test_what_changed_is_named_with_its_new_tag(client, shot):
+    first = edited(client, shot, *TWO_POINTS)
+    # The camera too: its focus is by points from now on.
+    assert {one["resource"] for one in first["changed"]} == {
+        "camera",
+        "focus-points",
+        "focus-points/near",
+        "focus-points/far",
+    }
+    tags = {one["resource"]: one["etag"] for one in first["changed"]}
+    assert tags["camera"] == client.get(f"{shot}/camera", params={"time": 1}).headers["etag"]
+    assert tags["focus-points"] == client.get(f"{shot}/focus-points", params={"time": 1}).headers["etag"]
+    far = client.get(f"{shot}/focus-points/far", params={"time": 1})
+    assert tags["focus-points/far"] == far.headers["etag"]
+    second = edited(client, shot, {"type": "removePoint", "name": "near"})
+    assert {one["resource"]: one["etag"] is None for one in second["changed"]} == {
+        "focus-points": False,
+        "focus-points/near": True,
+    }
+    again = edited(client, shot, {"type": "setCamera", "values": {"focusMode": "points"}})
+    assert again["changed"] == []
+
+
+def test_an_edit_is_made_upon_what_was_seen(client, shot):
+    tags = {one["resource"]: one["etag"] for one in edited(client, shot, *TWO_POINTS)["changed"]}
+    alter = {"type": "alterPoint", "name": "near", "values": {"weight": 0.5}, "time": 1}
+    stop = {"type": "setCamera", "values": {"fStop": 4}}
+    seen = f"{tags['focus-points/near']}, {tags['camera']}"
+    edited(client, shot, {"type": "alterPoint", "name": "far", "values": {"weight": 2}, "time": 1})
+    assert edit(client, shot, alter, stop, headers={"If-Match": seen}).status_code == 200  # another point: no matter
+    for changes in ((alter,), (stop,), (alter, stop), (TWO_POINTS[0],)):
+        refused = edit(client, shot, *changes, headers={"If-Match": seen})
+        assert (refused.status_code, refused.json()["code"]) == (412, "changed_meanwhile")
+    new = {"type": "addPoint", "point": NEAR | {"name": "third"}}
+    key = {"type": "keyPoint", "name": "third", "attribute": "weight", "key": {"time": 1, "value": 1}}
+    points = client.get(f"{shot}/focus-points", params={"time": 1}).headers["etag"]
+    answer = edit(client, shot, new, key, headers={"If-Match": points})
+    assert answer.status_code == 200, answer.text
+
+
+def test_the_tag_of_all_edits_does_for_each_of_them(client, shot):
+    stop = {"type": "setCamera", "values": {"fStop": 4}}
+    first = edit(client, shot, *TWO_POINTS, stop)
+    other = {"type": "setCamera", "values": {"fStop": 8}}
+    second = edit(client, shot, other, headers={"If-Match": first.headers["etag"]})
+    assert second.status_code == 200, second.text
+    third = edit(client, shot, stop, headers={"If-Match": first.headers["etag"]})
+    assert third.status_code == 412
+
+
+def test_a_point_moves_to_what_is_seen_at_a_place(client, shot):
+    edited(client, shot, *TWO_POINTS)
+    move = {"type": "movePoint", "name": "near", "place": [0.9, 0.5], "time": 1}
+    state = edited(client, shot, move, answer={"time": 1})["state"]
+    near = next(point for point in state["focusPoints"]["focusPoints"] if point["name"] == "near")
+    assert near["target"] == ["/World/far"]
+    assert near["screen"] == pytest.approx([0.9, 0.5], abs=1e-3)
+
+
+def test_tangents_bend_a_key_and_leave_its_value(client, shot):
+    tangents = {"inSlope": 0.0, "inWidth": 2.0, "outSlope": 0.25, "outWidth": 3.0}
+    keys = [
+        {"type": "keySetting", "setting": "focusDistanceM", "key": {"time": time, "value": value}}
+        for time, value in ((1, 3), (12, 8))
+    ]
+    bend = {"type": "setSettingTangents", "setting": "focusDistanceM", "time": 12, "tangents": tangents}
+    state = edited(client, shot, *keys, bend, answer={"time": 12})["state"]
+    key = state["focus"]["keys"]["focusDistanceM"][1]
+    assert (key["value"], key["interpolation"], key["tangents"]) == (8, "bezier", tangents)
+
+    key_point = {"type": "keyPoint", "name": "near", "attribute": "weight", "key": {"time": 5, "value": 0.5}}
+    bend_point = {"type": "setPointTangents", "name": "near", "attribute": "weight", "time": 5, "tangents": tangents}
+    state = edited(client, shot, TWO_POINTS[0], key_point, bend_point, answer={"time": 5})["state"]
+    (key,) = state["focusPoints"]["focusPoints"][0]["keys"]["weight"]
+    assert (key["value"], key["interpolation"], key["tangents"]) == (0.5, "bezier", tangents)
+
+
+def test_an_exposure_is_keyed_as_a_meter_says_and_black_frames_are_bridged(client, shot):
+    readings = [{"time": 1, "compensationStops": -1}, {"time": 12, "compensationStops": None}]
+    readings.append({"time": 23, "compensationStops": 1})
+    metered = {"type": "setExposure", "values": {"meteringMode": "average"}}
+    state = edited(client, shot, metered, {"type": "keyExposure", "readings": readings}, answer={"time": 12})["state"]
+    assert state["exposure"]["compensationStops"] == pytest.approx(0, abs=0.01)
+    assert state["exposure"]["meteringMode"] == "manual"
+    held = {"type": "keyExposure", "readings": readings[:1], "held": True}
+    state = edited(client, shot, held, answer={"time": 12})["state"]
+    assert (state["exposure"]["compensationStops"], state["exposure"]["keys"]) == (-1, {})
+
+
+def test_files_ride_in_a_change(client, shot):
+    lens = base64.b64encode(b"30 4 1.5168 20\n0 0 1 20\n").decode()
+    mount = {"type": "mountLensFile", "fileName": "plano-convex.dat", "content": lens}
+    assert edited(client, shot, mount, answer={"time": 1})["state"]["readout"]["lensName"] == "plano-convex"
+    curve = base64.b64encode(b"frame,focus_distance_m\n1,2\n2,2.5\n4,3\n").decode()
+    imported = edited(client, shot, {"type": "importCurve", "content": curve, "gaps": "interpolate"})["imported"]
+    assert (imported["frames"], imported["findings"][0]["code"]) == (4, "gap")
+
+
+def test_a_part_of_the_state_that_cannot_be_read_is_null_and_the_edit_is_made(client, room_file):
+    # More frames than a focus curve may have at once.
+    long = room_file.read_text().replace("endTimeCode = 24", "endTimeCode = 30000")
+    shot = f"/v1/shots/{send(client, 'long.usda', long.encode()).json()['id']}"
+    assert client.get(f"{shot}/focus-curve").status_code == 422
+    stop = {"type": "setCamera", "values": {"fStop": 4}}
+    answer = edited(client, shot, stop, answer={"time": 1, "curve": True})
+    assert answer["state"]["curve"] is None
+    assert answer["state"]["readout"]["fStop"] == 4
+    client.delete(shot)

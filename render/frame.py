@@ -30,7 +30,7 @@ from render.gl.cancellation import Cancelled
 from render.gl.compat import OpenGLError
 from render.gl.context import GraphicsContext
 from render.layers.headlight import Headlight
-from render.layers.movement import movements
+from render.layers.movement import find_movements
 from render.layers.readback import Pick, pick_surface
 from render.layers.shadows import shadow_interest
 from render.model.arrays import FloatArray
@@ -161,7 +161,7 @@ class FrameRenderer:
         at_once: int | None = None,
     ) -> Frame:
         """Render one frame while the shutter is open from one peeling: as `render_moving`, many times faster, where things move
-        straight on and keep their shading (`render.trace.swept`).
+        straight on and keep their shading (`render.trace.motion_tracer`).
 
         Args:
             opening: the scene while the shutter is open.
@@ -180,7 +180,7 @@ class FrameRenderer:
         apart = at_once or len(moments)
         settings = replace(settings, rays=max(settings.rays, apart))
         view = PinholeView.from_camera(middle, settings.width, settings.height)
-        moves = movements(opening.middle, opening.opening, opening.closing)
+        moves = find_movements(opening.middle, opening.opening, opening.closing)
         samples = shutter_samples(moments, settings, apart, lambda camera: _as_drawn(camera, settings))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         with self.on_device():
@@ -207,7 +207,9 @@ class FrameRenderer:
             SettingsError: the engine cannot show the camera's lens.
         """
         engine_of(settings).check_camera(camera)
-        self.device.peeler.load(self._headlight.lit(scene, camera), shadow_interest(camera), is_preview=is_preview)
+        self.device.peeler.load(
+            self._headlight.add_light(scene, camera), shadow_interest(camera), is_preview=is_preview
+        )
         return _as_drawn(camera, settings)
 
     def measure(self, color: FloatArray, scene: Scene, request: DrawRequest) -> Frame:
@@ -254,14 +256,14 @@ class FrameRenderer:
             raise SettingsError(f"the place to pick must lie in the {width}x{height} picture, got ({x:g}, {y:g})")
         peeler = self.device.peeler
         with self.on_device():
-            lit = self._headlight.lit(scene, camera)
-            if not peeler.holds(lit):  # a loaded scene will do, wherever its shadows are: a pick sees none
+            lit = self._headlight.add_light(scene, camera)
+            if not peeler.has_scene(lit):  # a loaded scene will do, wherever its shadows are: a pick sees none
                 peeler.load(lit, shadow_interest(camera))
             return pick_surface(peeler, scene, view, *seen_at(view, camera, x, y))
 
     def forget_layers(self) -> None:
         """Drop the kept layers, so that the next frame's time includes its peeling."""
-        self.device.peeler.forget()
+        self.device.peeler.clear_cache()
 
     def close(self) -> None:
         """Give the device's memory and the context back."""

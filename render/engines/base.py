@@ -20,7 +20,7 @@ from render.model.camera import Camera
 if TYPE_CHECKING:  # a device needs OpenGL
     from render.engines.shared.device import Device
     from render.layers.movement import Movement
-    from render.trace.swept import ShutterSample
+    from render.trace.motion_tracer import ShutterSample
 
 Preview = Literal["rays", "blur"]
 

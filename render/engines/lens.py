@@ -39,7 +39,7 @@ from render.model.arrays import FloatArray
 
 if TYPE_CHECKING:  # they need OpenGL
     from render.layers.movement import Movement
-    from render.trace.swept import ShutterSample
+    from render.trace.motion_tracer import ShutterSample
 
 
 class LensEngine(Engine):
@@ -63,7 +63,7 @@ class LensEngine(Engine):
 
     def unfinished(self) -> tuple[FloatArray, FloatArray]:
         """Read the picture by the rays that are traced."""
-        return self._device.tracer.so_far()
+        return self._device.tracer.partial_picture()
 
     def draw_swept(
         self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]

@@ -28,7 +28,7 @@ from render.model.arrays import FloatArray
 
 if TYPE_CHECKING:  # they need OpenGL
     from render.layers.movement import Movement
-    from render.trace.swept import ShutterSample
+    from render.trace.motion_tracer import ShutterSample
 
 
 class PinholeEngine(Engine):

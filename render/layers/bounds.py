@@ -1,4 +1,4 @@
-"""Boxes around what is drawn and around parts of it, and whether a view can see any of a box."""
+"""Bounding boxes of draws and of clusters of their triangles, and the test of a box against a view."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Batch, Geometry
 
 CLUSTER_TRIANGLES = 64
-"""Triangles in a cluster, in the order of the geometry, where neighbours mostly follow each other."""
+"""Triangles in a cluster, in the geometry's order, where neighbours mostly follow each other."""
 
 
 class BoxCache:
-    """World boxes of batches, boxes of geometries' clusters. A geometry's own boxes are found once, a batch's corners
-    whenever its poses change.
+    """Cache of the batches' boxes in the world and of the boxes of geometries' clusters.
 
-    Geometry is recognised by identity; `forget` drops what is no longer drawn.
+    A geometry's own boxes are computed once; a batch's corners are computed from its poses at each call. Geometry is
+    recognised by identity; `forget` drops the geometries that are no longer drawn.
     """
 
     def __init__(self) -> None:
@@ -23,7 +23,7 @@ class BoxCache:
         self._clusters: dict[int, tuple[Geometry, DoubleArray]] = {}
 
     def corners(self, batch: Batch) -> DoubleArray:
-        """``(k·8, 3)`` corners of the instances' boxes in the world, metres; ``(0, 3)`` where nothing is."""
+        """Corners ``(k·8, 3)`` of the instances' boxes in the world, metres; ``(0, 3)`` without instances."""
         geometry = batch.geometry
         if id(geometry) not in self._own:
             p = geometry.positions
@@ -34,7 +34,7 @@ class BoxCache:
         return np.asarray(placed.reshape(-1, 3))
 
     def clusters(self, geometry: Geometry) -> DoubleArray:
-        """``(c, 8, 3)`` corners of boxes around each `CLUSTER_TRIANGLES` of a geometry's triangles, in its own space."""
+        """Corners ``(c, 8, 3)`` of boxes around each `CLUSTER_TRIANGLES` triangles of a geometry, in its own space."""
         if id(geometry) not in self._clusters:
             first = np.arange(0, len(geometry.triangles), CLUSTER_TRIANGLES)
             points = geometry.positions[geometry.triangles]
@@ -43,7 +43,7 @@ class BoxCache:
         return self._clusters[id(geometry)][1]
 
     def forget(self, drawn: tuple[Batch, ...]) -> None:
-        """Keep only the boxes of what is drawn."""
+        """Keep only the boxes of the drawn batches."""
         kept = {id(batch.geometry) for batch in drawn}
         for boxes in (self._own, self._clusters):
             for key in boxes.keys() - kept:
@@ -51,7 +51,7 @@ class BoxCache:
 
 
 def may_be_seen(corners: DoubleArray, clip_from_world: DoubleArray) -> bool:
-    """Whether the hull of the corners may reach into the view's frustum: false only when one of its planes has all outside.
+    """True where the hull of the corners may reach into the view's frustum; false where all lie outside one of its planes.
 
     Args:
         corners: ``(n, 3)`` metres.

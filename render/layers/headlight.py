@@ -1,4 +1,4 @@
-"""A light at the camera, for scenes that have none: as usdrecord has it."""
+"""Headlight: a light at the camera for scenes without lights, as in usdrecord."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from render.model.scene import Dome, Light, Scene
 
 
 class Headlight:
-    """Lights scenes that have no light at all, keeping the last one: what is the same scene stays the same object."""
+    """Adds a headlight to scenes without lights. The last result is kept, so that an unchanged scene stays the same object."""
 
     def __init__(self) -> None:
         self._lit: tuple[Scene, DoubleArray, Scene] | None = None
 
-    def lit(self, scene: Scene, camera: Camera) -> Scene:
-        """The scene, lit from the camera where it has no light of its own; a faint dome shows metals' shapes."""
+    def add_light(self, scene: Scene, camera: Camera) -> Scene:
+        """Return the scene, with a light at the camera where it has none of its own; a faint dome shows the shapes of metals."""
         if scene.lights or scene.dome is not None:
             return scene
         pose = camera.world_from_camera

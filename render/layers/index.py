@@ -1,4 +1,4 @@
-"""The render index: a `Scene` as pyrender's scene graph, updated in place so that only what changed is uploaded."""
+"""Render index: a `Scene` as pyrender's scene graph, updated in place so that only changes are uploaded."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray
 from render.model.scene import Batch, Geometry, Image, Material, Scene, Wrap
 
 DrawKey = tuple[int, int, int, bool]
-"""Identities of geometry and material, which of the draws with both it is, and whether it is mirrored."""
-_POSE_BUFFER = 1  # of the buffers that pyrender's primitive makes: vertices, poses, indices
-HeldNode = tuple[pyrender.Node, tuple[object, ...]]
-"""A node, and the objects whose identities its key holds: kept so that no new object gets their id."""
+"""Ids of geometry and material, the number among draws with the same two, and whether the draw is mirrored."""
+_POSE_BUFFER = 1  # index among the buffers of pyrender's primitive: vertices, poses, indices
+CachedNode = tuple[pyrender.Node, tuple[object, ...]]
+"""Node, and the objects whose ids its key holds: kept alive so that no new object gets their id."""
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,14 @@ class Draw:
 
     Attributes:
         node: pyrender's node; its mesh has one primitive.
-        batch: what it came from.
+        batch: batch that is drawn.
         instances: ``(k,)`` indices of the batch's poses, in the order of the draw's instances.
         first_object: the object number of its first instance; ids in layers are object numbers.
-        mirrored: whether its poses turn the triangles' winding around.
+        mirrored: whether its poses reverse the triangles' winding.
         double_sided: whether back faces are drawn.
-        corners: ``(n, 3)`` of boxes around what it draws, world, metres.
-        may_be_clear: whether a fragment may be wholly or partly transparent.
-        may_be_faded: whether a fragment may be partly transparent; cut-outs never are.
+        corners: ``(n, 3)`` corners of its bounding boxes in the world, metres.
+        may_be_transparent: whether a fragment may be wholly or partly transparent.
+        may_be_translucent: whether a fragment may be partly transparent; cut-outs are not.
     """
 
     node: pyrender.Node
@@ -43,22 +43,22 @@ class Draw:
     mirrored: bool
     double_sided: bool
     corners: DoubleArray
-    may_be_clear: bool
-    may_be_faded: bool
+    may_be_transparent: bool
+    may_be_translucent: bool
 
 
 class SceneIndex:
-    """Holds pyrender's scene for a `Scene` and keeps what has not changed.
+    """pyrender's scene for a `Scene`; unchanged objects are kept on the device.
 
     Objects are recognised by identity: the same `Geometry`, `Material`, `Image` object is uploaded once.
     """
 
     def __init__(self, anisotropy: float = 1.0) -> None:
-        """``anisotropy``: most samples of an anisotropic texture look-up."""
+        """Create an empty index; ``anisotropy`` is the largest number of samples of an anisotropic texture look-up."""
         self._anisotropy = anisotropy
         self.graph = pyrender.Scene(ambient_light=np.zeros(3))
         self.draws: list[Draw] = []
-        self._nodes: dict[DrawKey, HeldNode] = {}
+        self._nodes: dict[DrawKey, CachedNode] = {}
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
         self.boxes = BoxCache()
@@ -66,17 +66,17 @@ class SceneIndex:
         self._scene: Scene | None = None
 
     def update(self, scene: Scene) -> None:
-        """Make the graph show ``scene``."""
+        """Update the graph to ``scene``."""
         if scene is self._scene:
             return
-        kept: dict[DrawKey, HeldNode] = {}
+        kept: dict[DrawKey, CachedNode] = {}
         self.draws = []
         first_object = 0
         for batch in scene.batches:
             for mirrored, instances in _by_handedness(batch.poses):
                 node = self._node(batch, instances, mirrored, kept)
                 corners = self.boxes.corners(batch)
-                clear, cut_out = self._may_be_clear(batch), batch.material.opacity_threshold > 0
+                clear, cut_out = self._may_be_transparent(batch), batch.material.opacity_threshold > 0
                 self.draws.append(
                     Draw(
                         node,
@@ -86,8 +86,8 @@ class SceneIndex:
                         mirrored,
                         batch.double_sided,
                         corners,
-                        may_be_clear=clear,
-                        may_be_faded=clear and not cut_out,
+                        may_be_transparent=clear,
+                        may_be_translucent=clear and not cut_out,
                     )
                 )
                 first_object += len(instances)
@@ -99,7 +99,7 @@ class SceneIndex:
         self._scene = scene
 
     def locate(self, object_number: int) -> tuple[Batch, int]:
-        """The batch and pose index of an object number that a layer holds."""
+        """Batch and pose index of an object number that a layer holds."""
         for draw in self.draws:
             offset = object_number - draw.first_object
             if 0 <= offset < len(draw.instances):
@@ -107,9 +107,9 @@ class SceneIndex:
         raise IndexError(f"no object {object_number}")
 
     def _node(
-        self, batch: Batch, instances: IndexArray, mirrored: bool, kept: dict[DrawKey, HeldNode]
+        self, batch: Batch, instances: IndexArray, mirrored: bool, kept: dict[DrawKey, CachedNode]
     ) -> pyrender.Node:
-        """The node that draws some of a batch's instances: one that drew the same before, moved, or a new one."""
+        """Node that draws these instances: the one that drew them before, moved, or a new one."""
         times = 0
         while (key := (id(batch.geometry), id(batch.material), times, mirrored)) in kept:
             times += 1
@@ -119,10 +119,10 @@ class SceneIndex:
             node = pyrender.Node(mesh=pyrender.Mesh([self._primitive(batch)]))
             self.graph.add_node(node)
         kept[key] = (node, (batch.geometry, batch.material))
-        self._place(node, batch.poses[instances])
+        self._set_poses(node, batch.poses[instances])
         return node
 
-    def _may_be_clear(self, batch: Batch) -> bool:
+    def _may_be_transparent(self, batch: Batch) -> bool:
         m, colors = batch.material, batch.geometry.colors
         if m.uses_display_color and colors is not None:
             if id(batch.geometry) not in self._faded:
@@ -131,23 +131,24 @@ class SceneIndex:
                 return True
         return m.opacity < 1 or m.opacity_threshold > 0 or "opacity" in m.lookups
 
-    def _place(self, node: pyrender.Node, poses: DoubleArray) -> None:
-        """Put a node's instances where they stand.
+    def _set_poses(self, node: pyrender.Node, poses: DoubleArray) -> None:
+        """Set the poses of a node's instances.
 
-        pyrender keeps instances' poses in float32, so they are told relative to where the first one stands, and that is the
-        node's own pose. A matrix is never given to a Node when it is made: it would be decomposed, and lose mirrors and shears.
+        pyrender keeps instances' poses in float32, so they are relative to the position of the first instance, which is
+        the node's own pose. A matrix is never passed to a Node's constructor: pyrender would decompose it and lose
+        mirrors and shears.
         """
         primitive: LargePrimitive = node.mesh.primitives[0]
         if len(poses) == 1:
-            primitive.place(None)
+            primitive.set_poses(None)
             self.graph.set_pose(node, poses[0])
             return
-        stand = np.eye(4)
-        stand[:3, 3] = poses[0, :3, 3]
+        origin = np.eye(4)
+        origin[:3, 3] = poses[0, :3, 3]
         relative = poses.copy()
-        relative[:, :3, 3] -= stand[:3, 3]
-        primitive.place(relative.astype(np.float32))
-        self.graph.set_pose(node, stand)
+        relative[:, :3, 3] -= origin[:3, 3]
+        primitive.set_poses(relative.astype(np.float32))
+        self.graph.set_pose(node, origin)
 
     def _primitive(self, batch: Batch) -> LargePrimitive:
         g: Geometry = batch.geometry
@@ -175,7 +176,7 @@ class SceneIndex:
         return self._textures[key]
 
     def _forget_unused(self) -> None:
-        """Drop materials and textures that no draw uses, so that a long session does not grow."""
+        """Drop materials and textures that no draw uses, so that memory does not grow over a long session."""
         used = {id(draw.batch.material) for draw in self.draws}
         drawn = {id(draw.batch.geometry) for draw in self.draws}
         self._faded = {key: value for key, value in self._faded.items() if key in drawn}
@@ -185,12 +186,11 @@ class SceneIndex:
 
 
 class LargePrimitive(pyrender.Primitive):  # type: ignore[misc]
-    """A primitive that keeps its indices whole (pyrender stores them as float32, wrong from 2^24 vertices on) and whose
-    instances can move after it was uploaded."""
+    """Primitive with exact indices, whose instances can move after the upload. pyrender stores indices as float32."""
 
     poses: FloatArray | None
 
-    def place(self, poses: FloatArray | None) -> None:
+    def set_poses(self, poses: FloatArray | None) -> None:
         """Set the poses of the instances, ``(k, 4, 4)``, or None for one at the node."""
         if poses is None and self.poses is None:
             return

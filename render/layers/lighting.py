@@ -9,7 +9,7 @@ import numpy as np
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.layers.index import Draw
-from render.layers.lights import chosen_lights, dome_irradiance, pack_lights, unit_axes
+from render.layers.lights import dome_irradiance, pack_lights, select_lights, unit_axes
 from render.layers.materials import HalfTexture
 from render.layers.renderer import DOME_UNIT, SHADOW_UNIT, LayerRenderer
 from render.layers.shadow_maps import ShadowMaps
@@ -20,7 +20,7 @@ from render.optics.view import PinholeView
 
 
 class Lighting:
-    """Lights of one scene after another, in the context of a renderer that draws their shadows."""
+    """Lights of the loaded scene, in the context of a renderer that draws their shadows."""
 
     def __init__(self, renderer: LayerRenderer, programs: ProgramCache) -> None:
         self._renderer = renderer
@@ -33,27 +33,27 @@ class Lighting:
         self._maps = ShadowMaps(renderer.draw_shadow)
 
     def load(self, scene: Scene) -> None:
-        """Take a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
-        self._lights = chosen_lights(scene.lights)
+        """Load a scene's lights and dome; its shadows are out of date until `cast_shadows`."""
+        self._lights = select_lights(scene.lights)
         if scene.dome is not self._dome:
             self._load_dome(scene.dome)
 
     def cast_shadows(self, whole: Sphere, interest: Sphere | None, draws: Sequence[Draw]) -> bool:
-        """Draw the shadow maps, where they are not what they were.
+        """Draw the shadow maps that have changed.
 
         Args:
-            whole: holds the scene.
-            interest: where a distant light's shadows are wanted; everywhere, where the scene is no larger.
-            draws: of the scene.
+            whole: sphere around the scene.
+            interest: region in which a distant light's shadows are resolved; None, or a larger region, for the whole scene.
+            draws: draws of the scene.
 
         Returns:
-            Whether they are others now.
+            Whether any map has changed.
         """
         self._plan = plan_shadows(self._lights, whole, interest)
         return self._maps.cast(self._plan.clip_from_world, draws)
 
     def bind(self, view: PinholeView) -> None:
-        """Set what surfaces are lit by, in the space of a view's camera."""
+        """Bind the lighting of surfaces, in the space of a view's camera."""
         dome_map = self._dome_map
         world_from_camera = np.asarray(np.linalg.inv(view.camera_from_world), np.float64)
         mips = int(np.log2(max(dome_map.width, dome_map.height)))
@@ -65,7 +65,7 @@ class Lighting:
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, self._maps.texture)
 
     def draw_background(self, view: PinholeView, targets: LayerTargets) -> None:
-        """Draw what is seen past all surfaces: the dome, or nothing."""
+        """Draw the background behind all surfaces: the dome, or black."""
         dome = self._dome
         program = self._programs.compute("layers/background.comp")
         rotation = np.eye(4)
@@ -83,7 +83,7 @@ class Lighting:
         program.run(-(-view.width // 8), -(-view.height // 8))
 
     def release(self) -> None:
-        """Give the memory on the device back."""
+        """Release the memory on the device."""
         self._maps.release()
         self._dome_map.delete()
 

@@ -21,28 +21,28 @@ _KINDS = {"distant": 0.0, "sphere": 1.0, "disk": 2.0, "rect": 2.0}
 
 @dataclass(frozen=True)
 class ShadowSlot:
-    """Which shadow maps a light has: ``first`` of ``count``, and the width of a texel at 1 m (distant: anywhere), in m."""
+    """Shadow maps of a light: ``first`` of ``count``, and the width of a texel at 1 m (distant: anywhere), metres."""
 
     first: int
     count: int
     texel_m: float
 
 
-def chosen_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
-    """The lights that are drawn: all, or the `MAX_LIGHTS` strongest where there are more."""
+def select_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
+    """Select the lights that are drawn: all, or the `MAX_LIGHTS` strongest where there are more."""
     shining = [light for light in lights if max(light.radiance) > 0 and light.cone_angle_rad > 0]
     return tuple(shining if len(shining) <= MAX_LIGHTS else sorted(shining, key=power, reverse=True)[:MAX_LIGHTS])
 
 
 def power(light: Light) -> float:
-    """A number that ranks lights by how much they light: radiance times area; a distant light's irradiance comes first."""
+    """Rank of a light by its power: radiance times area; distant lights, which have no area, come first."""
     if light.kind == "distant":
         return 1e9 * max(light.radiance)
     return max(light.radiance) * area_m2(light)
 
 
 def area_m2(light: Light) -> float:
-    """Emitting area that a facing surface sees."""
+    """Emitting area seen by a facing surface, m²."""
     if light.kind == "rect":
         return light.width_m * light.height_m
     return float(np.pi * light.radius_m**2)
@@ -60,11 +60,11 @@ def pack_lights(
 
     Args:
         lights: at most `MAX_LIGHTS`.
-        dome: or None.
+        dome: dome light, or None.
         dome_harmonics: ``(9, 3)`` from `dome_irradiance`.
         dome_mips: mip level at which the dome's image is one texel.
         world_from_camera: ``(4, 4)``.
-        shadows: by the light's place in ``lights``.
+        shadows: shadow slots by index in ``lights``.
     """
     camera_from_world = np.asarray(np.linalg.inv(world_from_camera), np.float64)
     head = np.zeros((1 + 9, 4), np.float32)
@@ -97,7 +97,7 @@ def dome_irradiance(dome: Dome | None) -> FloatArray:
         flat = np.zeros((9, 3), np.float32)
         flat[0] = dome.radiance
         return flat
-    radiance, theta_edges, phi_edges = _reduced(dome.image.pixels)
+    radiance, theta_edges, phi_edges = _downsample(dome.image.pixels)
     radiance *= np.asarray(dome.radiance)
     theta, phi = (theta_edges[1:] + theta_edges[:-1]) / 2, (phi_edges[1:] + phi_edges[:-1]) / 2
     y = np.cos(theta)[:, None] * np.ones(len(phi))
@@ -111,10 +111,12 @@ def dome_irradiance(dome: Dome | None) -> FloatArray:
     return np.asarray(coefficients * (norm**2 * cosine_lobe)[:, None], np.float32)
 
 
-def _reduced(pixels: NDArray[np.float16]) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-    """A latitude-longitude image of about 64 rows: means ``(h, w, 3)``, and the polar and azimuth angles between its cells.
+def _downsample(pixels: NDArray[np.float16]) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+    """Downsample a latitude-longitude image to about 64 rows: means ``(h, w, 3)``, and polar and azimuth angles between
+    cells.
 
-    A smaller image has its pixels repeated, since harmonics need more places than it has; a larger one is taken band by band.
+    A smaller image has its pixels repeated, since the harmonics need more samples; a larger one is averaged band by
+    band.
     """
     pixels = pixels.repeat(-(-32 // pixels.shape[0]), axis=0).repeat(-(-64 // pixels.shape[1]), axis=1)
     height, width = pixels.shape[:2]
@@ -142,7 +144,7 @@ def _light_rows(light: Light, camera_from_world: DoubleArray, shadow: ShadowSlot
 
 
 def unit_axes(pose: DoubleArray) -> DoubleArray:
-    """The pose's axes at unit length: a light's scale is in its size already."""
+    """Axes of a pose at unit length: a light's scale is already part of its size."""
     axes = pose[:3, :3]
     lengths = np.linalg.norm(axes, axis=0)
     return np.asarray(axes / lengths) if lengths.min() > 0 else np.eye(3)

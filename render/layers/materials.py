@@ -10,7 +10,7 @@ from render.model.arrays import FloatArray
 from render.model.scene import Image, Material, TextureLookup, Wrap
 
 INPUTS = ("base_color", "emissive", "metallic", "roughness", "specular", "opacity", "normal", "occlusion")
-"""The material inputs that may come from a texture; a lookup's place in the shader's table."""
+"""Material inputs that may come from a texture; the index is that of the shader's table."""
 
 _WRAPS: dict[Wrap, int] = {
     "repeat": GL.GL_REPEAT,
@@ -22,7 +22,7 @@ _GL_TEXTURE_MAX_ANISOTROPY = 0x84FE
 
 
 class HalfTexture(pyrender.Texture):  # type: ignore[misc]
-    """A half-float image with mipmaps, row 0 first. pyrender's own textures hold eight bits."""
+    """Half-float image with mipmaps, row 0 first. pyrender's own textures have eight bits."""
 
     def __init__(self, image: Image, wrap_s: Wrap = "repeat", wrap_t: Wrap = "repeat", anisotropy: float = 1.0) -> None:
         height, width = image.pixels.shape[:2]
@@ -48,7 +48,7 @@ class HalfTexture(pyrender.Texture):  # type: ignore[misc]
 
 
 class PreviewSurface(pyrender.Material):  # type: ignore[misc]
-    """A UsdPreviewSurface for ``layers/material.glsl``: its uniform block's bytes, its textures and its shader defines."""
+    """UsdPreviewSurface for ``layers/material.glsl``: its uniform block, its textures and its shader defines."""
 
     def __init__(self, material: Material, textures: dict[str, HalfTexture]) -> None:
         """``textures`` holds one texture for each entry of ``material.lookups``."""

@@ -16,15 +16,15 @@ from render.optics.view import PinholeView
 
 @dataclass(frozen=True, eq=False)
 class Movement:
-    """A batch at both ends of a time.
+    """A batch at both ends of the shutter interval.
 
     Attributes:
-        opening_poses: ``(k, 4, 4)`` float64 world from geometry space, of the batch's instances, when the time begins.
-        closing_poses: likewise, when it ends.
-        opening_positions: ``(n, 3)`` float32 of its vertices when the time begins; None where the geometry does not bend.
-        closing_positions: likewise, when it ends.
-        corners: ``(3, k, 8, 3)`` of boxes around its instances in the world, metres: when the time begins, in the middle, and
-            when it ends.
+        opening_poses: ``(k, 4, 4)`` float64 world from geometry space, of the batch's instances, as the shutter opens.
+        closing_poses: the same as it closes.
+        opening_positions: ``(n, 3)`` float32 positions of its vertices as the shutter opens; None where the geometry is rigid.
+        closing_positions: the same as it closes.
+        corners: ``(3, k, 8, 3)`` corners of its instances' boxes in the world, metres: as the shutter opens, in the middle, and
+            as it closes.
     """
 
     opening_poses: DoubleArray
@@ -34,19 +34,19 @@ class Movement:
     corners: DoubleArray
 
 
-def movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Movement]:
+def find_movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Movement]:
     """Match the batches of a scene across the shutter interval, and return how each of them moves.
 
-    Surfaces are matched by the prim and face that they begin with, their triangles, and the numbers of their instances; what
-    is not there at both ends, or is cut into other triangles, is taken to stand still.
+    Surfaces are matched by their first prim and face, their triangles, and the numbers of their instances. Batches that are
+    not there at both ends, or have other triangles there, count as still.
 
     Args:
-        middle: the scene in the middle of a time.
-        opening: when it begins.
-        closing: when it ends.
+        middle: the scene in the middle of the shutter interval.
+        opening: the scene at its start.
+        closing: the scene at its end.
 
     Returns:
-        Movements by the identities of the batches in the middle; those that stand still have none.
+        Movements by the ids of the batches in the middle; still batches have none.
     """
     before, after = _by_key(opening), _by_key(closing)
     found = {}
@@ -54,20 +54,22 @@ def movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, Moveme
         first, last = before.get(key), after.get(key)
         if first is None or last is None or (first is batch and last is batch):
             continue
-        if _is_cut_alike(batch, first) and _is_cut_alike(batch, last):
+        if _has_same_topology(batch, first) and _has_same_topology(batch, last):
             movement = _movement(batch, first, last)
             if movement is not None:
                 found[id(batch)] = movement
     return found
 
 
-def slopes_crossed(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:
-    """Where in the middle of the time that is which comes into view at some time, as far as it moves: ``(4,)`` slopes of left,
-    top, right and bottom, of the picture and of what is beside it.
+def swept_bounds(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:
+    """Bounds, in the middle of the interval, of the moving instances that come into view: ``(4,)`` slopes left, top,
+    right, bottom.
+
+    The bounds contain the picture and extend beyond it by no more than the instances move.
 
     Args:
-        moves: what moves.
-        view: the picture, in the middle of the time.
+        moves: movements of the batches.
+        view: view of the picture in the middle of the interval.
     """
     first = np.array([-view.cx / view.fx, -view.cy / view.fy])
     last = np.array([(view.width - view.cx) / view.fx, (view.height - view.cy) / view.fy])
@@ -83,8 +85,11 @@ def slopes_crossed(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:
 
 
 def _slopes(corners: DoubleArray, view: PinholeView) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """``(3, k, 8, 2)`` of corners, x right and y down, what is behind the near plane drawn to it; and ``(k,)`` whether any of an
-    instance is before the eye at any time."""
+    """Slopes ``(3, k, 8, 2)`` of corners, x right and y down, and visibility ``(k,)``.
+
+    Corners behind the near plane are moved to it. An instance is visible where any of its corners is in front of the
+    eye at any time.
+    """
     points = corners @ view.camera_from_world[:3, :3].T + view.camera_from_world[:3, 3]
     depth = -points[..., 2]
     slopes = points[..., :2] * [1.0, -1.0] / np.maximum(depth, view.near_m)[..., None]
@@ -95,7 +100,7 @@ Key = tuple[int, ...]
 
 
 def _keys(scene: Scene) -> list[tuple[Key, Batch]]:
-    """Each batch with what it is known again by; those that are alike are told apart by their order."""
+    """Batches with keys that identify them over time; equal keys are distinguished by their order."""
     times: Counter[Key] = Counter()
     keys = []
     for batch in scene.batches:
@@ -111,34 +116,34 @@ def _by_key(scene: Scene) -> dict[Key, Batch]:
     return dict(_keys(scene))
 
 
-def _is_cut_alike(batch: Batch, other: Batch) -> bool:
+def _has_same_topology(batch: Batch, other: Batch) -> bool:
     return batch.geometry is other.geometry or np.array_equal(batch.geometry.triangles, other.geometry.triangles)
 
 
 def _movement(batch: Batch, first: Batch, last: Batch) -> Movement | None:
     """Movement of a batch between two others with the same surfaces; None where it stands still."""
-    opening, closing = _poses_of(batch, first), _poses_of(batch, last)
+    opening, closing = _match_poses(batch, first), _match_poses(batch, last)
     absent = np.flatnonzero(np.isnan(opening).any(axis=(1, 2)) | np.isnan(closing).any(axis=(1, 2)))
     opening[absent] = closing[absent] = batch.poses[absent]
     shapes = [other.geometry.positions for other in (first, batch, last)]
-    bends = any(not _is_shaped_alike(shape, shapes[1]) for shape in shapes[::2])
+    bends = any(not _has_same_positions(shape, shapes[1]) for shape in shapes[::2])
     if not bends and np.array_equal(opening, batch.poses) and np.array_equal(closing, batch.poses):
         return None
     times = zip(shapes, (opening, batch.poses, closing), strict=True)
-    corners = np.stack([_placed(_corners(shape), poses) for shape, poses in times])
+    corners = np.stack([_to_world(_corners(shape), poses) for shape, poses in times])
     return Movement(opening, closing, shapes[0] if bends else None, shapes[2] if bends else None, corners)
 
 
-def _is_shaped_alike(one: FloatArray, other: FloatArray) -> bool:
+def _has_same_positions(one: FloatArray, other: FloatArray) -> bool:
     return one is other or np.array_equal(one, other)
 
 
-def _poses_of(batch: Batch, other: Batch) -> DoubleArray:
-    """``(k, 4, 4)`` the poses that the batch's instances have in another; NaN for those that are not there.
+def _match_poses(batch: Batch, other: Batch) -> DoubleArray:
+    """Poses ``(k, 4, 4)`` that the batch's instances have in another batch; NaN for missing instances.
 
-    Where their number differs, only ids tell them apart: numbers that merely count them do not.
+    Where the numbers of instances differ, only ids identify them: numbers that merely count them do not.
     """
-    names, others = _names(batch), _names(other)
+    names, others = _instance_keys(batch), _instance_keys(other)
     if names == others:
         return np.array(other.poses)
     poses = np.full(batch.poses.shape, np.nan)
@@ -156,7 +161,7 @@ def _only_counts(batch: Batch) -> bool:
     return numbers is not None and np.array_equal(numbers, np.arange(len(numbers)))
 
 
-def _names(batch: Batch) -> list[tuple[int, int]]:
+def _instance_keys(batch: Batch) -> list[tuple[int, int]]:
     """Keys that identify each instance over time: ``(prim id, instance number)``, -1 where there is none."""
     none = np.full(len(batch.poses), -1)
     prims = none if batch.instance_prim_ids is None else batch.instance_prim_ids
@@ -165,14 +170,14 @@ def _names(batch: Batch) -> list[tuple[int, int]]:
 
 
 def _corners(positions: FloatArray) -> DoubleArray:
-    """``(8, 3)`` of the box around some points."""
+    """Corners ``(8, 3)`` of the box around points."""
     if len(positions) == 0:
         return np.zeros((8, 3))
     bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
     return np.asarray(np.where(bits, positions.max(axis=0), positions.min(axis=0)), np.float64)
 
 
-def _placed(points: DoubleArray, poses: DoubleArray) -> DoubleArray:
-    """``(k, n, 3)`` points in the world."""
+def _to_world(points: DoubleArray, poses: DoubleArray) -> DoubleArray:
+    """Transform points into the world, ``(k, n, 3)``."""
     turned: DoubleArray = points @ poses[:, :3, :3].transpose(0, 2, 1)
     return turned + poses[:, None, :3, 3]

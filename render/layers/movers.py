@@ -14,24 +14,24 @@ from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 
-_LANDING, _SWEPT = 10, 11  # as the shaders bind them
+_ARRIVALS, _SWEPT = 10, 11  # as the shaders bind them
 _GROUP = 8
-_MOST_TRIES = 20  # of trace/march_moving.glsl, in one stretch of a ray
-_KINDS = 4  # of movers that are kept of a block and layer: the fastest and the slowest, in either half of the time
+_MOST_TRIES = 20  # in trace/march_moving.glsl, for one interval of a ray
+_KINDS = 4  # movers per block and layer: the fastest and the slowest, in either half of the exposure
 
 
-def blocks_of(view: PinholeView) -> tuple[int, int]:
-    """Blocks of a view's pixels, across and down."""
+def block_counts(view: PinholeView) -> tuple[int, int]:
+    """Number of blocks across and down a view."""
     return -(-view.width // BLOCK_PX), -(-view.height // BLOCK_PX)
 
 
 class Movers:
-    """The movers of one peeling; to be given back before the next.
+    """Movers of one peeling; to be released before the next.
 
     Args:
-        ctx: of the device.
-        programs: of that context.
-        layers: that keep how their surfaces move.
+        ctx: context of the device.
+        programs: programs of that context.
+        layers: layers with motion.
     """
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, layers: Layers) -> None:
@@ -39,13 +39,13 @@ class Movers:
         if motion is None:
             raise ValueError("these layers do not keep how surfaces move")
         self._ctx, self._programs, self._layers, self._motion = ctx, programs, layers, motion
-        self._blocks = blocks_of(layers.view)
+        self._blocks = block_counts(layers.view)
         count = self._blocks[0] * self._blocks[1]
         with Construction() as making:
-            # halves do: they say where to look first
+            # half floats suffice: they only say where to search first
             self._movers = making.keep(ctx.texture_array((*self._blocks, _KINDS * layers.count), 4, dtype="f2"))
             self._movers.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            self._landing = making.keep(ctx.buffer(reserve=count * 16))
+            self._arrivals = making.keep(ctx.buffer(reserve=count * 16))
             empty = np.array([EMPTY_MIN, 0.0], np.float32)
             self._swept = making.keep(ctx.buffer(np.tile(empty, count).tobytes()))
             self._find()
@@ -62,25 +62,25 @@ class Movers:
         self._run(program)
 
     def bind_swept(self) -> None:
-        """Let a program see the ranges of inverse depth that are swept."""
+        """Bind the swept ranges of inverse depth."""
         self._swept.bind_to_storage_buffer(_SWEPT)
 
-    def land(self, since: float) -> None:
-        """Find what may be in each block at a moment: from -0.5, when the shutter opens, to 0.5."""
-        self._landing.clear()
-        program = self._programs.compute("lens/landing.comp")
+    def update(self, shutter_time: float) -> None:
+        """Compute the surfaces that may be in each block at a moment: from -0.5, as the shutter opens, to 0.5."""
+        self._arrivals.clear()
+        program = self._programs.compute("layers/arrivals.comp")
         self._movers.use(0)
-        self._landing.bind_to_storage_buffer(_LANDING)
+        self._arrivals.bind_to_storage_buffer(_ARRIVALS)
         for settles in (False, True):
-            set_uniforms(program, movers=0, since=since, settles=settles)
+            set_uniforms(program, movers=0, shutter_time=shutter_time, settles=settles)
             self._run(program)
 
     def bind(self, program: moderngl.ComputeShader, first_unit: int) -> None:
-        """Let the tracer see what has landed; textures take two units."""
+        """Bind the results for the tracer; textures take two units."""
         self._motion.use(first_unit)
         self._movers.use(first_unit + 1)
         set_uniforms(program, motion=first_unit, movers=first_unit + 1, most_tries=_MOST_TRIES)
-        self._landing.bind_to_storage_buffer(_LANDING)
+        self._arrivals.bind_to_storage_buffer(_ARRIVALS)
 
     def _run(self, program: moderngl.ComputeShader) -> None:
         view = self._layers.view
@@ -101,5 +101,5 @@ class Movers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for held in (self._movers, self._landing, self._swept):
+        for held in (self._movers, self._arrivals, self._swept):
             held.release()

@@ -18,13 +18,13 @@ _POSES, _POSITIONS = 9, 10  # as layers/surface.vert binds them
 
 
 class MovingDraws:
-    """Buffers with both ends of the draws that move; to be used and given back by the peeling that needs them.
+    """Buffers with the opening and closing state of moving draws; to be released after the peeling.
 
     Args:
-        ctx: of the device.
-        draws: that will be drawn.
-        moves: the movements of batches, by the batches' identities.
-        camera_from_world: ``(4, 4)`` of the view that the layers are drawn for.
+        ctx: context of the device.
+        draws: draws of the peeling.
+        moves: movements by the ids of their batches.
+        camera_from_world: ``(4, 4)`` of the layers' view.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class MovingDraws:
 
     @property
     def any(self) -> bool:
-        """Whether any of the draws moves."""
+        """Whether any draw moves."""
         return bool(self._poses)
 
     def defines(self, draw: Draw) -> dict[str, object]:
@@ -63,7 +63,7 @@ class MovingDraws:
         return defines
 
     def bind(self, draw: Draw) -> None:
-        """Let the shaders see a draw's ends."""
+        """Bind a draw's buffers."""
         if id(draw) in self._poses:
             self._poses[id(draw)].bind_to_storage_buffer(_POSES)
         if id(draw.batch) in self._positions:
@@ -85,7 +85,7 @@ def _buffer(
     most = int(ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
     if values.size * 4 > most:
         raise GraphicsError(
-            f"what moves has {values.size * 4 / 2**20:.0f} MB of places, and the device holds {most / 2**20:.0f} MB at once:"
+            f"moving surfaces take {values.size * 4 / 2**20:.0f} MB, and a buffer of the device holds {most / 2**20:.0f} MB:"
             " ask for motion by moments"
         )
     return ctx.buffer(np.ascontiguousarray(values, np.float32).tobytes())

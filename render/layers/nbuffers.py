@@ -1,8 +1,8 @@
 """N-buffers over blocks of 4x4 layer pixels: the range of inverse depth in any rectangle, in four look-ups.
 
 Beside the range of inverse depth (Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values"; Decoret 2005) they hold
-which of 64 even bins between the picture's nearest and farthest surface are filled: a lamp in the foreground widens a range
-over all that is empty between it and the wall behind, and rays need not look there.
+which of 64 even bins between the picture's nearest and farthest surface are occupied: a lamp in the foreground widens the range
+over the empty space between it and the wall behind, where rays need not search.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import EMPTY_MIN
-from render.layers.movers import Movers, blocks_of
+from render.layers.movers import Movers, block_counts
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
@@ -27,8 +27,8 @@ class NBuffers:
 
     Attributes:
         ranges: RG32F array, ``levels`` slices at a quarter of the layers' resolution: (min, max) of w in 1/m.
-        bins: RG32UI array of the same size: 64 bits, the lowest the farthest bin between the ends of the range of everything.
-        levels: how many; the first texel of the last one covers everything.
+        bins: RG32UI array of the same size: 64 bits, the lowest for the farthest bin of the whole range.
+        levels: number of levels; the first texel of the last one covers the whole picture.
     """
 
     ranges: moderngl.TextureArray
@@ -37,12 +37,12 @@ class NBuffers:
 
     @property
     def bytes(self) -> int:
-        """Memory of the device that they take."""
+        """Memory on the device, bytes."""
         return texture_bytes(self.ranges) + texture_bytes(self.bins)
 
 
 class NBufferBuilder:
-    """Builds N-buffers, keeping the textures for the next layers of the same size."""
+    """Builds N-buffers, keeping the textures for layers of the same size."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
@@ -53,38 +53,37 @@ class NBufferBuilder:
         self._built: tuple[Layers, NBuffers] | None = None
 
     def build(self, layers: Layers, movers: Movers | None = None) -> NBuffers:
-        """Build the ranges and bins over all layers, and over all that its movers sweep; those of the very layers that they were
-        built of last are as they were."""
+        """Build the ranges and bins over all layers and over all that the movers sweep. Those of the last layers are reused."""
         if self._built is not None and self._built[0] is layers and movers is None:
             return self._built[1]
         self._built = None
-        width, height = blocks_of(layers.view)
+        width, height = block_counts(layers.view)
         levels = int(np.ceil(np.log2(max(width, height)))) + 1
-        ranges, bins = self._sized(width, height, levels)
+        ranges, bins = self._allocate(width, height, levels)
         moving: dict[str, int | float | str] = {}
         if movers is not None:
             moving = {"MOVERS": 1}
             movers.bind_swept()
         self._fill(self._programs.compute("layers/blocks.comp", {"EMPTY_MIN": EMPTY_MIN, **moving}), layers, ranges)
-        self._raise("layers/nbuffer.comp", ranges)
+        self._build_levels("layers/nbuffer.comp", ranges)
         program = self._programs.compute("layers/bins.comp", moving)
         ranges.use(4)
         set_uniforms(program, ranges=4, last_level=levels - 1)
         self._fill(program, layers, bins)
-        self._raise("layers/bins_level.comp", bins)
+        self._build_levels("layers/bins_level.comp", bins)
         built = NBuffers(ranges, bins, levels)
         if movers is None:
             self._built = layers, built
         return built
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for texture in self._held or ():
             texture.release()
         self._held = self._built = None
 
     def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
-        """Take what each block holds into the texture's first slice."""
+        """Fill the texture's first slice with the contents of each block."""
         packs, slopes = layers.targets.packed_w, layers.targets.packed_slopes
         for pack, name in enumerate(("near", "far")):
             for unit, textures, of in ((2 * pack, packs, "w"), (2 * pack + 1, slopes, "slopes")):
@@ -96,8 +95,8 @@ class NBufferBuilder:
         self._ctx.memory_barrier()
         self._cancellation.poll()
 
-    def _raise(self, shader: str, texture: moderngl.TextureArray) -> None:
-        """Build all levels from the first."""
+    def _build_levels(self, shader: str, texture: moderngl.TextureArray) -> None:
+        """Build the other levels from the first."""
         program = self._programs.compute(shader)
         texture.bind_to_image(0, read=True, write=True)
         for level in range(1, texture.layers):
@@ -106,7 +105,7 @@ class NBufferBuilder:
             self._ctx.memory_barrier()
             self._cancellation.poll()
 
-    def _sized(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
+    def _allocate(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
         if self._held is None or self._held[0].size != (width, height, levels):
             self.release()
             with Construction() as making:

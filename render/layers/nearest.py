@@ -1,9 +1,8 @@
 """Depth of the nearest triangle in a view: a best-first search through boxes, from instances over clusters to triangles.
 
-What is nearest blurs most and has most to hide, so it says how wide the layers' margin and how many the layers must be.
-Boxes of whole meshes would often say that something touches the camera, as a room's box does; a small picture of depths
-would miss what is thinner than its pixels, and wait for the device. The search always opens the nearest box and ends at the
-first triangle that it meets: seldom are more than a few opened.
+The nearest surface has the largest blur and the smallest umbra, so it decides the layers' margin and their number. Boxes of
+whole meshes are too coarse: a room's box contains the camera. A small depth picture would miss objects thinner than its pixels,
+and wait for the device. The search always opens the nearest box and ends at the first triangle: it seldom opens more than a few.
 """
 
 from __future__ import annotations
@@ -21,108 +20,108 @@ from render.model.scene import Batch
 from render.optics.view import PinholeView
 
 MAX_STEPS = 200
-"""Times that boxes are opened; the answer is then the depth of the box that would have been the next, which is no farther."""
+"""Limit on the boxes that are opened; the depth of the next box is returned then, which is not farther than the surface."""
 _CLUSTERS_AT_ONCE = 32
 _BOX_EDGES = np.array([(i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & bit])
 _TRIANGLE_EDGES = np.array([[0, 1], [1, 2], [2, 0]])
 
 
 @dataclass(frozen=True)
-class _Nest:
+class _Hulls:
     """Hulls that a view may see, nearest first.
 
     Attributes:
         depths_m: ``(n,)`` ascending.
-        numbers: ``(n,)`` of the hulls, for ``open``.
-        open: what is in some hulls; None where they are triangles.
-        at_once: how many to open in one step.
+        numbers: ``(n,)`` indices of the hulls, for ``open``.
+        open: returns the contents of some hulls; None where they are triangles.
+        at_once: number of hulls opened in one step.
     """
 
     depths_m: DoubleArray
     numbers: IndexArray
-    open: Callable[[IndexArray], _Nest] | None
+    open: Callable[[IndexArray], _Hulls] | None
     at_once: int = 1
 
 
 def nearest_depth_m(index: SceneIndex, view: PinholeView) -> float:
     """Depth in metres of the nearest triangle in view, at least ``view.near_m``; infinite where there is none.
 
-    The answer may be too near and is never too far: back faces and holes count, and a triangle is cut at each side of the
-    view by itself.
+    The result may be too near and is never too far: back faces and holes count, and a triangle is clipped at each side of the
+    view separately.
     """
-    nests = [_instances(index, view)]
+    levels = [_instance_hulls(index, view)]
     queue: list[
         tuple[float, int, int]
     ] = []  # depth of the nearest hull left in a nest, the nest, the hull's place in it
 
     def push(number: int, place: int) -> None:
-        if place < len(nests[number].depths_m):
-            heapq.heappush(queue, (float(nests[number].depths_m[place]), number, place))
+        if place < len(levels[number].depths_m):
+            heapq.heappush(queue, (float(levels[number].depths_m[place]), number, place))
 
     push(0, 0)
     while queue:
         depth_m, number, place = heapq.heappop(queue)
-        nest = nests[number]
-        if nest.open is None or len(nests) > MAX_STEPS:
+        level = levels[number]
+        if level.open is None or len(levels) > MAX_STEPS:
             return depth_m
-        after = place + nest.at_once
-        nests.append(nest.open(nest.numbers[place:after]))
+        after = place + level.at_once
+        levels.append(level.open(level.numbers[place:after]))
         push(number, after)
-        push(len(nests) - 1, 0)
+        push(len(levels) - 1, 0)
     return float("inf")
 
 
-def _instances(index: SceneIndex, view: PinholeView) -> _Nest:
-    """The boxes of all instances of all draws."""
+def _instance_hulls(index: SceneIndex, view: PinholeView) -> _Hulls:
+    """Boxes of all instances of all draws."""
     draws = [draw for draw in index.draws if len(draw.corners)]
     if not draws:
-        return _Nest(np.zeros(0), np.zeros(0, np.intp), None)
+        return _Hulls(np.zeros(0), np.zeros(0, np.intp), None)
     corners = np.concatenate([draw.corners.reshape(-1, 8, 3)[draw.instances] for draw in draws])
     poses = np.concatenate([draw.instances for draw in draws])
     owners = np.repeat(np.arange(len(draws)), [len(draw.instances) for draw in draws])
 
-    def open_instance(chosen: IndexArray) -> _Nest:
+    def open_instance(chosen: IndexArray) -> _Hulls:
         (i,) = chosen
-        return _clusters(index, draws[owners[i]].batch, int(poses[i]), view)
+        return _cluster_hulls(index, draws[owners[i]].batch, int(poses[i]), view)
 
-    return _nest(corners, _BOX_EDGES, view.camera_from_world, view, open_instance)
+    return _visible_hulls(corners, _BOX_EDGES, view.camera_from_world, view, open_instance)
 
 
-def _clusters(index: SceneIndex, batch: Batch, pose: int, view: PinholeView) -> _Nest:
-    """The boxes of an instance's clusters of triangles."""
+def _cluster_hulls(index: SceneIndex, batch: Batch, pose: int, view: PinholeView) -> _Hulls:
+    """Boxes of an instance's clusters of triangles."""
     camera_from_local = view.camera_from_world @ batch.poses[pose]
     positions, triangles = batch.geometry.positions, batch.geometry.triangles
 
-    def open_clusters(chosen: IndexArray) -> _Nest:
+    def open_clusters(chosen: IndexArray) -> _Hulls:
         own = [triangles[i * CLUSTER_TRIANGLES : (i + 1) * CLUSTER_TRIANGLES] for i in chosen]
-        return _nest(positions[np.concatenate(own)], _TRIANGLE_EDGES, camera_from_local, view)
+        return _visible_hulls(positions[np.concatenate(own)], _TRIANGLE_EDGES, camera_from_local, view)
 
     boxes = index.boxes.clusters(batch.geometry)
-    return _nest(boxes, _BOX_EDGES, camera_from_local, view, open_clusters, _CLUSTERS_AT_ONCE)
+    return _visible_hulls(boxes, _BOX_EDGES, camera_from_local, view, open_clusters, _CLUSTERS_AT_ONCE)
 
 
-def _nest(
+def _visible_hulls(
     points: DoubleArray | FloatArray,
     edges: IndexArray,
     camera_from_points: DoubleArray,
     view: PinholeView,
-    open_hulls: Callable[[IndexArray], _Nest] | None = None,
+    open_hulls: Callable[[IndexArray], _Hulls] | None = None,
     at_once: int = 1,
-) -> _Nest:
-    """The hulls of ``(n, k, 3)`` points that the view may see."""
+) -> _Hulls:
+    """Hulls of ``(n, k, 3)`` points that the view may see."""
     in_camera = points @ camera_from_points[:3, :3].T + camera_from_points[:3, 3]
     depths = _depths_in_view(in_camera, edges, view)
     order = np.argsort(depths, kind="stable")[: np.count_nonzero(np.isfinite(depths))]
-    return _Nest(depths[order], order, open_hulls, at_once)
+    return _Hulls(depths[order], order, open_hulls, at_once)
 
 
 def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -> DoubleArray:
     """Least depth of each hull within the view: ``(n,)`` metres, infinite for a hull outside one of the view's planes.
 
     Args:
-        points: ``(n, k, 3)`` of the hulls, camera space.
-        edges: ``(m, 2)`` of a hull, or more lines between its points.
-        view: what they are seen in.
+        points: ``(n, k, 3)`` points of the hulls, camera space.
+        edges: ``(m, 2)`` edges of a hull, or more lines between its points.
+        view: view that clips them.
     """
     depth = -points[..., 2]
     x, y = view.fx * (points[..., 0] - view.eye_x_m), view.fy * (points[..., 1] - view.eye_y_m)
@@ -143,7 +142,7 @@ def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -
 
 
 def _depths_at_cut(inside: DoubleArray, depth: DoubleArray) -> DoubleArray:
-    """The least depth at which lines ``(n, m, 2)`` change sides; infinite where none does."""
+    """Least depth at which lines ``(n, m, 2)`` cross the plane; infinite where none does."""
     a, b = inside[..., 0], inside[..., 1]
     crosses = (a < 0) != (b < 0)
     share = a / np.where(crosses, a - b, 1.0)

@@ -1,6 +1,6 @@
-"""Depth peeling from the centre of the entrance pupil: layer behind layer, each clear of the umbra of the one before.
+"""Extended-umbra depth peeling from the centre of the entrance pupil (Lee, Eisemann & Seidel 2010, section 3.1).
 
-Lee, Eisemann & Seidel 2010, section 3.1; `render.layers.umbra` has the umbra and how many layers there can be.
+Each layer holds the nearest surfaces outside the umbra of the layer before; see `render.layers.umbra`.
 """
 
 from __future__ import annotations
@@ -32,28 +32,28 @@ from render.optics.view import PinholeView
 __all__ = ["HIDES_ALL", "LayerGroup", "Layers", "Peeler", "layers_needed", "umbra_reach"]
 
 PICTURE, PREVIEW, SKETCH = "picture", "preview", "sketch"
-"""Places where layers are kept: of pictures as they are asked for, of the small ones before them, and of smaller ones yet."""
+"""Cache slots of layers: for pictures, for their small previews, and for even smaller sketches."""
 MAX_PINHOLE_LAYERS = 64
-"""Surfaces that are composited at most behind one pixel of a pinhole's picture."""
+"""Limit on the surfaces composited behind one pixel of a pinhole's picture."""
 
 
 @dataclass(frozen=True)
 class Layers:
-    """A peeled scene. Valid until the next peeling.
+    """Layers of a peeled scene. Valid until the next peeling.
 
     Attributes:
-        view: what the layers' pixels see.
+        view: view of the layers' pixels.
         targets: the textures. Channels of inverse depth from ``count`` on are 0 in a texture whose first layer is below
             ``count``; textures and slices from there on hold what an earlier peeling left.
-        count: layers that hold something.
-        may_be_faded: whether a surface of them may be partly transparent.
-        may_move: whether a surface of them may move, and the targets keep how.
+        count: number of layers with surfaces.
+        may_be_translucent: whether any of their surfaces may be partly transparent.
+        may_move: whether any of their surfaces may move; the targets hold the motion then.
     """
 
     view: PinholeView
     targets: LayerTargets
     count: int
-    may_be_faded: bool = True
+    may_be_translucent: bool = True
     may_move: bool = False
 
 
@@ -63,8 +63,8 @@ class LayerGroup:
 
     Attributes:
         targets: the textures.
-        slot: of the targets in which the first of them is; a multiple of four.
-        count: how many hold something.
+        slot: index in the targets of the first of them; a multiple of four.
+        count: number of layers with surfaces.
         is_first: whether nothing is nearer.
         is_last: whether nothing is farther.
     """
@@ -86,13 +86,13 @@ class PeelKey:
     unlit: bool
     sampling: SurfaceSampling
 
-    def is_like(self, other: PeelKey) -> bool:
-        """Whether the same was asked."""
-        return self.view.is_like(other.view) and replace(self, view=other.view) == other
+    def matches(self, other: PeelKey) -> bool:
+        """Whether a peeling with the other key gives the same layers."""
+        return self.view.matches(other.view) and replace(self, view=other.view) == other
 
 
 class Peeler:
-    """Peels scenes: owns the render index, the renderer, the lighting and the layers' textures of one context."""
+    """Peels scenes. Owns the render index, the renderer, the lighting and the layers' textures of one context."""
 
     def __init__(self, graphics: GraphicsContext, programs: ProgramCache) -> None:
         self._ctx = graphics.ctx
@@ -107,18 +107,18 @@ class Peeler:
         self._interest: Sphere | None = None
 
     def load(self, scene: Scene, interest: Sphere | None = None, *, is_preview: bool = False) -> None:
-        """Upload a scene: what is new in it, its lights and its shadows. Does nothing for the scene that is loaded.
+        """Upload a scene's changes, its lights and its shadows. Does nothing for the loaded scene.
 
         Args:
             scene: what to upload.
-            interest: where a distant light's shadows are wanted; everywhere, where the scene is no larger.
-            is_preview: whether those of about the same place will do, so that they need not follow each turn of the focus.
+            interest: region in which a distant light's shadows are resolved; None, or a larger region, for the whole scene.
+            is_preview: accept shadow maps of nearly the same region, so that they need not follow each change of the focus.
         """
-        if is_preview and interest is not None and self._interest is not None and interest.is_about(self._interest):
+        if is_preview and interest is not None and self._interest is not None and interest.is_close_to(self._interest):
             interest = self._interest
         if scene is self._scene and interest == self._interest:
             return
-        is_new, self._scene = scene is not self._scene, None  # nothing is loaded until all of it is
+        is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
             self.index.update(scene)
             self._renderer.upload()
@@ -128,24 +128,24 @@ class Peeler:
             self._kept = {}
         self._scene, self._interest = scene, interest
 
-    def holds(self, scene: Scene) -> bool:
-        """Whether a scene is loaded, whatever it is that its shadows are wanted for.
+    def has_scene(self, scene: Scene) -> bool:
+        """Whether a scene is loaded, with shadow maps of any region.
 
         Args:
-            scene: as `load` takes it.
+            scene: scene as passed to `load`.
         """
         return scene is self._scene
 
     @property
     def is_opaque(self) -> bool:
-        """Whether no surface of the loaded scene can be seen through; cut-outs, which are there or are not, cannot."""
-        return not _any_faded(self.index.draws)
+        """Whether no surface of the loaded scene is partly transparent; cut-outs are not."""
+        return not _any_translucent(self.index.draws)
 
     def nearest_w(self, view: PinholeView) -> float:
-        """The largest inverse depth of anything in view, 1/m: at most ``1 / view.near_m``, 0 where nothing is.
+        """Largest inverse depth of any surface in view, 1/m: at most ``1 / view.near_m``, 0 for an empty view.
 
-        It is that of a triangle, found by a search through boxes without drawing (`render.layers.nearest`): never too small,
-        and a little too large only where the nearest triangle is cut by a corner of the view, is a hole or shows its back.
+        It is found by a search through boxes without drawing (`render.layers.nearest`). It is never too small, and a little
+        too large only where the nearest triangle is clipped by a corner of the view, is cut out or faces away.
         """
         return 1.0 / nearest_depth_m(self.index, view)
 
@@ -160,10 +160,10 @@ class Peeler:
         moves: Mapping[int, Movement] | None = None,
         cache_slot: str = PICTURE,
     ) -> Layers:
-        """Peel the loaded scene; where that is what was peeled there last, nothing is drawn, and the answer is the same object.
+        """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
 
-        Surfaces that are partly transparent hide nothing and are peeled one by one; the last layer skips them where something
-        opaque is behind, so that where they are more than the layers, some of them are lost and never what is solid.
+        Partly transparent surfaces hide nothing and are peeled one by one; the last layer skips them where an opaque surface is
+        behind, so that with too few layers only transparent surfaces are lost.
 
         Args:
             view: the picture that the layers are drawn for, guard band included.
@@ -172,34 +172,34 @@ class Peeler:
                 where surfaces move apart.
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
-            moves: how batches move (`render.layers.movement`), where the layers shall keep it.
-            cache_slot: a name for where the layers are kept. Those of one place are valid until the next peeling there.
+            moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
+            cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
         asked = PeelKey(view, layers, umbra, unlit, sampling)
         kept = self._kept.pop(cache_slot, None)
-        if kept is not None and not moves and kept[0].is_like(asked):
+        if kept is not None and not moves and kept[0].matches(asked):
             self._kept[cache_slot] = kept
             return kept[1]
-        made = self._peeled(asked, moves or {}, cache_slot)
+        made = self._draw_layers(asked, moves or {}, cache_slot)
         if not moves:
             self._kept[cache_slot] = asked, made
         return made
 
-    def keeps(self, view: PinholeView, *, unlit: bool, cache_slot: str) -> bool:
-        """Whether layers of this view are kept at a cache_slot, however many and for whatever pupil."""
+    def has_layers(self, view: PinholeView, *, unlit: bool, cache_slot: str) -> bool:
+        """Whether a cache slot holds layers of this view, for any number of layers and any pupil."""
         kept = self._kept.get(cache_slot)
-        return kept is not None and kept[0].unlit == unlit and kept[0].view.is_like(view)
+        return kept is not None and kept[0].unlit == unlit and kept[0].view.matches(view)
 
-    def _peeled(self, asked: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
+    def _draw_layers(self, asked: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
         view, layers, umbra, unlit, sampling = asked.view, asked.layers, asked.umbra, asked.unlit, asked.sampling
-        self._light(view)
-        draws = self._renderer.seen(view)
+        self._bind_lighting(view)
+        draws = self._renderer.visible_draws(view)
         layers = min(layers, MAX_LAYERS)
-        faded = _any_faded(draws)
+        faded = _any_translucent(draws)
         if not faded and not any(id(draw.batch) in moves for draw in draws):
             layers = min(layers, layers_needed(1 / umbra, self.nearest_w(view)))
         with MovingDraws(self._ctx, draws, moves, view.camera_from_world) as moving:
-            targets = self._sized_targets(view, layers, cache_slot, motion=moving.any)
+            targets = self._allocate_targets(view, layers, cache_slot, motion=moving.any)
             self._lighting.draw_background(view, targets)
             slots = targets.slots
             layer = LayerPass(view, draws, slots[0], umbra, None, layers == 1, unlit, sampling)
@@ -216,23 +216,23 @@ class Peeler:
             self._ctx.memory_barrier()
         return Layers(view, targets, count, faded, moving.any)
 
-    def groups(
+    def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN
     ) -> Iterator[LayerGroup]:
-        """Peel all that a pinhole sees of the loaded scene, four layers at a time, until nothing is left.
+        """Peel all surfaces that a pinhole sees, four layers at a time, until none is left.
 
-        Where `MAX_PINHOLE_LAYERS` are not enough, the last one skips what is transparent, as in `peel`.
+        Where `MAX_PINHOLE_LAYERS` are not enough, the last layer skips transparent surfaces, as in `peel`.
 
         Args:
-            view: from the pinhole.
+            view: view from the pinhole.
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
         """
-        self._light(view)
-        draws = self._renderer.seen(view)
-        layers = MAX_PINHOLE_LAYERS if _any_faded(draws) else 1
+        self._bind_lighting(view)
+        draws = self._renderer.visible_draws(view)
+        layers = MAX_PINHOLE_LAYERS if _any_translucent(draws) else 1
         self._kept.pop(PICTURE, None)
-        targets = self._sized_targets(view, min(layers, 2 * LAYERS_PER_PACK), PICTURE)
+        targets = self._allocate_targets(view, min(layers, 2 * LAYERS_PER_PACK), PICTURE)
         self._lighting.draw_background(view, targets)
         previous = None
         for first in range(0, layers, LAYERS_PER_PACK):
@@ -250,27 +250,27 @@ class Peeler:
             if last:
                 return
 
-    def surfaces(self, view: PinholeView) -> SurfaceTargets:
-        """Where and what the nearest surfaces are, at each pixel's centre. Valid until the next call."""
-        self._light(view)
+    def draw_surfaces(self, view: PinholeView) -> SurfaceTargets:
+        """Draw the nearest surfaces: inverse depth and ids at each pixel's centre. Valid until the next call."""
+        self._bind_lighting(view)
         targets = self._surfaces
         if targets is None or (targets.width, targets.height) != (view.width, view.height):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
                 self._surfaces = None
-            targets = self._surfaces = SurfaceTargets.make(self._ctx, view.width, view.height)
+            targets = self._surfaces = SurfaceTargets.allocate(self._ctx, view.width, view.height)
         targets.clear_ids()
-        self._renderer.draw_layer(LayerPass(view, self._renderer.seen(view), targets.slot, unlit=True))
+        self._renderer.draw_layer(LayerPass(view, self._renderer.visible_draws(view), targets.slot, unlit=True))
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
         return targets
 
-    def forget(self) -> None:
-        """Have the next peeling draw, whatever was peeled last: for who measures it."""
+    def clear_cache(self) -> None:
+        """Discard cached layers, so that the next peeling draws: for time measurements."""
         self._kept = {}
 
     def release(self) -> None:
-        """Give all memory on the device back."""
+        """Release all memory on the device."""
         self._kept = {}
         for targets in (*self._targets.values(), self._surfaces):
             if targets is not None:
@@ -282,13 +282,13 @@ class Peeler:
         corners = [draw.corners for draw in self.index.draws]
         return np.concatenate(corners) if corners else np.zeros((0, 3))
 
-    def _light(self, view: PinholeView) -> None:
+    def _bind_lighting(self, view: PinholeView) -> None:
         if self._scene is None:
             raise GraphicsError("no scene is loaded: call load() first")
         self._lighting.bind(view)
 
     def _draw_counted(self, layer: LayerPass) -> bool:
-        """Draw a layer and say whether any pixel of it was filled (an occlusion query)."""
+        """Draw a layer; true where any of its pixels was filled (occlusion query)."""
         query = GL.glGenQueries(1)
         name = int(np.ravel(query)[0])
         GL.glBeginQuery(GL.GL_ANY_SAMPLES_PASSED, name)
@@ -302,19 +302,21 @@ class Peeler:
             GL.glDeleteQueries(1, [name])
         return passed != 0
 
-    def _sized_targets(self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False) -> LayerTargets:
-        """Targets of the view's size for so many layers, or for more where more were asked before."""
+    def _allocate_targets(
+        self, view: PinholeView, layers: int, cache_slot: str, *, motion: bool = False
+    ) -> LayerTargets:
+        """Targets of the view's size for this many layers, or for more where more were needed before."""
         targets = self._targets.get(cache_slot)
-        if targets is None or not targets.hold(view.width, view.height, layers, motion=motion):
+        if targets is None or not targets.fits(view.width, view.height, layers, motion=motion):
             check_layer_size(self._ctx, view.width, view.height)
             if targets is not None:
                 targets.release()
                 del self._targets[cache_slot]
-            targets = self._targets[cache_slot] = LayerTargets.make(
+            targets = self._targets[cache_slot] = LayerTargets.allocate(
                 self._ctx, view.width, view.height, layers, motion=motion
             )
         return targets
 
 
-def _any_faded(draws: list[Draw]) -> bool:
-    return any(draw.may_be_faded for draw in draws)
+def _any_translucent(draws: list[Draw]) -> bool:
+    return any(draw.may_be_translucent for draw in draws)

@@ -16,17 +16,17 @@ from render.optics.view import PinholeView
 
 @dataclass(frozen=True)
 class Pick:
-    """A point of a surface.
+    """Picked point of a surface.
 
     Attributes:
-        prim_path: the prim that an instance is picked as: a mesh, an instance proxy or a PointInstancer.
+        prim_path: prim that represents the instance: a mesh, an instance proxy or a PointInstancer.
         face: index of the authored face.
-        fan_triangle: which triangle of the face's fan, corners ``(0, i + 1, i + 2)``.
+        fan_triangle: index of the triangle in the face's fan, corners ``(0, i + 1, i + 2)``.
         barycentric: weights of those corners.
-        instance: as `render.model.scene.Batch.instance_numbers` has it, or -1.
+        instance: number in `render.model.scene.Batch.instance_numbers`, or -1.
         prototype_path: the mesh inside the PointInstancer's prototype, or None.
-        depth_m: along the view axis, from the entrance pupil.
-        position_m: in the world.
+        depth_m: depth along the view axis, from the entrance pupil.
+        position_m: position in the world.
     """
 
     prim_path: str
@@ -40,12 +40,12 @@ class Pick:
 
 
 def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArray[np.uint32], IntArray]:
-    """The nearest surface at each pixel's centre.
+    """Read the nearest surface at each pixel's centre.
 
     Returns:
-        ``(height, width)`` each: inverse depth float32 (0 where nothing is), prim id + 1 uint32 (0), face id int32 (-1).
+        ``(height, width)`` each: inverse depth float32 (empty: 0), prim id + 1 uint32 (empty: 0), face id int32 (empty: -1).
     """
-    w, objects, triangles = _read(peeler.surfaces(view))
+    w, objects, triangles = _read(peeler.draw_surfaces(view))
     prim_id = np.zeros(w.shape, np.uint32)
     face_id = np.full(w.shape, -1, np.int32)
     drawn_first = np.array([draw.first_object for draw in peeler.index.draws])
@@ -62,9 +62,9 @@ def read_surfaces(peeler: Peeler, view: PinholeView) -> tuple[FloatArray, NDArra
 
 
 def pick_surface(peeler: Peeler, scene: Scene, view: PinholeView, x: float, y: float) -> Pick | None:
-    """The nearest surface at picture position (x, y): a picture of one pixel around it, then the exact intersection."""
+    """Pick the nearest surface at picture position (x, y): draw one pixel around it, then intersect its triangle exactly."""
     one = replace(view, width=1, height=1, cx=view.cx - x + 0.5, cy=view.cy - y + 0.5)
-    w, objects, triangles = _read(peeler.surfaces(one))
+    w, objects, triangles = _read(peeler.draw_surfaces(one))
     if objects[0, 0] == 0:
         return None
     batch, pose = peeler.index.locate(int(objects[0, 0]) - 1)
@@ -104,7 +104,7 @@ def _world_corners(batch: Batch, pose: int, triangle: int) -> DoubleArray:
 
 
 def _barycentric(corners: DoubleArray, origin: DoubleArray, direction: DoubleArray) -> DoubleArray:
-    """Weights ``(3,)`` of the corners where the ray meets their plane, kept within the triangle (Moeller & Trumbore 1997)."""
+    """Weights ``(3,)`` of the corners where the ray meets their plane, clamped to the triangle (Moeller & Trumbore 1997)."""
     e1, e2 = corners[1] - corners[0], corners[2] - corners[0]
     p = np.cross(direction, e2)
     determinant = e1 @ p

@@ -14,11 +14,11 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
 from render.gl.shaders import SHADER_DIR, load_source
 from render.layers.bounds import may_be_seen
+from render.layers.draw_splitter import DrawRange, DrawSplitter
 from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
-from render.layers.pieces import Pieces, Share
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
@@ -26,7 +26,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.optics.view import PinholeView
 
 OPAQUE = 0.999
-"""Opacity from which a surface hides what is behind it."""
+"""Opacity from which a surface hides the surfaces behind it."""
 _ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
@@ -35,10 +35,10 @@ _PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT = 8, 11, 12
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
-    """pyrender's shader program, reading sources through our loader (includes, defines), with its uniforms looked up once."""
+    """pyrender's shader program with sources from our loader (includes, defines); uniform locations are cached."""
 
     def __init__(self, fragment: str, defines: dict[str, object], maps: tuple[str, ...]) -> None:
-        """``maps`` are the names of the material's samplers, in the order of their texture units."""
+        """Compile a program; ``maps`` are the names of the material's samplers, in the order of their texture units."""
         super().__init__(str(SHADER_DIR / "layers/surface.vert"), str(SHADER_DIR / fragment), defines=defines)
         self.maps = maps
         self._locations: dict[str, int] = {}
@@ -100,34 +100,34 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def __init__(self, index: SceneIndex, cancellation: CancellationPoint = NEVER_CANCELLED) -> None:
         super().__init__(1, 1)
-        self._pieces = Pieces(cancellation)
+        self._splitter = DrawSplitter(cancellation)
         self._index = index
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
         self._bound_material: PreviewSurface | None = None
 
     def upload(self) -> None:
-        """Bring new geometry and textures to the device and drop what the index no longer has."""
+        """Upload new geometry and textures, and drop those that the index no longer has."""
         self._update_context(self._index.graph, 0)
 
     def set_lighting(self, lights: bytes, clip_from_camera: DoubleArray) -> None:
-        """Set what ``LightBlock`` holds, and the ``(n, 4, 4)`` matrices of the shadow maps."""
+        """Set the contents of ``LightBlock``, and the ``(n, 4, 4)`` matrices of the shadow maps."""
         matrices = np.zeros((MAX_SHADOW_MAPS, 4, 4), np.float32)
         matrices[: len(clip_from_camera)] = clip_from_camera.transpose(0, 2, 1)
         _fill_uniform_buffer(self._light_block, lights, _LIGHT_BINDING)
         _fill_uniform_buffer(self._shadow_block, matrices.tobytes(), _SHADOW_BINDING)
 
-    def seen(self, view: PinholeView) -> list[Draw]:
-        """The draws that may reach into a view."""
-        return _seen(self._index.draws, view.projection_matrix() @ view.camera_from_world)
+    def visible_draws(self, view: PinholeView) -> list[Draw]:
+        """Draws that may reach into a view."""
+        return _visible(self._index.draws, view.projection_matrix() @ view.camera_from_world)
 
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
 
-        Depth first, then colour where the depth is equal: shading costs more than anything before it, and this way each
-        pixel is shaded once, however many surfaces lie behind.
+        Depth is drawn first, then colour where the depth is equal: shading is the most expensive part, and this way each pixel
+        is shaded once, however many surfaces lie behind it.
         """
-        faded = [draw for draw in layer.draws if draw.may_be_faded] if layer.solid_first else []
+        faded = [draw for draw in layer.draws if draw.may_be_translucent] if layer.solid_first else []
         try:
             self._draw_pass(layer, layer.draws, OPAQUE if faded else _ANY_OPACITY)
             if faded:
@@ -136,11 +136,11 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             self._end()
 
     def _draw_pass(self, layer: LayerPass, draws: list[Draw], least_opacity: float, *, fill: bool = False) -> None:
-        """Draw what is no clearer than ``least_opacity``; ``fill`` keeps to the pixels in which the layer has nothing."""
+        """Draw fragments of at least ``least_opacity``; ``fill`` keeps to pixels in which the layer is empty."""
         view = layer.view
         self._begin(view.width, view.height)
         clip = view.projection_matrix().astype(np.float32)
-        previous = layer.previous or layer.slot  # which the first layer's programs do not read
+        previous = layer.previous or layer.slot  # the first layer's programs do not read it
         previous.w.use(_PREVIOUS_UNIT)
         layer.slot.w.use(_OWN_UNIT)
         layer.slot.begin_depth()
@@ -154,7 +154,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            for share in self._pieces.of_depth(draw):
+            for share in self._splitter.split_depth(draw):
                 self._draw(draw, share, program, view.camera_from_world, clip)
         layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
@@ -169,11 +169,11 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            for share in self._pieces.of(draw, view):
+            for share in self._splitter.split(draw, view):
                 self._draw(draw, share, program, view.camera_from_world, clip)
 
     def _set_motion(self, program: SourceProgram, draw: Draw, layer: LayerPass) -> None:
-        """Tell a program how its draw moves, and what the layer before has of that."""
+        """Set a program's motion buffers and uniforms for a draw."""
         if layer.moving is None or layer.motion is None:
             return
         view = layer.view
@@ -185,21 +185,21 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glUniform1i(program.location("previous_layer"), layer.number - 1)
 
     def draw_shadow(self, side_px: int, clip_from_world: DoubleArray, draws: Sequence[Draw]) -> None:
-        """Draw the depth of draws into the bound shadow map; what is more than half transparent casts nothing."""
+        """Draw the depth of draws into the bound shadow map; fragments of at most half opacity cast no shadow."""
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
         try:
-            for draw in _seen(draws, clip_from_world):
+            for draw in _visible(draws, clip_from_world):
                 program = self._depth_program(draw, 0.5, peel=False)
                 GL.glUseProgram(program._program_id)
                 GL.glUniform1f(program.location("detail"), 1.0)
-                for share in self._pieces.of_depth(draw):
+                for share in self._splitter.split_depth(draw):
                     self._draw(draw, share, program, np.eye(4), clip, cull=False)
         finally:
             self._end()
 
     def delete(self) -> None:
-        """Free everything that was uploaded."""
+        """Release everything that was uploaded."""
         super().delete()
         for program in self._programs.values():
             program.delete()
@@ -207,19 +207,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDeleteBuffers(3, [self._material_block, self._light_block, self._shadow_block])
 
     def __del__(self) -> None:
-        """Nothing: pyrender's own would free names that may be another renderer's by now. `delete` is called by the owner."""
+        """Do nothing: pyrender's own would free names that may belong to another renderer by now. The owner calls `delete`."""
 
     def _draw(
         self,
         draw: Draw,
-        share: Share,
+        share: DrawRange,
         program: SourceProgram,
         camera_from_world: DoubleArray,
         clip: FloatArray,
         *,
         cull: bool = True,
     ) -> None:
-        """Draw some of one primitive. The camera meets the node's pose in float64, so that far from the origin nothing shakes."""
+        """Draw a range of one primitive. Camera and node pose are multiplied in float64, for precision far from the origin."""
         primitive = draw.node.mesh.primitives[0]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
@@ -229,7 +229,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glFrontFace(GL.GL_CCW if draw.mirrored else GL.GL_CW)
         (GL.glEnable if cull and not draw.double_sided else GL.glDisable)(GL.GL_CULL_FACE)
         primitive._bind()
-        # the device counts a share's triangles and instances from 0
+        # the shader's counts start at 0 in each range
         GL.glUniform1ui(program.location("first_triangle"), share.first_triangle)
         GL.glUniform1i(program.location("first_instance"), share.first_instance)
         GL.glDrawElementsInstancedBaseInstance(
@@ -259,14 +259,14 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         fill: bool = False,
         moving: MovingDraws | None = None,
     ) -> SourceProgram:
-        """The program that finds depths. Where nothing can be clear it reads no material, and the device tests depth early."""
+        """Program of the depth pass. For opaque draws it reads no material, so that early depth tests work."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
         if fill:
             defines["FILL"] = 1
         if moving is not None:
             defines |= moving.defines(draw)
-        if draw.may_be_clear:
-            defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
+        if draw.may_be_transparent:
+            defines |= {"MAY_BE_TRANSPARENT": 1, "LEAST_OPACITY": least_opacity}
         return self._program("layers/depth.frag", draw, defines)
 
     def _surface_program(
@@ -275,8 +275,8 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         defines: dict[str, object] = {"UNLIT": 1} if unlit else {}
         if moving is not None:
             defines |= moving.defines(draw)
-        if draw.may_be_clear:
-            defines |= {"MAY_BE_CLEAR": 1, "LEAST_OPACITY": least_opacity}
+        if draw.may_be_transparent:
+            defines |= {"MAY_BE_TRANSPARENT": 1, "LEAST_OPACITY": least_opacity}
         return self._program("layers/surface.frag", draw, defines)
 
     def _program(self, fragment: str, draw: Draw, defines: dict[str, object]) -> SourceProgram:
@@ -318,7 +318,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glPolygonMode(GL.GL_FRONT_AND_BACK, GL.GL_FILL)
 
     def _end(self) -> None:
-        """Leave the state that moderngl takes for granted."""
+        """Restore the state that moderngl expects."""
         GL.glColorMask(True, True, True, True)
         GL.glBindVertexArray(0)
         GL.glUseProgram(0)
@@ -328,7 +328,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
 
 
-def _seen(draws: Sequence[Draw], clip_from_world: DoubleArray) -> list[Draw]:
+def _visible(draws: Sequence[Draw], clip_from_world: DoubleArray) -> list[Draw]:
     return [draw for draw in draws if may_be_seen(draw.corners, clip_from_world)]
 
 

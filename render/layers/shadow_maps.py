@@ -1,4 +1,4 @@
-"""Shadow maps on the device. What stands still is drawn once and kept; what moves is drawn over a copy of it."""
+"""Shadow maps on the device. Still draws are drawn once and cached; moving draws are drawn over a copy."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from render.layers.shadows import SHADOW_MAP_SIDE_PX
 from render.model.arrays import DoubleArray
 
 DrawMap = Callable[[int, DoubleArray, Sequence[Draw]], None]
-"""Draws into the bound map of so many pixels a side, as this matrix sees it, these draws."""
+"""Function that draws into the bound map: side in pixels, ``(4, 4)`` clip from world, draws."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Cast:
+class _CachedMap:
     """Contents of one shadow map.
 
     Attributes:
@@ -33,34 +33,34 @@ class _Cast:
 
 
 class ShadowMaps:
-    """The maps of one context.
+    """Shadow maps of one context.
 
     Args:
-        draw: draws into them.
+        draw: function that draws into a bound map.
     """
 
     def __init__(self, draw: DrawMap) -> None:
         self._draw = draw
         self._all, self._still = _Maps(), _Maps()
-        self._cast: dict[int, _Cast] = {}
+        self._cast: dict[int, _CachedMap] = {}
 
     @property
     def texture(self) -> int:
-        """OpenGL name of the array of maps; of one map that holds nothing where none was cast."""
-        self._all.hold(1)
+        """OpenGL name of the array of maps; of one empty map where there are none."""
+        self._all.reserve(1)
         return self._all.texture
 
     def cast(self, views: DoubleArray, draws: Sequence[Draw]) -> bool:
-        """Draw the maps that are not what they were.
+        """Draw the maps that have changed.
 
         Args:
-            views: ``(n, 4, 4)`` clip from world, of each map.
-            draws: all that casts shadows.
+            views: ``(n, 4, 4)`` clip from world of each map.
+            draws: all draws that cast shadows.
 
         Returns:
-            Whether one was drawn.
+            Whether any map was drawn.
         """
-        if self._all.hold(len(views)):
+        if self._all.reserve(len(views)):
             self._cast = {}
         changed = False
         for layer, view in enumerate(views):
@@ -70,46 +70,48 @@ class ShadowMaps:
             if last is not None and _ids(last.draws) == _ids(draws):
                 continue
             self._cast.pop(layer, None)  # until it is drawn
-            self._cast[layer] = self._drawn(layer, view, tuple(draws), last, len(views))
+            self._cast[layer] = self._draw_map(layer, view, tuple(draws), last, len(views))
             changed = True
         return changed
 
-    def _drawn(self, layer: int, view: DoubleArray, draws: tuple[Draw, ...], last: _Cast | None, count: int) -> _Cast:
-        """Draw a map, after what it held last of the same view."""
+    def _draw_map(
+        self, layer: int, view: DoubleArray, draws: tuple[Draw, ...], last: _CachedMap | None, count: int
+    ) -> _CachedMap:
+        """Draw a map, reusing its last contents of the same view."""
         still: tuple[Draw, ...] = ()
         if last is not None:
-            stood = _ids(last.draws)
+            last_ids = _ids(last.draws)
             still = last.still if _ids(last.still) <= _ids(draws) else ()
-            found = tuple(draw for draw in draws if id(draw.batch) in stood)
-            if _triangles(found) > 1.25 * _triangles(still):
-                if self._still.hold(count):
+            seen_before = tuple(draw for draw in draws if id(draw.batch) in last_ids)
+            if _triangles(seen_before) > 1.25 * _triangles(still):
+                if self._still.reserve(count):
                     self._cast = {other: replace(cast, still=()) for other, cast in self._cast.items()}
-                self._still.draw(self._draw, layer, view, found, clear=True)
-                still = found
+                self._still.draw(self._draw, layer, view, seen_before, clear=True)
+                still = seen_before
         kept = _ids(still)
         if kept:
             self._still.copy_to(self._all, layer)
         moving = [draw for draw in draws if id(draw.batch) not in kept]
         self._all.draw(self._draw, layer, view, moving, clear=not kept)
-        return _Cast(view, draws, still)
+        return _CachedMap(view, draws, still)
 
     def release(self) -> None:
-        """Give the memory on the device back."""
+        """Release the memory on the device."""
         self._cast = {}
         self._all.release()
         self._still.release()
 
 
 class _Maps:
-    """An array of maps, and the framebuffer that they are drawn through."""
+    """Array of maps, and the framebuffer that they are drawn through."""
 
     def __init__(self) -> None:
         self.texture = 0
         self._framebuffer = 0
         self._layers = 0
 
-    def hold(self, layers: int) -> bool:
-        """Have at least so many maps, and one at the least; true where they are new, and hold nothing."""
+    def reserve(self, layers: int) -> bool:
+        """Allocate at least ``layers`` maps, and at least one; true where they are new and empty."""
         layers = max(1, layers)
         if self._layers >= layers:
             return False
@@ -122,7 +124,7 @@ class _Maps:
         return True
 
     def draw(self, draw: DrawMap, layer: int, view: DoubleArray, draws: Sequence[Draw], *, clear: bool) -> None:
-        """Draw into one of them."""
+        """Draw into one map."""
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
         try:
             GL.glFramebufferTextureLayer(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, self.texture, 0, layer)
@@ -134,13 +136,13 @@ class _Maps:
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
 
     def copy_to(self, other: _Maps, layer: int) -> None:
-        """Copy one of them."""
+        """Copy one map."""
         size = (SHADOW_MAP_SIDE_PX, SHADOW_MAP_SIDE_PX, 1)
         array = GL.GL_TEXTURE_2D_ARRAY
         GL.glCopyImageSubData(self.texture, array, 0, 0, 0, layer, other.texture, array, 0, 0, 0, layer, *size)
 
     def release(self) -> None:
-        """Give the memory on the device back."""
+        """Release the memory on the device."""
         if self._layers:
             GL.glDeleteTextures([self.texture])
             GL.glDeleteFramebuffers(1, [self._framebuffer])
@@ -148,7 +150,7 @@ class _Maps:
 
 
 def _ids(draws: Sequence[Draw]) -> set[int]:
-    """The identities of their batches, which hold while the draws do."""
+    """Ids of the draws' batches, valid while the draws are alive."""
     return {id(draw.batch) for draw in draws}
 
 
@@ -157,7 +159,7 @@ def _triangles(draws: Sequence[Draw]) -> int:
 
 
 def _depth_array(side_px: int, layers: int) -> int:
-    """A depth texture array for shadow comparison, lit where the reference is nearer or as near (reversed depth)."""
+    """Depth texture array for shadow comparison, lit where the reference is nearer or equal (reversed depth)."""
     name: int = GL.glGenTextures(1)
     with Construction() as making:
         making.callback(GL.glDeleteTextures, [name])

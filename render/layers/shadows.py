@@ -1,4 +1,4 @@
-"""Where shadow maps look from: one map for a distant, disk, rect or spot light, six for a bare sphere."""
+"""Placement of shadow maps: one map for a distant, disk, rect or spot light, six for a sphere light."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class Sphere:
 
     @property
     def centre(self) -> DoubleArray:
-        """``(3,)``."""
+        """Centre ``(3,)``, metres."""
         return np.array([self.x, self.y, self.z])
 
-    def is_about(self, other: Sphere) -> bool:
+    def is_close_to(self, other: Sphere) -> bool:
         """Whether this sphere lies well within the other, and the other is not much larger."""
         apart_m = float(np.linalg.norm(self.centre - other.centre))
         return apart_m + 0.5 * self.radius_m <= other.radius_m <= 2 * self.radius_m
@@ -39,10 +39,10 @@ class Sphere:
 
 @dataclass(frozen=True)
 class ShadowPlan:
-    """Which lights cast shadows, and the world-to-clip matrix of each map (reversed depth, zero to one).
+    """Lights that cast shadows, and the world-to-clip matrix of each map (reversed depth, zero to one).
 
     Attributes:
-        slots: by the light's place in the list that was planned for.
+        slots: shadow slots by the light's index in the planned list.
         clip_from_world: ``(n, 4, 4)`` float64.
     """
 
@@ -51,12 +51,12 @@ class ShadowPlan:
 
 
 def plan_shadows(lights: tuple[Light, ...], whole: Sphere, interest: Sphere | None = None) -> ShadowPlan:
-    """Give the strongest casters the maps there are.
+    """Assign the available maps to the strongest lights.
 
     Args:
-        lights: as drawn.
-        whole: holds the scene.
-        interest: the part of it in which a distant light's shadows are resolved, where the scene is larger.
+        lights: lights that are drawn.
+        whole: sphere around the scene.
+        interest: region in which a distant light's shadows are resolved, where the scene is larger.
     """
     part = whole if interest is None or interest.radius_m >= whole.radius_m else interest
     slots: dict[int, ShadowSlot] = {}
@@ -71,13 +71,13 @@ def plan_shadows(lights: tuple[Light, ...], whole: Sphere, interest: Sphere | No
 
 
 def lights_without_shadow(lights: tuple[Light, ...]) -> list[str]:
-    """Paths of the lights that ask for a shadow and get none, since stronger ones have all the maps."""
+    """Paths of the lights that request a shadow and get none, since stronger lights take all maps."""
     slots = plan_shadows(lights, Sphere(0, 0, 0, 1.0)).slots
     return [light.path for i, light in enumerate(lights) if light.casts_shadow and i not in slots]
 
 
 def sphere_around(corners: DoubleArray) -> Sphere:
-    """A sphere around points ``(n, 3)``; one metre at the origin where there are none."""
+    """Sphere around points ``(n, 3)``; one metre at the origin where there are none."""
     if len(corners) == 0:
         return Sphere(0, 0, 0, 1.0)
     low, high = corners.min(0), corners.max(0)
@@ -89,7 +89,7 @@ def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleA
     position = light.pose[:3, 3]
     forward = -unit_axes(light.pose)[:, 2]
     if light.kind == "distant":
-        return [_parallel(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX
+        return [_orthographic(forward, whole, part)], 2 * part.radius_m / SHADOW_MAP_SIDE_PX
     far_m = float(np.linalg.norm(position - whole.centre)) + whole.radius_m
     near_m = max(0.02, light.radius_m * 1.01 if light.kind == "sphere" else 0.02)
     if light.kind == "sphere" and light.cone_angle_rad >= _WIDEST_RAD / 2:
@@ -99,8 +99,8 @@ def _light_maps(light: Light, whole: Sphere, part: Sphere) -> tuple[list[DoubleA
     return [_perspective(position, forward, field, near_m, far_m)], 2 * np.tan(field / 2) / SHADOW_MAP_SIDE_PX
 
 
-def _look(position: DoubleArray, forward: DoubleArray) -> DoubleArray:
-    """``(4, 4)`` view from world, along -Z."""
+def _view_matrix(position: DoubleArray, forward: DoubleArray) -> DoubleArray:
+    """View matrix ``(4, 4)``, looking along -Z."""
     up = np.array([0.0, 1, 0]) if abs(forward[1]) < 0.9 else np.array([1.0, 0, 0])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
@@ -111,10 +111,13 @@ def _look(position: DoubleArray, forward: DoubleArray) -> DoubleArray:
     return matrix
 
 
-def _parallel(forward: DoubleArray, whole: Sphere, part: Sphere) -> DoubleArray:
-    """Across, the map covers the part, in steps of whole texels so that a moving camera does not make edges swim; along the
-    light it covers the whole scene, since what casts may stand far outside."""
-    view = _look(np.zeros(3), forward)
+def _orthographic(forward: DoubleArray, whole: Sphere, part: Sphere) -> DoubleArray:
+    """Orthographic matrix of a distant light's map.
+
+    Across the light, the map covers ``part``, in steps of whole texels so that edges do not swim as the camera moves;
+    along the light it covers the whole scene, since casters may be far outside.
+    """
+    view = _view_matrix(np.zeros(3), forward)
     texel = 2 * part.radius_m / SHADOW_MAP_SIDE_PX
     x, y = np.round((view[:3, :3] @ part.centre)[:2] / texel) * texel
     depth = float((view[:3, :3] @ whole.centre)[2])
@@ -133,11 +136,13 @@ def _perspective(
     clip[2, 2] = near_m / (far_m - near_m)
     clip[2, 3] = near_m * far_m / (far_m - near_m)
     clip[3, 2] = -1
-    return clip @ _look(position, forward)
+    return clip @ _view_matrix(position, forward)
 
 
 def shadow_interest(camera: Camera) -> Sphere:
-    """Where a distant light's shadows are resolved in a large scene: around the point in focus, twelve metres at the least."""
+    """Region in which a distant light's shadows are resolved in a large scene: around the point in focus, at least
+    twelve metres.
+    """
     focus_m = camera.focus_distance_m if 0 < camera.focus_distance_m < 1000 else 10.0
     x, y, z = (float(v) for v in camera.world_from_camera[:3, 3] - focus_m * camera.world_from_camera[:3, 2])
     return Sphere(x, y, z, max(12.0, 2.5 * focus_m))

@@ -1,10 +1,9 @@
 """Footprint over which a picture filters the textures of surfaces.
 
-A ray of many stands for its share of the pupil, so that behind and before the plane of focus it stands for a patch of surface as
-wide as that share's own circle of confusion. Textures are filtered over that patch, as with the differentials of a path (Igehy
-1999, "Tracing ray differentials", section 3): a hundred points of a brick wall that is blurred by thirty pixels are a hatching,
-a hundred patches are its blur. The more rays, the smaller the patches; what many rays converge to is the same. Cut-outs keep
-their edges, and highlights their size.
+Each of many rays represents its share of the pupil, so that out of focus it represents a patch of surface as wide as that
+share's own circle of confusion. Textures are filtered over that patch, as with ray differentials (Igehy 1999, "Tracing ray
+differentials", section 3): a hundred points of a strongly blurred brick wall give a hatching, a hundred patches give its blur.
+More rays have smaller patches and converge to the same picture. Cut-outs keep their edges, and highlights their size.
 """
 
 from __future__ import annotations
@@ -16,8 +15,7 @@ import numpy as np
 from render.optics.view import PinholeView
 
 PATCH_SHARE = 0.5
-"""Side of the patch, as a share of the side of a square as large as the ray's share of the pupil; mipmaps filter over more than
-they are asked to."""
+"""Side of the patch, relative to the side of a square as large as the ray's share of the pupil. Mipmaps filter wider."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,7 @@ def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
     return 0.0 if rays == 1 else PATCH_SHARE * f_px * pupil_m * float(np.sqrt(np.pi / rays))
 
 
-def sampling_of_layers(
+def layer_sampling(
     layers: PinholeView, picture: PinholeView, focus: tuple[float, float, float], pupil_m: float, rays: int
 ) -> SurfaceSampling:
     """Texture footprint for rays traced through peeled layers.

@@ -1,9 +1,9 @@
 """Render targets for layers and surfaces, allocated per size and reallocated when the size changes.
 
-The inverse depths of four layers share one texture, a channel each, for the tracer tests four layers at once (Lee, Eisemann
-& Seidel 2010, section 3.1, "Multi-Layer Packing"). Each layer is drawn straight into its channel, under a colour mask; since
-a layer reads the channel of the one before it, its depths are found in a framebuffer that has no colour at all. How inverse
-depth slopes over a pixel is packed in the same way.
+The inverse depths of four layers share one texture, a channel each, since the tracer tests four layers at once (Lee, Eisemann
+& Seidel 2010, section 3.1, "Multi-Layer Packing"). Each layer is drawn into its channel under a colour mask; since a layer
+reads the channel of the one before it, its depths are drawn into a framebuffer without colour. The slope of inverse depth
+over a pixel is packed in the same way.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from render.gl.resources import Construction
 
 LAYERS_PER_PACK = 4
 MAX_LAYER_PIXELS = 80_000_000
-"""Some 125 bytes each, eight layers together: ten gigabytes; twice that where they keep how surfaces move."""
+"""Limit on a layer's pixels. Eight layers take some 125 bytes a pixel: ten gigabytes; with motion, twice that."""
 _NEAREST = (moderngl.NEAREST, moderngl.NEAREST)
 
 Attachment = moderngl.Texture | tuple[moderngl.TextureArray, int] | None
-"""A texture, a slice of one, or nothing."""
+"""Attachment of a framebuffer: a texture, a slice of one, or none."""
 
 
 @dataclass(frozen=True)
 class Slot:
-    """Where one layer is drawn.
+    """Target of one layer.
 
     Attributes:
         depth_framebuffer: OpenGL name; depth alone.
         framebuffer: OpenGL name; the same depth, radiance at 0, inverse depth at 1, ids at 2, slopes at 3 and motion at 4.
         w: the inverse depth's texture.
-        channel: of that texture that is the layer's.
+        channel: the layer's channel in that texture.
     """
 
     depth_framebuffer: int
@@ -43,16 +43,16 @@ class Slot:
     channel: int
 
     def begin_depth(self) -> None:
-        """Bind what depths are found in, and empty it."""
+        """Bind and clear the depth framebuffer."""
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.depth_framebuffer)
         GL.glDepthMask(True)
         GL.glClearBufferfv(GL.GL_DEPTH, 0, np.zeros(4, np.float32))
 
     def begin_colour(self, *, fill: bool = False) -> None:
-        """Bind what surfaces are drawn into. The first layer of a texture of inverse depths empties it for all four.
+        """Bind the colour framebuffer. The first layer of a texture of inverse depths clears all four channels.
 
         Args:
-            fill: keep what is there.
+            fill: keep the contents.
         """
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.framebuffer)
         GL.glColorMask(True, True, True, True)
@@ -64,19 +64,19 @@ class Slot:
 
 @dataclass(frozen=True)
 class LayerTargets:
-    """Textures that the layers of one size are drawn into.
+    """Textures of the layers of one size.
 
     Attributes:
         width: pixels.
         height: pixels.
-        radiance: a slice of RGBA16F for each layer; not written, and so of no meaning, where the layer's w is 0.
-        packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, where so many are held, 4 to 7: 0 where empty, negative
-            where partly transparent.
-        packed_slopes: RGBA16UI, how these slope, packed likewise (``trace/slopes.glsl``); of no meaning where w is 0.
-        background: RGBA16F, what a ray sees that meets no surface.
-        motion: a slice of RGBA32UI for each layer, how its surface moves while the shutter is open (``layers/carried.glsl``),
-            of no meaning where w is 0; None where nothing keeps it.
-        slots: where each layer is drawn.
+        radiance: a slice of RGBA16F for each layer; undefined where the layer's w is 0.
+        packed_w: RGBA32F, the inverse depths of layers 0 to 3 and, if any, 4 to 7: 0 where empty, negative where partly
+            transparent.
+        packed_slopes: RGBA16UI, how these slope, packed likewise (``trace/slopes.glsl``); undefined where w is 0.
+        background: RGBA16F, radiance of rays that meet no surface.
+        motion: a slice of RGBA32UI for each layer, motion of its surfaces while the shutter is open (``layers/carried.glsl``),
+            undefined where w is 0; None without motion.
+        slots: target of each layer.
         depth: OpenGL name of the depth renderbuffer that they share.
     """
 
@@ -91,8 +91,10 @@ class LayerTargets:
     depth: int
 
     @classmethod
-    def make(cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False) -> LayerTargets:
-        """Allocate everything for so many layers of ``width`` by ``height``, which keep how surfaces move where asked.
+    def allocate(
+        cls, ctx: moderngl.Context, width: int, height: int, layers: int, *, motion: bool = False
+    ) -> LayerTargets:
+        """Allocate ``layers`` layers of ``width`` by ``height``, with or without motion.
 
         Raises:
             GraphicsError: the device refuses the size.
@@ -122,14 +124,14 @@ class LayerTargets:
                 slots.append(Slot(depth_framebuffer, framebuffer, packed_w[pack], channel))
         return cls(width, height, radiance, packed_w, slopes, background, moves, tuple(slots), depth)
 
-    def hold(self, width: int, height: int, layers: int, *, motion: bool = False) -> bool:
-        """Whether so many layers of this size can be drawn here, and how they move where asked."""
+    def fits(self, width: int, height: int, layers: int, *, motion: bool = False) -> bool:
+        """Whether this many layers of this size can be drawn here, with motion where requested."""
         fits = (self.width, self.height) == (width, height) and len(self.slots) >= layers
         return fits and (self.motion is not None or not motion)
 
     @property
     def bytes(self) -> int:
-        """Memory of the device that all of this takes."""
+        """Memory on the device, bytes."""
         return 4 * self.width * self.height + sum(map(texture_bytes, self._textures))
 
     @property
@@ -138,7 +140,7 @@ class LayerTargets:
         return [*arrays, self.background, *self.packed_w, *self.packed_slopes]
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for texture in self._textures:
             texture.release()
         _delete_framebuffers(
@@ -149,14 +151,14 @@ class LayerTargets:
 
 @dataclass(frozen=True)
 class SurfaceTargets:
-    """Textures for the nearest surfaces alone: where they are and what they are.
+    """Textures of the nearest surfaces: inverse depth and ids.
 
     Attributes:
         width: pixels.
         height: pixels.
         w: R32F, inverse depth; 0 where empty, negative where partly transparent.
         ids: RG32UI, object number + 1 (0 where empty) and triangle.
-        slot: where they are drawn.
+        slot: target that they are drawn into.
         depth: OpenGL name of the depth renderbuffer.
     """
 
@@ -168,8 +170,8 @@ class SurfaceTargets:
     depth: int
 
     @classmethod
-    def make(cls, ctx: moderngl.Context, width: int, height: int) -> SurfaceTargets:
-        """Allocate everything.
+    def allocate(cls, ctx: moderngl.Context, width: int, height: int) -> SurfaceTargets:
+        """Allocate the textures.
 
         Raises:
             GraphicsError: the device refuses the size.
@@ -187,13 +189,13 @@ class SurfaceTargets:
         return cls(width, height, w, ids, slot, depth)
 
     def clear_ids(self) -> None:
-        """Empty the ids; the rest is emptied when it is drawn."""
+        """Clear the ids; the rest is cleared when it is drawn."""
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self.slot.framebuffer)
         GL.glColorMask(True, True, True, True)
         GL.glClearBufferuiv(GL.GL_COLOR, 2, np.zeros(4, np.uint32))
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self.w.release()
         self.ids.release()
         _delete_framebuffers(self.slot.depth_framebuffer, self.slot.framebuffer)
@@ -201,7 +203,7 @@ class SurfaceTargets:
 
 
 def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
-    """Raise `SettingsError` where layers of this size are more than the device, or a sensible amount of memory, can hold."""
+    """Raise `SettingsError` where layers of this size exceed the device's limits or a sensible amount of memory."""
     side = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
     if max(width, height) > side or width * height > MAX_LAYER_PIXELS:
         raise SettingsError(
@@ -225,7 +227,7 @@ def _depth_buffer(making: Construction, width: int, height: int) -> int:
 
 
 def _framebuffer(making: Construction, depth: int, *colours: Attachment) -> int:
-    """A framebuffer of a depth buffer and what is drawn at each fragment output; an output that is None is not kept."""
+    """Framebuffer with a depth buffer and a texture for each fragment output; None discards an output."""
     name: int = GL.glGenFramebuffers(1)
     making.callback(_delete_framebuffers, name)
     GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, name)

@@ -1,7 +1,7 @@
 """The umbra of a peeled surface, hidden from the whole lens, and the number of layers that there can be.
 
 Lee, Eisemann & Seidel 2010, section 3.1, extend the surface that is peeled at a pixel to the centres of the neighbouring
-pixels, and leave out what then lies in its shadow when the lens is a lamp: behind a surface at depth ``d``, whose extension
+pixels, and skip surfaces in the shadow it would cast if the lens were a lamp: behind a surface at depth ``d``, whose extension
 by a pixel is ``s = d / f_px``, a pupil of radius ``E`` sees nothing nearer than ``d + x`` on the pixel's ray, with
 ``x = d·s / (E - s)``.
 
@@ -23,8 +23,8 @@ A surface that is partly transparent hides nothing. Opaque ones follow each othe
 of them, whatever the scene; one, where no blur of any two depths differs by more than a pixel. (The paper's example, field of
 30 degrees, 600 pixels, nearest depth 1 m, pupil of 9 mm: ``w_near·pupil_px`` is 10.1, and it says ten.)
 
-What the argument neglects: a ray that meets the thing behind not at a pixel's centre but up to half a pixel beside it may
-pass the extension by as much, and then sees what the pixel next to it holds.
+The argument neglects that a ray may meet the hidden surface up to half a pixel beside a pixel's centre. It may then pass the
+extension by as much, and sees the surface of the next pixel instead.
 """
 
 from __future__ import annotations

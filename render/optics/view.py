@@ -97,7 +97,7 @@ class PinholeView:
         width, height = self.width + 2 * margin, self.height + 2 * margin
         return replace(self, width=width, height=height, cx=self.cx + margin, cy=self.cy + margin)
 
-    def is_like(self, other: PinholeView) -> bool:
+    def matches(self, other: PinholeView) -> bool:
         """Whether both show the same of the world, pixel by pixel."""
         same_place = np.array_equal(self.camera_from_world, other.camera_from_world)
         return same_place and replace(self, camera_from_world=other.camera_from_world) == other

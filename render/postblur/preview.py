@@ -59,7 +59,7 @@ class Previewer:
         """
         width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
         small, wide = _widened(view.resized(width, height)), _widened(view)
-        is_new = not peeler.keeps(wide, unlit=unlit, cache_slot=PREVIEW) and not peeler.keeps(
+        is_new = not peeler.has_layers(wide, unlit=unlit, cache_slot=PREVIEW) and not peeler.has_layers(
             small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
@@ -87,7 +87,7 @@ class Previewer:
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
-        return self._tracer.through(
+        return self._tracer.trace_layers(
             peeled, camera, view, pattern, wavelengths=wavelengths, nearest_w=peeler.nearest_w(peeled.view)
         )
 

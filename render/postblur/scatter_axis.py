@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.trace.axis_rays import LensErrors, axis_content, axis_rays, open_axes
+from render.trace.axis_rays import LensErrors, axis_key, axis_rays, open_axes
 from render.trace.lens_table import GridTable
 
 LANDING_PX, PUPIL = 1 / 8, 1 / 256
@@ -110,7 +110,7 @@ class ExactSpot:
     @property
     def cache_key(self) -> Hashable:
         """See `AxisSpot`: the part of the table that the axis depends on."""
-        return axis_content(self.errors.table), self.errors.pupil_m, self.errors.focal_px
+        return axis_key(self.errors.table), self.errors.pupil_m, self.errors.focal_px
 
     def rays(self, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
         """See `AxisSpot`."""

@@ -10,7 +10,7 @@ import numpy as np
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
 from render.layers.peel import Layers, Peeler
-from render.layers.surface_sampling import sampling_of_layers
+from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -113,7 +113,7 @@ class SingleImageBlur:
             return np.frombuffer(blurred.read(), np.float32).reshape(*split.size[::-1], 4).copy()
 
     def _axis_errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
-        table = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+        table = self._bundles.make_bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
         return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
 
     def release(self) -> None:
@@ -149,5 +149,5 @@ def _peel(
     wide = focus.view
     if peeler.is_opaque:
         layers = min(layers, layers_needed(reach, nearest_w))
-    sampling = sampling_of_layers(wide, picture, focus.affine or (0.0, 0.0, 0.0), reach / wide.fx, _RAYS_ALIKE)
+    sampling = layer_sampling(wide, picture, focus.affine or (0.0, 0.0, 0.0), reach / wide.fx, _RAYS_ALIKE)
     return peeler.peel(wide, layers=layers, umbra=umbra_reach(reach), unlit=unlit, sampling=sampling)

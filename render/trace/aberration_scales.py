@@ -14,13 +14,13 @@ import numpy as np
 
 from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales
-from render.trace.lens_fit import even_basis, even_powers_of, odd_basis
+from render.trace.lens_fit import even_basis, even_powers, odd_basis
 
 _DEGREE = 7
 
 
 @dataclass(frozen=True, eq=False)
-class ChangeOfErrors:
+class ErrorChange:
     """Addend that scales the slope errors of one field height.
 
     Attributes:
@@ -40,9 +40,9 @@ class ChangeOfErrors:
         return np.stack([tangential, sagittal], axis=1)
 
 
-def change_of_errors(
+def error_change(
     slope: DoubleArray, on_stop: DoubleArray, axis_defocus: float, scales: AberrationScales
-) -> ChangeOfErrors:
+) -> ErrorChange:
     """Change of the slope errors when each kind of aberration is scaled by its factor.
 
     Args:
@@ -52,17 +52,17 @@ def change_of_errors(
         scales: the factors; chromatic and vignetting are ignored.
     """
     tangential, sagittal = _coefficients(slope, on_stop)
-    change_t = tangential * (_factors(even_powers_of(_DEGREE), 0, scales) - 1)
-    change_s = sagittal * (_factors(even_powers_of(_DEGREE - 1), 1, scales) - 1)
+    change_t = tangential * (_factors(even_powers(_DEGREE), 0, scales) - 1)
+    change_s = sagittal * (_factors(even_powers(_DEGREE - 1), 1, scales) - 1)
     defocus_t, defocus_s = tangential[1], sagittal[0]
     mean, half = (defocus_t + defocus_s) / 2 - axis_defocus, (defocus_t - defocus_s) / 2
     kept = scales.spherical * axis_defocus + scales.field_curvature * mean
     change_t[1] = kept + scales.astigmatism * half - defocus_t
     change_s[0] = kept - scales.astigmatism * half - defocus_s
-    return ChangeOfErrors(change_t, change_s)
+    return ErrorChange(change_t, change_s)
 
 
-def changed_shape(scales: AberrationScales) -> bool:
+def changes_shape(scales: AberrationScales) -> bool:
     """Whether any factor is not 1 but those of colour errors and vignetting."""
     return scales != replace(AberrationScales(), chromatic=scales.chromatic, vignetting=scales.vignetting)
 

@@ -76,7 +76,7 @@ class Accumulator:
             total, seen = (held.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
             total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
-                for group in peeler.groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
+                for group in peeler.peel_groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):
                     self._composite(group, seen, total, 1.0 / len(lens_points))
                 if on_progress is not None:
                     on_progress((i + 1) / len(lens_points))

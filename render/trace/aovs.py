@@ -25,7 +25,7 @@ MAX_AREA_RATIO = 8.0
 """Surfaces are drawn with at most this many times the picture's pixels: a lens that sees further is measured less finely."""
 
 
-def measured(
+def measure_aovs(
     peeler: Peeler, view: PinholeView, bundle: RayBundle, focus: PictureFocus, chief: ChiefRays | None
 ) -> dict[str, NDArray[Any]]:
     """All of `MEASURED`, each ``(height, width)``.

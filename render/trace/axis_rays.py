@@ -70,7 +70,7 @@ def open_axes(table: PolynomialTable) -> tuple[float, float]:
     return float(row[REGION + 1]), float(row[REGION + 2])
 
 
-def axis_content(table: PolynomialTable | GridTable) -> bytes:
+def axis_key(table: PolynomialTable | GridTable) -> bytes:
     """All that `axis_rays` reads of a table: where it is the same, the rays are."""
     if isinstance(table, PolynomialTable):
         return bytes(table.rows[len(table.rows) // 2, 0].tobytes())

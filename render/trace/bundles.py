@@ -1,4 +1,4 @@
-"""From a camera to its rays: the one place that knows the lens models."""
+"""Ray bundles of cameras: the only place that knows all lens models."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
 from render.trace.data_sheet_table import data_sheet_table
-from render.trace.drawn_power import drawn_thin_lens, with_drawn_power
+from render.trace.drawn_power import add_drawn_power, drawn_lens_table
 from render.trace.grid_table import grid_table
 from render.trace.lens_table import FRONT_RIM, PUPIL_T, SLOPE_T, GridTable, PolynomialTable
 from render.trace.prescription_table import prescription_table
@@ -26,27 +26,27 @@ from render.trace.surface_tracer import SurfaceTracer
 LensTable = PolynomialTable | GridTable
 _KEPT = 8
 SHARED_WITHIN_PX = 0.25
-"""Wavelengths whose rays stay this near to each other in the layers, in their pixels, share one ray."""
+"""Distance in layer pixels within which the rays of all wavelengths share one ray."""
 
 
 class BundleMaker:
-    """Makes ray bundles, keeping the last few lens tables."""
+    """Makes ray bundles, caching the last few lens tables."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._tracer = SurfaceTracer(ctx, programs)
         self._tables: dict[tuple[object, ...], LensTable] = {}
 
-    def bundle(self, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int = 3) -> RayBundle:
-        """The rays of the camera's lens.
+    def make_bundle(self, camera: Camera, view: PinholeView, pattern: RayPattern, wavelengths: int = 3) -> RayBundle:
+        """Make the rays of a camera's lens.
 
         Args:
-            camera: with its lens.
-            view: the picture; tables reach to its corners.
-            pattern: where the rays start.
-            wavelengths: how many to trace, for a lens with colour errors.
+            camera: camera with its lens.
+            view: view of the picture; tables extend to its corners.
+            pattern: ray pattern.
+            wavelengths: number of wavelengths to trace, for a lens with colour errors.
 
         Raises:
-            InputError: the lens is none.
+            InputError: the prescription is not a lens.
             SettingsError: it does not reach the focus distance, or there are too many wavelengths.
         """
         if camera.f_stop == 0 or not (_has_errors(camera) or is_drawn(camera.lens)):
@@ -77,7 +77,7 @@ class BundleMaker:
             lens.expressive_blend,
             camera.focal_length_mm,
             camera.f_stop,
-            camera.focus_distance_m if has_surfaces(camera) else None,  # errors that are told apart from it stay
+            camera.focus_distance_m if has_surfaces(camera) else None,  # errors of other lenses do not depend on it
             camera.horizontal_aperture_mm,
             camera.vertical_aperture_mm,
             last_slope,
@@ -86,25 +86,25 @@ class BundleMaker:
         if key not in self._tables:
             while len(self._tables) >= _KEPT:
                 del self._tables[next(iter(self._tables))]
-            self._tables[key] = self._made(camera, last_slope, light)
+            self._tables[key] = self._make_table(camera, last_slope, light)
         return self._tables[key]
 
-    def _made(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
-        """The table of the lens's own errors, and of what is drawn."""
+    def _make_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
+        """Make the table of the lens's own errors and of drawn power."""
         lens, focal_length_mm = camera.lens, camera.focal_length_mm
         if not _has_errors(camera):
             radius_m = pupil_radius_m(camera)
-            return drawn_thin_lens(
+            return drawn_lens_table(
                 lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m, last_slope=last_slope
             )
-        own = self._own(camera, last_slope, light)
+        own = self._own_table(camera, last_slope, light)
         if not is_drawn(lens):
             return own
-        # real glass may not open as far as the f-number says
+        # real glass may be narrower than the f-number says
         radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
-        return with_drawn_power(own, lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m)
+        return add_drawn_power(own, lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m)
 
-    def _own(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
+    def _own_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
         lens = camera.lens
         scales = own_scales(lens)
         if lens.model == "seidel" and lens.seidel is not None:
@@ -146,19 +146,19 @@ def _has_errors(camera: Camera) -> bool:
 
 
 def corner_slope(view: PinholeView) -> float:
-    """Field of the picture's farthest corner: slope in object space, of an ideal lens."""
+    """Field of the picture's farthest corner: slope in object space of an ideal lens."""
     x = max(view.cx, view.width - view.cx) / view.fx
     y = max(view.cy, view.height - view.cy) / view.fy
     return float(np.hypot(x, y))
 
 
-def shared_rays(bundle: RayBundle, f_px: float, w_span: float) -> RayBundle:
-    """The bundle with one ray for all wavelengths, where their rays differ by less than anyone could see.
+def merge_wavelengths(bundle: RayBundle, f_px: float, w_span: float) -> RayBundle:
+    """Merge all wavelengths into one ray where their rays differ invisibly.
 
     Args:
-        bundle: of any lens.
+        bundle: ray bundle of any lens.
         f_px: focal length in layer pixels.
-        w_span: largest difference to the inverse depth in focus of anything in view, 1/m.
+        w_span: largest difference between the inverse depth in focus and that of any surface in view, 1/m.
     """
     if not isinstance(bundle.table, PolynomialTable) or len(bundle.rgb) == 1:
         return bundle

@@ -11,7 +11,7 @@ from render.model.lens import AberrationScales, DataSheet
 from render.optics.data_sheet import SheetErrors, sheet_errors
 from render.trace.lens_fit import LOW, NodeRays, PupilFit, Region, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
-from render.trace.prescription_table import region_of
+from render.trace.prescription_table import enclosing_region
 
 HEIGHTS = 64
 _GRID = 61  # points across the pupil, to see what of it is open
@@ -75,7 +75,7 @@ def _regions(errors: SheetErrors) -> list[Region]:
     edge = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     grid = np.concatenate([grid[np.hypot(*grid.T) <= 1], edge])
     blocked = np.maximum(errors.clearance(grid, 1), errors.clearance(grid, -1)) > 0
-    return [region_of(grid[~row], len(grid), 2 / (_GRID - 1)) for row in blocked]
+    return [enclosing_region(grid[~row], len(grid), 2 / (_GRID - 1)) for row in blocked]
 
 
 def _table(rows: DoubleArray, light: DoubleArray, last_slope: float) -> PolynomialTable:

@@ -30,7 +30,7 @@ PUPIL_SIDE = 96
 _SLOPE_DEGREE, _PUPIL_DEGREE = 7, 5
 
 
-def drawn_thin_lens(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float, last_slope: float) -> GridTable:
+def drawn_lens_table(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float, last_slope: float) -> GridTable:
     """The table of a thin lens with drawn power: the same rays for every field.
 
     Args:
@@ -54,7 +54,7 @@ def drawn_thin_lens(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float
     )
 
 
-def with_drawn_power(
+def add_drawn_power(
     table: PolynomialTable | GridTable, lens: Lens, *, focal_length_mm: float, pupil_radius_m: float
 ) -> PolynomialTable | GridTable:
     """A lens's table with the drawn power added to it.

@@ -31,7 +31,7 @@ from render.trace.data_sheet_table import data_sheet_table
 from render.trace.drawn_power import slope_errors
 from render.trace.lens_fit import NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import LIGHT, PolynomialTable
-from render.trace.prescription_table import MAX_SLOPE, chromatic, continued, region_of, scaled_rays
+from render.trace.prescription_table import MAX_SLOPE, chromatic, enclosing_region, extend_dark_rows, scale_rays
 from render.trace.seidel_table import seidel_table
 from render.trace.sharpness import least_spread, rays_of_heights
 
@@ -77,7 +77,7 @@ def field_focus(camera: Camera, focus_w_per_m: float | None = None) -> FieldFocu
     Raises:
         InputError: the lens has a prescription that is none.
     """
-    return _FocusedAnywhere(camera).at(focus_w(camera) if focus_w_per_m is None else focus_w_per_m)
+    return _FocusInterpolator(camera).at(focus_w(camera) if focus_w_per_m is None else focus_w_per_m)
 
 
 def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArray) -> DoubleArray:
@@ -91,7 +91,7 @@ def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArr
     Raises:
         InputError: the lens has a prescription that is none.
     """
-    lens = _FocusedAnywhere(camera)
+    lens = _FocusInterpolator(camera)
     shifts = np.zeros(len(slopes))
     if lens.has_errors:
         for i in np.flatnonzero(np.isfinite(slopes).all(axis=-1) & np.isfinite(focus_w_per_m)):
@@ -113,7 +113,7 @@ class _Errors:
     expressive_blend: float
 
     @classmethod
-    def of(cls, lens: Lens) -> _Errors:
+    def from_lens(cls, lens: Lens) -> _Errors:
         seidel = lens.seidel if lens.model == "seidel" else None
         sheet = lens.data_sheet if lens.model == "dataSheet" else None
         return cls(lens.model, lens.prescription, seidel, sheet, lens.scales, lens.pupil_power, lens.expressive_blend)
@@ -137,14 +137,14 @@ class _Errors:
         return {0.0: (D_LINE_NM,), 1.0: (middle,)}.get(self.scales.chromatic, (middle, D_LINE_NM))
 
 
-class _FocusedAnywhere:
+class _FocusInterpolator:
     """A camera's lens, wherever it is focused.
 
     Glass is looked at with a rounded focal length and then scaled a little, so that a zoom traces few lenses.
     """
 
     def __init__(self, camera: Camera) -> None:
-        self._errors, self._f_stop, self._reach = _Errors.of(camera.lens), camera.f_stop, 0.0
+        self._errors, self._f_stop, self._corner_slope = _Errors.from_lens(camera.lens), camera.f_stop, 0.0
         self._focal_mm, self._scale = camera.focal_length_mm, 1.0
         self._is_glass = has_surfaces(camera)
         thin_errors = camera.lens.has_thin_errors
@@ -152,12 +152,12 @@ class _FocusedAnywhere:
         self._kept: dict[int, FieldFocus] = {}
         if not self.has_errors:
             return
-        self._reach = _reach(camera)
+        self._corner_slope = _corner_slope(camera)
         if self._is_glass:
-            self._focal_mm = _rounded(camera.focal_length_mm)
+            self._focal_mm = _round_length(camera.focal_length_mm)
             self._scale = camera.focal_length_mm / self._focal_mm
             diagonal_mm = math.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
-            self._diagonal_mm = _rounded(diagonal_mm / self._scale)
+            self._diagonal_mm = _round_length(diagonal_mm / self._scale)
             self._near_w = float(focus_law(camera).near_w[0]) * self._scale * _WITHIN
 
     def at(self, w: float) -> FieldFocus | None:
@@ -165,7 +165,7 @@ class _FocusedAnywhere:
         if not self.has_errors:
             return None
         if not self._is_glass:
-            return _of_thin(self._errors, self._focal_mm, self._f_stop, self._reach)
+            return _thin_field_focus(self._errors, self._focal_mm, self._f_stop, self._corner_slope)
         step_w = _STEP_FOCAL_LENGTHS * 1000 / self._focal_mm
         at = min(max(w * self._scale, 0.0), self._near_w) / step_w
         low, high = (self._node(int(at) + i, step_w) for i in (0, 1))
@@ -179,12 +179,14 @@ class _FocusedAnywhere:
     def _node(self, index: int, step_w: float) -> FieldFocus:
         if index not in self._kept:
             w = min(index * step_w, self._near_w)
-            self._kept[index] = _traced(self._errors, self._focal_mm, self._f_stop, self._diagonal_mm, self._reach, w)
+            self._kept[index] = _trace_glass(
+                self._errors, self._focal_mm, self._f_stop, self._diagonal_mm, self._corner_slope, w
+            )
         return self._kept[index]
 
 
 @lru_cache(maxsize=256)
-def _traced(
+def _trace_glass(
     errors: _Errors, focal_length_mm: float, f_stop: float, diagonal_mm: float, reach: float, w: float
 ) -> FieldFocus:
     if errors.prescription is None:
@@ -199,17 +201,17 @@ def _traced(
     traced = [_rays(lens, heights, regions, fine, w, wavelength) for wavelength in errors.wavelengths_nm]
     rays = chromatic(traced, errors.scales.chromatic)[0] if len(traced) > 1 else traced[0]
     scales = own_scales(errors.lens)
-    rays = [scaled_rays(r, rays[0], region, fine, scales) for r, region in zip(rays, regions, strict=True)]
+    rays = [scale_rays(r, rays[0], region, fine, scales) for r, region in zip(rays, regions, strict=True)]
     fit = PupilFit(fine)
     rows = np.array([[fit.row(r, region) for r, region in zip(rays, regions, strict=True)]])
     rows[..., LIGHT] = mean_light(rows[0])
     chief = principal_rays(lens)
-    seen = _stretched(heights, chief.heights_mm / lens.image_scale_mm, chief.slopes + chief.pupil_mm / 1000 * w)
-    table = PolynomialTable(continued(rows).astype(np.float32), reach, 0.0, 0.0)
-    return _told(errors, table, seen, focal_length_mm, lens.entrance_pupil_radius_mm)
+    seen = _distort(heights, chief.heights_mm / lens.image_scale_mm, chief.slopes + chief.pupil_mm / 1000 * w)
+    table = PolynomialTable(extend_dark_rows(rows).astype(np.float32), reach, 0.0, 0.0)
+    return _from_table(errors, table, seen, focal_length_mm, lens.entrance_pupil_radius_mm)
 
 
-def _told(
+def _from_table(
     errors: _Errors, table: PolynomialTable, seen: DoubleArray, focal_length_mm: float, pupil_radius_mm: float
 ) -> FieldFocus:
     """Field focus from a lens table, with drawn power added to it; ``seen`` is without the factor on distortion."""
@@ -222,7 +224,7 @@ def _told(
     return FieldFocus(heights, scaled, shift, radius * 1000 / pupil_radius_mm)
 
 
-def _stretched(heights: DoubleArray, ideal: DoubleArray, seen: DoubleArray) -> DoubleArray:
+def _distort(heights: DoubleArray, ideal: DoubleArray, seen: DoubleArray) -> DoubleArray:
     """Slopes seen at ``heights``, from chief rays given at the heights ``ideal``; beyond the last of them the
     distortion stays.
     """
@@ -232,7 +234,7 @@ def _stretched(heights: DoubleArray, ideal: DoubleArray, seen: DoubleArray) -> D
 
 def _open_region(rays: NodeRays, nodes: DoubleArray) -> Region:
     is_open = rays.passed & (rays.front <= 0) & (rays.rear <= 0)
-    return region_of(nodes[is_open], len(nodes), _PADDING)
+    return enclosing_region(nodes[is_open], len(nodes), _PADDING)
 
 
 def _rays(
@@ -261,7 +263,7 @@ def _rays(
 
 
 @lru_cache(maxsize=256)
-def _of_thin(errors: _Errors, focal_length_mm: float, f_stop: float, reach: float) -> FieldFocus:
+def _thin_field_focus(errors: _Errors, focal_length_mm: float, f_stop: float, reach: float) -> FieldFocus:
     """Field focus of a lens without surfaces, which is the same wherever it is focused."""
     scales, wavelengths, radius_m = (
         own_scales(errors.lens),
@@ -275,16 +277,16 @@ def _of_thin(errors: _Errors, focal_length_mm: float, f_stop: float, reach: floa
         table = seidel_table(errors.seidel or SeidelErrors(), scales, **lens, wavelengths_nm=wavelengths)
     camera = Camera(np.eye(4), focal_length_mm, f_stop=f_stop, lens=replace(errors.lens, scales=AberrationScales()))
     chief, heights = chief_rays(camera), np.linspace(0.0, reach, table.rows.shape[1])
-    seen = heights if chief is None else _stretched(heights, chief.ideal, chief.seen)
-    return _told(errors, table, seen, focal_length_mm, focal_length_mm / (2 * f_stop))
+    seen = heights if chief is None else _distort(heights, chief.ideal, chief.seen)
+    return _from_table(errors, table, seen, focal_length_mm, focal_length_mm / (2 * f_stop))
 
 
-def _reach(camera: Camera) -> float:
+def _corner_slope(camera: Camera) -> float:
     """Slope of the gate's farthest corner, a little rounded up."""
     view = PinholeView.from_camera(camera, 1, 1)
     slope = math.hypot(max(view.cx, 1 - view.cx) / view.fx, max(view.cy, 1 - view.cy) / view.fy)
     return 2 ** (math.ceil(8 * math.log2(slope)) / 8)
 
 
-def _rounded(length_mm: float) -> float:
+def _round_length(length_mm: float) -> float:
     return float(f"{length_mm:.2g}")

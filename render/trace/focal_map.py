@@ -1,4 +1,4 @@
-"""The focal surface pixel by pixel, on the device: ``trace/focal_surface.comp``."""
+"""Focal surface of each pixel, on the device: ``trace/focal_surface.comp``."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _TILE = 8
 
 
 class FocalMaps:
-    """Makes focal maps, keeping the texture for the next picture of the same size."""
+    """Draws focal maps, keeping the texture for pictures of the same size."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx = ctx
         self._programs = programs
         self._map: moderngl.Texture | None = None
 
-    def made(self, focus: PictureFocus) -> moderngl.Texture:
-        """``(width, height)`` of w_f in 1/m and the pupil's radius over the lens's own; valid until the next one."""
+    def draw(self, focus: PictureFocus) -> moderngl.Texture:
+        """Draw w_f in 1/m and the pupil's radius relative to the lens's own, ``(width, height)``; valid until the next map."""
         program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
-        texture = self._sized((view.width, view.height))
+        texture = self._allocate((view.width, view.height))
         with Resources() as held:
             held.keep(self._controls(program, "point", surface.controls, _POINTS))
             held.keep(self._controls(program, "bend", surface.bends, _BENDS))
@@ -48,7 +48,7 @@ class FocalMaps:
         return texture
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         if self._map is not None:
             self._map.release()
             self._map = None
@@ -91,7 +91,7 @@ class FocalMaps:
         buffer.bind_to_storage_buffer(binding)
         return buffer
 
-    def _sized(self, size: tuple[int, int]) -> moderngl.Texture:
+    def _allocate(self, size: tuple[int, int]) -> moderngl.Texture:
         if self._map is None or self._map.size != size:
             self.release()
             self._map = self._ctx.texture(size, 2, dtype="f4")

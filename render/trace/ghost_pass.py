@@ -1,7 +1,7 @@
-"""Draws ghosts: sheets of light over a picture, each clipped by the iris and the rims that it passed.
+"""Ghost pass: sheets of light over a picture, each clipped by the iris and the rims that it passed.
 
-Sheets larger than some pixels are triangles on the device; those that come to a focus on the film would fall between its pixels,
-and are spread over the nearest ones by the processor.
+Sheets larger than some pixels are drawn as triangles on the device; small ones, which come to a focus on the film,
+would fall between its pixels and are added to the nearest ones on the CPU.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from render.optics.view import PinholeView
 _ATTRIBUTES = ("place", "first_stop", "second_stop", "third_stop", "near_rim", "light")
 _LAYOUT = "2f 2f 2f 2f 1f 3f"
 _IRIS_UNIT = 0
-_SMALL_PX = 600.0  # area of a sheet of some thousand points: smaller ones have several of them in each pixel
+_SMALL_PX = 600.0  # area of a sheet of some thousand points; a smaller one has several points in each pixel
 
 
 class GhostPass:
-    """Draws ghosts on the context that it was made for."""
+    """Draws ghosts in one context."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        """Raises `GraphicsError` where the driver refuses the shaders."""
+        """Compile the shaders. Raises `GraphicsError` where the driver refuses them."""
         self._ctx = ctx
         try:
             self._program = ctx.program(load_source("lens/ghost.vert"), load_source("lens/ghost.frag"))
@@ -38,25 +38,25 @@ class GhostPass:
             raise GraphicsError(f"the shaders of ghosts did not compile: {error}") from error
 
     def draw(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
-        """The light of ghosts.
+        """Draw the light of ghosts.
 
         Args:
-            sheets: what is drawn; they are taken one by one.
-            view: of the picture, through the middle of the pupil.
+            sheets: sheets to draw, consumed one by one.
+            view: view of the picture, through the middle of the pupil.
             iris: ``(side, side)`` transmission over the square around the unit circle, row 0 at the top.
 
         Returns:
             ``(height, width, 3)`` radiance.
 
         Raises:
-            GraphicsError: the device has no room for it.
+            GraphicsError: the device is out of memory.
         """
         try:
-            return self._drawn(sheets, view, iris)
+            return self._draw_meshes(sheets, view, iris)
         except moderngl.Error as error:
             raise GraphicsError(f"ghosts could not be drawn: {error}") from error
 
-    def _drawn(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
+    def _draw_meshes(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
         spread = np.zeros((view.height, view.width, 3))
         with Resources() as held:
             canvas = held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
@@ -72,7 +72,7 @@ class GhostPass:
         return np.asarray(drawn[..., :3] + spread, np.float32)
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         self._program.release()
 
     def _begin(self, target: moderngl.Framebuffer, iris: moderngl.Texture, view: PinholeView) -> None:
@@ -107,7 +107,7 @@ def _pixels(slopes: DoubleArray, view: PinholeView) -> DoubleArray:
 
 
 def _iris_texture(ctx: moderngl.Context, iris: DoubleArray) -> moderngl.Texture:
-    """With a dark edge, which goes on outside."""
+    """Upload the iris with a dark edge, which is repeated outside."""
     padded = np.pad(iris, 1).astype(np.float32)
     texture = ctx.texture(padded.shape[::-1], 1, padded.tobytes(), dtype="f4")
     texture.filter = moderngl.LINEAR, moderngl.LINEAR
@@ -116,13 +116,13 @@ def _iris_texture(ctx: moderngl.Context, iris: DoubleArray) -> moderngl.Texture:
 
 
 def _vertices(sheets: GhostSheets, places: DoubleArray) -> DoubleArray:
-    """``(m, rows, columns, 12)`` in the order of the layout."""
+    """Vertices ``(m, rows, columns, 12)`` in the order of the layout."""
     stops = sheets.stops.reshape(*places.shape[:3], 2 * CROSSINGS)
     return np.concatenate([places, stops, sheets.rim[..., None], sheets.radiance], axis=-1)
 
 
 def _triangles(whole: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.uint32]:
-    """``(n, 3)`` corners of all whole meshes' triangles."""
+    """Corners ``(n, 3)`` of the triangles of all whole meshes."""
     rows, columns = shape
     sheet, row, column = np.nonzero(whole)
     at = (sheet * rows + row) * columns + column
@@ -138,7 +138,7 @@ def _spread(
     iris: DoubleArray,
     view: PinholeView,
 ) -> None:
-    """Add small sheets to a picture, the light of each mesh at its middle, shared by the four nearest pixels."""
+    """Add small sheets to a picture: the light of each mesh, at its middle, is shared by the four nearest pixels."""
     if not which.any():
         return
     area = mesh_areas(places[which]) * sheets.whole[which]
@@ -166,7 +166,7 @@ def _middles(values: NDArray[Any]) -> DoubleArray:
 
 
 def _through(iris: DoubleArray, stops: DoubleArray) -> DoubleArray:
-    """Transmission of the iris at places in units of its radius; nothing outside."""
+    """Transmission of the iris at points in units of its radius; 0 outside."""
     side = len(iris)
     with np.errstate(invalid="ignore"):
         column = np.floor((stops[..., 0] + 1) / 2 * side)

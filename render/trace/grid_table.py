@@ -15,7 +15,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, HeightField
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.trace.aberration_scales import ChangeOfErrors, change_of_errors, changed_shape, defocus
+from render.trace.aberration_scales import ErrorChange, changes_shape, defocus, error_change
 from render.trace.lens_fit import pupil_nodes
 from render.trace.lens_table import GridTable
 from render.trace.surface_tracer import SurfaceTracer, TracedLens
@@ -63,8 +63,8 @@ def grid_table(
     if reference:
         passes = passes[:-1] & passes[-1]
         slope, pupil = (part[-1] + scales.chromatic * (part[:-1] - part[-1]) for part in (slope, pupil))
-    if changed_shape(scales):
-        slope = slope + _change_of_shape(tracer, lens, fields, stops, focus_w, wavelengths_nm, scales)
+    if changes_shape(scales):
+        slope = slope + _shape_change(tracer, lens, fields, stops, focus_w, wavelengths_nm, scales)
     light = _light(traced, stops, passes, scales.vignetting)
     rays = np.where(passes[..., None], np.concatenate([slope, pupil], axis=-1), 0.0)
     is_open = light[..., 1] <= 0
@@ -104,7 +104,7 @@ def _by_field(
     return slope, pupil, passes.reshape(shape)
 
 
-def _change_of_shape(
+def _shape_change(
     tracer: SurfaceTracer,
     lens: FocusedLens,
     fields: DoubleArray,
@@ -131,7 +131,7 @@ def _change_of_shape(
 
 def _changes(
     slope: DoubleArray, passes: NDArray[np.bool_], nodes: DoubleArray, scales: AberrationScales
-) -> list[ChangeOfErrors | None]:
+) -> list[ErrorChange | None]:
     """Changes of slope errors ``(heights, nodes, 2)`` per field height; None where part of the pupil is dark, which no
     basis fits.
     """
@@ -139,7 +139,7 @@ def _changes(
         return [None] * len(slope)
     on_axis = defocus(slope[0], nodes)
     return [
-        change_of_errors(errors, nodes, on_axis, scales) if passed.all() else None
+        error_change(errors, nodes, on_axis, scales) if passed.all() else None
         for errors, passed in zip(slope, passes, strict=True)
     ]
 

@@ -14,8 +14,10 @@ from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
 
 MAX_BLUR_SHARE = 0.25
-"""The guard band for blur is at most this share of the picture's longer side on each side: beyond it, rays see the edge's pixels
-repeated. Only surfaces whose circle of confusion is larger than that, near the picture's edge, are touched by it."""
+"""Limit on the guard band on each side, relative to the picture's longer side. Beyond it, rays see repeated edge pixels.
+
+Only surfaces near the picture's edge with a larger circle of confusion are affected.
+"""
 MAX_AREA_RATIO = 2.5
 """The layers hold at most this many times the pixels of the picture alone at their resolution; what a lens that sees further
 needs beyond that, it gets by coarser layers."""
@@ -25,7 +27,7 @@ _EDGE_POINTS = 33
 
 
 @dataclass(frozen=True)
-class Extent:
+class RayExtent:
     """Bounds of rays, in slopes of object space relative to the view axis: x right, y down."""
 
     left: float
@@ -46,15 +48,15 @@ def layer_view(
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
-    return layer_view_of(view, reached(view, bundle, focus, nearest_w), supersample)
+    return extended_view(view, ray_extent(view, bundle, focus, nearest_w), supersample)
 
 
-def layer_view_of(view: PinholeView, extent: Extent, supersample: float) -> PinholeView:
-    """The view to peel that shows a picture and what its rays reach.
+def extended_view(view: PinholeView, extent: RayExtent, supersample: float) -> PinholeView:
+    """View of the layers that show a picture and a given extent around it.
 
     Args:
-        view: the picture.
-        extent: what they reach.
+        view: view of the picture.
+        extent: bounds of the rays.
         supersample: layer pixels per picture pixel along each axis.
     """
     margins = [
@@ -78,8 +80,8 @@ def layer_view_of(view: PinholeView, extent: Extent, supersample: float) -> Pinh
     )
 
 
-def reached(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float) -> Extent:
-    """The slopes that the rays of the picture's edge reach, at any depth from infinity to the nearest surface."""
+def ray_extent(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float) -> RayExtent:
+    """Bounds of the rays of the picture's edge, at any depth from infinity to the nearest surface."""
     edge = _edge_points(view)
     w_f, pupil = focus.at(edge)
     off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
@@ -89,10 +91,10 @@ def reached(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w
     radii = np.minimum(radii, cap)[:, None]
     low = np.clip((centres - radii).min(axis=0), -MAX_SLOPE, MAX_SLOPE)
     high = np.clip((centres + radii).max(axis=0), -MAX_SLOPE, MAX_SLOPE)
-    return Extent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    return RayExtent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
-def reached_from(extent: Extent, turn: DoubleArray, move_m: DoubleArray, nearest_w: float) -> Extent:
+def transform_extent(extent: RayExtent, turn: DoubleArray, move_m: DoubleArray, nearest_w: float) -> RayExtent:
     """Bounds of the rays of a camera that stands elsewhere, in slopes seen from here.
 
     Args:
@@ -109,11 +111,11 @@ def reached_from(extent: Extent, turn: DoubleArray, move_m: DoubleArray, nearest
     )
     low = np.clip((slopes - beside).min(axis=0), -MAX_SLOPE, MAX_SLOPE)
     high = np.clip((slopes + beside).max(axis=0), -MAX_SLOPE, MAX_SLOPE)
-    return Extent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    return RayExtent(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
 def _bounds(bundle: RayBundle, slopes: DoubleArray, off_focus: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Where the rays of ``(n, 2)`` fields pass at the focus, ``(n, 2)``, and how far from there at most, ``(n,)``."""
+    """Bounds of the rays of ``(n, 2)`` fields at the focus: centres ``(n, 2)`` and radii ``(n,)``, slopes."""
     if not isinstance(bundle.table, PolynomialTable):
         return slopes, bundle.slope_reach + bundle.reach_m * off_focus
     rows = bundle.table.rows.astype(np.float64)
@@ -138,8 +140,8 @@ def _bounds(bundle: RayBundle, slopes: DoubleArray, off_focus: DoubleArray) -> t
 
 
 def _edge_points(view: PinholeView) -> DoubleArray:
-    """``(n, 2)`` places along the picture's edge, pixels, and the middle of each side among them."""
+    """Points ``(n, 2)`` along the picture's edge, pixels; the middle of each side is one of them."""
     along = np.linspace(0.0, 1.0, _EDGE_POINTS)
     zero, one = np.zeros(_EDGE_POINTS), np.ones(_EDGE_POINTS)
-    sides = [(along, zero), (along, one), (zero, along), (one, along)]
-    return np.concatenate([np.stack([x * view.width, y * view.height], axis=1) for x, y in sides])
+    edges = [(along, zero), (along, one), (zero, along), (one, along)]
+    return np.concatenate([np.stack([x * view.width, y * view.height], axis=1) for x, y in edges])

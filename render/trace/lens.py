@@ -1,4 +1,4 @@
-"""The lens tracer: how large the layers must be, peel, bound, trace."""
+"""The lens tracer: choose the layers' extent, peel, build N-buffers, trace."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.shaders import ProgramCache
 from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
-from render.layers.surface_sampling import sampling_of_layers
+from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
-from render.trace.aovs import measured
-from render.trace.bundles import BundleMaker, shared_rays
+from render.trace.aovs import measure_aovs
+from render.trace.bundles import BundleMaker, merge_wavelengths
 from render.trace.layer_view import layer_view
+from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, ray_pattern
-from render.trace.swept import SweptEngine
 from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
@@ -36,12 +36,12 @@ STAGES: tuple[Stage, ...] = get_args(Stage)
 
 @dataclass(frozen=True)
 class TracedPicture:
-    """A traced picture and what it was traced from.
+    """A traced picture and its layers.
 
     Attributes:
         color: ``(height, width, 4)`` float32, premultiplied.
         layers: valid until the peeler's next peeling.
-        nbuffers: of those layers, valid until the engine's next picture.
+        nbuffers: N-buffers of those layers, valid until the tracer's next picture.
     """
 
     color: FloatArray
@@ -58,7 +58,7 @@ class LensTracer:
         self._nbuffers = NBufferBuilder(ctx, programs, cancellation)
         self._tracer = Tracer(ctx, programs, cancellation)
         self._bundles = BundleMaker(ctx, programs)
-        self.swept = SweptEngine(ctx, programs, self._nbuffers, self._tracer, self._bundles)
+        self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._bundles)
 
     def picture(
         self,
@@ -75,8 +75,8 @@ class LensTracer:
         on_progress: Callable[[float], None] | None = None,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> TracedPicture:
-        """`tracing`, to its end; ``on_progress`` is called with the share of the tracing that is done."""
-        work = self.tracing(
+        """Run `trace_steps` to its end; ``on_progress`` is called with the share of the tracing that is done."""
+        work = self.trace_steps(
             peeler,
             camera,
             view,
@@ -88,9 +88,9 @@ class LensTracer:
             bound_by_rays=bound_by_rays,
             on_stage=on_stage,
         )
-        return _ended(work, on_progress)
+        return _run(work, on_progress)
 
-    def tracing(
+    def trace_steps(
         self,
         peeler: Peeler,
         camera: Camera,
@@ -107,24 +107,24 @@ class LensTracer:
         """Peel the loaded scene for this view and trace the camera's lens through it, piece by piece.
 
         Args:
-            peeler: with the scene loaded.
-            camera: with its lens.
-            view: the picture, from the pupil's centre.
-            pattern: where the rays start.
-            wavelengths: how many to trace, for a lens with colour errors.
+            peeler: peeler with the scene loaded.
+            camera: camera with its lens.
+            view: view of the picture, from the pupil's centre.
+            pattern: ray pattern.
+            wavelengths: number of wavelengths to trace, for a lens with colour errors.
             layers: at most this many layers.
             supersample: layer pixels per picture pixel along each axis.
-            unlit: take base colour for radiance.
+            unlit: take the base colour as radiance.
             bound_by_rays: see `Tracer.passes`.
-            on_stage: called when all that belongs to a stage has been asked of the device, which may still be at work on it.
+            on_stage: called when all commands of a stage are issued; the device may still be working on them.
 
         Yields:
-            The share of the tracing that is done, after each piece; `so_far` has the picture then.
+            The share of the tracing that is done, after each piece; `partial_picture` has the picture so far.
 
         Returns:
             The picture.
         """
-        bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
+        bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
         on_stage("rays")
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
@@ -134,19 +134,17 @@ class LensTracer:
         f_px = max(wide.fx, wide.fy)
         pupil_px = f_px * bundle.reach_m * float(pupil.max())
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
-        bundle = shared_rays(bundle, f_px, float(off_focus.max()))
+        bundle = merge_wavelengths(bundle, f_px, float(off_focus.max()))
         if peeler.is_opaque:
             layers = min(layers, layers_needed(pupil_px, nearest_w))
         umbra = umbra_reach(pupil_px)
         plane = focus.affine
-        sampling = sampling_of_layers(
-            wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1
-        )
+        sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")
-        return (yield from self._through(peeled, bundle, focus, view, bound_by_rays, on_stage))
+        return (yield from self._trace_layers(peeled, bundle, focus, view, bound_by_rays, on_stage))
 
-    def through(
+    def trace_layers(
         self,
         peeled: Layers,
         camera: Camera,
@@ -156,28 +154,28 @@ class LensTracer:
         wavelengths: int,
         nearest_w: float,
     ) -> FloatArray:
-        """Trace the camera's lens through layers that were peeled for whatever focus and stop.
+        """Trace the camera's lens through layers that were peeled for any focus and stop.
 
         Args:
-            peeled: from the picture's own eye, at any resolution; what they do not reach is taken to go on as at their edge.
-            camera: with its lens.
-            view: the picture.
-            pattern: where the rays start.
-            wavelengths: how many to trace, for a lens with colour errors.
-            nearest_w: the largest inverse depth of anything in view, 1/m.
+            peeled: layers from the picture's own eye, at any resolution; beyond their edge they are continued by its pixels.
+            camera: camera with its lens.
+            view: view of the picture.
+            pattern: ray pattern.
+            wavelengths: number of wavelengths to trace, for a lens with colour errors.
+            nearest_w: largest inverse depth of any surface in view, 1/m.
 
         Returns:
             ``(height, width, 4)`` float32, premultiplied.
         """
-        bundle = self._bundles.bundle(camera, view, pattern, wavelengths)
+        bundle = self._bundles.make_bundle(camera, view, pattern, wavelengths)
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
-        bundle = shared_rays(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        work = self._through(peeled, bundle, focus, view)
-        return _ended(work).color
+        bundle = merge_wavelengths(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
+        work = self._trace_layers(peeled, bundle, focus, view)
+        return _run(work).color
 
-    def _through(
+    def _trace_layers(
         self,
         peeled: Layers,
         bundle: RayBundle,
@@ -194,23 +192,23 @@ class LensTracer:
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
 
-    def so_far(self) -> tuple[FloatArray, FloatArray]:
-        """Radiance and rays traced so far of the picture under way: see `Tracer.so_far`."""
-        return self._tracer.so_far()
+    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
+        """Picture so far: see `Tracer.partial_picture`."""
+        return self._tracer.partial_picture()
 
-    def measured(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
-        """AOVs of the picture: see `render.trace.aovs.measured`."""
-        bundle = self._bundles.bundle(camera, view, ray_pattern(1, IrisShape()))
+    def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
+        """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
+        bundle = self._bundles.make_bundle(camera, view, ray_pattern(1, IrisShape()))
         chief = chief_rays(camera)
-        return measured(peeler, view, bundle, picture_focus(camera, view), chief)
+        return measure_aovs(peeler, view, bundle, picture_focus(camera, view), chief)
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._nbuffers.release()
         self._tracer.release()
 
 
-def _ended(
+def _run(
     work: Generator[float, None, TracedPicture], on_progress: Callable[[float], None] | None = None
 ) -> TracedPicture:
     """Run a generator to its end, passing on its progress, and return its result."""

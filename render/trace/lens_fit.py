@@ -99,12 +99,12 @@ class PupilFit:
         self.nodes, self.degrees = nodes, degrees
         even, odd = even_basis, odd_basis
         self._parts = {
-            SLOPE_T: _Part(even(nodes, degrees.slope), _places(degrees.slope, FULL.slope)),
-            SLOPE_S: _Part(odd(nodes, degrees.slope), _places(degrees.slope - 1, FULL.slope - 1)),
-            PUPIL_T: _Part(even(nodes, degrees.pupil), _places(degrees.pupil, FULL.pupil)),
-            PUPIL_S: _Part(odd(nodes, degrees.pupil), _places(degrees.pupil - 1, FULL.pupil - 1)),
-            FRONT_RIM: _Part(even(nodes, _RIM_DEGREE), _places(_RIM_DEGREE, _RIM_DEGREE)),
-            WEIGHT: _Part(even(nodes, _WEIGHT_DEGREE), _places(_WEIGHT_DEGREE, _WEIGHT_DEGREE)),
+            SLOPE_T: _Part(even(nodes, degrees.slope), _term_positions(degrees.slope, FULL.slope)),
+            SLOPE_S: _Part(odd(nodes, degrees.slope), _term_positions(degrees.slope - 1, FULL.slope - 1)),
+            PUPIL_T: _Part(even(nodes, degrees.pupil), _term_positions(degrees.pupil, FULL.pupil)),
+            PUPIL_S: _Part(odd(nodes, degrees.pupil), _term_positions(degrees.pupil - 1, FULL.pupil - 1)),
+            FRONT_RIM: _Part(even(nodes, _RIM_DEGREE), _term_positions(_RIM_DEGREE, _RIM_DEGREE)),
+            WEIGHT: _Part(even(nodes, _WEIGHT_DEGREE), _term_positions(_WEIGHT_DEGREE, _WEIGHT_DEGREE)),
         }
         self._parts[REAR_RIM] = self._parts[FRONT_RIM]
 
@@ -124,7 +124,7 @@ class PupilFit:
         }
         for place, value in values.items():
             part = self._parts[place]
-            row[place + part.places] = part.solved(value, rays.passed)
+            row[place + part.places] = part.solve(value, rays.passed)
         row[REGION : REGION + 4] = [region.centre, region.along, region.across, float(region.clipped)]
         row[BOUND : BOUND + 4] = self._bounds(rays, region)
         return row
@@ -141,7 +141,7 @@ class PupilFit:
         errors = []
         for (tangential, sagittal), values in (((SLOPE_T, SLOPE_S), rays.slope), ((PUPIL_T, PUPIL_S), rays.pupil_m)):
             t, s = (
-                self._parts[place].basis @ self._parts[place].solved(values[:, axis], rays.passed) - values[:, axis]
+                self._parts[place].basis @ self._parts[place].solve(values[:, axis], rays.passed) - values[:, axis]
                 for axis, place in enumerate((tangential, sagittal))
             )
             errors.append(float(np.hypot(t, s)[seen].max()))
@@ -182,26 +182,26 @@ class _Part:
         self.basis, self.places = basis, places
         self._inverse = np.linalg.pinv(basis)
 
-    def solved(self, values: DoubleArray, passed: NDArray[np.bool_]) -> DoubleArray:
+    def solve(self, values: DoubleArray, passed: NDArray[np.bool_]) -> DoubleArray:
         """Least-squares coefficients over the rays that pass."""
         if passed.all():
             return np.asarray(self._inverse @ values)
         return np.asarray(np.linalg.lstsq(self.basis[passed], values[passed], rcond=None)[0])
 
 
-def _places(degree: int, full: int) -> IntArray:
+def _term_positions(degree: int, full: int) -> IntArray:
     """Where the terms of an even basis of the degree stand among those of the full one."""
-    everything = even_powers_of(full)
-    return np.array([everything.index(power) for power in even_powers_of(degree)], np.int32)
+    everything = even_powers(full)
+    return np.array([everything.index(power) for power in even_powers(degree)], np.int32)
 
 
 def even_basis(points: DoubleArray, degree: int) -> DoubleArray:
     """``(n, terms)``: x⁰ to x^degree, then those times y² of a total degree no higher, then y⁴, ..."""
     x, y = points.T
-    return np.stack([x**i * y**j for i, j in even_powers_of(degree)], axis=1)
+    return np.stack([x**i * y**j for i, j in even_powers(degree)], axis=1)
 
 
-def even_powers_of(degree: int) -> list[tuple[int, int]]:
+def even_powers(degree: int) -> list[tuple[int, int]]:
     """Powers of x and y of each term of the even basis, in the rows' order."""
     return [(i, j) for j in range(0, degree + 1, 2) for i in range(degree - j + 1)]
 

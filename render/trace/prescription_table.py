@@ -17,7 +17,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.trace.aberration_scales import change_of_errors, changed_shape, defocus
+from render.trace.aberration_scales import changes_shape, defocus, error_change
 from render.trace.lens_fit import FULL, LOW, Degrees, NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import BOUND, LIGHT, REGION, WEIGHT, PolynomialTable
 
@@ -64,15 +64,15 @@ def prescription_table(
     if reference:
         rays = chromatic(rays, scales.chromatic)
     rays = [
-        [scaled_rays(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)]
+        [scale_rays(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)]
         for part in rays
     ]
     fit = _sufficient_fit(rays, lens)
     rows = np.array([[fit.row(r, region) for r, region in zip(part, regions, strict=True)] for part in rays])
-    return _table(continued(_lit(rows, scales.vignetting)), last_slope, fit.degrees)
+    return _table(extend_dark_rows(_normalize_light(rows, scales.vignetting)), last_slope, fit.degrees)
 
 
-def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
+def _normalize_light(rows: DoubleArray, vignetting: float) -> DoubleArray:
     """The rows with their weights relative to the light on the axis; ``vignetting`` is how much of its loss is kept.
 
     All wavelengths get the light of the middle one, so that white stays neutral.
@@ -86,7 +86,7 @@ def _lit(rows: DoubleArray, vignetting: float) -> DoubleArray:
     return rows
 
 
-def continued(rows: DoubleArray) -> DoubleArray:
+def extend_dark_rows(rows: DoubleArray) -> DoubleArray:
     """The rows, where those without light have the shape of the last lit one before them.
 
     So light alone fades where a picture's rays stand between the two, at the edge of the image circle; their directions do not
@@ -133,10 +133,10 @@ def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray)
     stops = np.tile(disc, (len(slopes), 1))
     traced = _trace(tracer, lens, np.repeat(slopes, len(disc)), stops, (D_LINE_NM,))
     is_open = traced.passed & _drawable(traced) & (traced.front <= 0) & (traced.rear <= 0)
-    return [region_of(disc[row], len(disc), _PADDING) for row in is_open[0].reshape(len(slopes), len(disc))]
+    return [enclosing_region(disc[row], len(disc), _PADDING) for row in is_open[0].reshape(len(slopes), len(disc))]
 
 
-def region_of(is_open: DoubleArray, all_points: int, padding: float) -> Region:
+def enclosing_region(is_open: DoubleArray, all_points: int, padding: float) -> Region:
     """The smallest ellipse on the tangential axis around the open points of the half disc.
 
     Args:
@@ -231,14 +231,14 @@ def chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]
     ]
 
 
-def scaled_rays(
+def scale_rays(
     rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales
 ) -> NodeRays:
     """Rays of a field height with each kind of error scaled; ``axis`` are those of the height 0, at the same nodes."""
-    if not changed_shape(scales):
+    if not changes_shape(scales):
         return rays
     if not (rays.passed.all() and axis.passed.all()):
         return rays  # half the pupil is dark here: there are no powers of it to tell apart
     on_axis = defocus(axis.slope, nodes)
     on_stop = region.on_stop(nodes)
-    return replace(rays, slope=rays.slope + change_of_errors(rays.slope, on_stop, on_axis, scales).at(on_stop))
+    return replace(rays, slope=rays.slope + error_change(rays.slope, on_stop, on_axis, scales).at(on_stop))

@@ -34,7 +34,7 @@ Defines = dict[str, int | float | str]
 
 
 class RayBuffers:
-    """Uploads bundles; what one needs no more is given back when the next is bound."""
+    """Uploads ray bundles. Buffers of the last bundle are released when the next is bound."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -54,7 +54,7 @@ class RayBuffers:
         return defines
 
     def bind(self, program: moderngl.ComputeShader, bundle: RayBundle, *, first_unit: int) -> None:
-        """Upload the bundle and set the program's uniforms that follow from it; textures take units from ``first_unit`` on."""
+        """Upload the bundle and set the uniforms that follow from it; textures take units from ``first_unit`` on."""
         self.release()
         pattern, self._unit = bundle.pattern, first_unit
         self._buffer(pattern.base, _BASE)
@@ -82,7 +82,7 @@ class RayBuffers:
             set_uniforms(program, pupil_m=bundle.pupil_m)
 
     def choose_wavelength(self, program: moderngl.ComputeShader, bundle: RayBundle, number: int) -> None:
-        """Let the program see the table's part for one of the bundle's wavelengths."""
+        """Select the part of the table for one of the bundle's wavelengths."""
         if isinstance(bundle.table, PolynomialTable):
             set_uniforms(program, first_row=number * bundle.table.rows.shape[1])
         elif isinstance(bundle.table, GridTable):
@@ -93,7 +93,7 @@ class RayBuffers:
                 set_uniforms(program, **{name: unit})
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for held in self._held:
             held.release()
         self._held, self._grids = [], []

@@ -19,15 +19,14 @@ IRIS_IMAGE_SIDE = 256
 
 @dataclass(frozen=True, eq=False)
 class RayPattern:
-    """Where rays start, as the tracer's buffers have it.
+    """Start points of rays, as in the tracer's buffers.
 
     Attributes:
-        base: ``(n, 8)`` float32: squared radius, cosine and sine of the turn, nothing; sensor x and y in the unit square, nothing
-            twice.
-        shifts: ``(patterns, 4)`` float32, of squared radius, turn (in turns), sensor x and y.
-        iris_points: ``(patterns, n, 2)`` float32 on the stop, y down, where the iris is not simply round; else None.
+        base: ``(n, 8)`` float32: squared radius, cosine and sine of the azimuth, 0; sensor x and y in the unit square, 0, 0.
+        shifts: ``(patterns, 4)`` float32, shifts of squared radius, azimuth (in turns), sensor x and y.
+        iris_points: ``(patterns, n, 2)`` float32 points on the stop, y down, where the iris is not round; else None.
+        iris_image: ``(side, side)`` float32 transmission relative to its mean on the disc, row 0 at the top; None if round.
         stands_for: rays of the whole pattern of which this is a part; 0 where it is the whole.
-        iris_image: ``(side, side)`` float32 transmission over its mean on the disc, row 0 at the top; None likewise.
     """
 
     base: FloatArray
@@ -47,11 +46,11 @@ class RayPattern:
         return self.stands_for or self.count
 
     def part(self, index: int, parts: int) -> RayPattern:
-        """Every so manieth ray: together the parts are the pattern.
+        """Every ``parts``-th ray: together the parts are the pattern.
 
         Args:
-            index: of the part, from 0.
-            parts: at most as many as there are rays.
+            index: index of the part, from 0.
+            parts: number of parts, at most the number of rays.
         """
         if parts == 1:
             return self
@@ -61,15 +60,15 @@ class RayPattern:
 
 @dataclass(frozen=True, eq=False)
 class RayBundle:
-    """The rays of a lens.
+    """Rays of a lens.
 
     Attributes:
-        pattern: where they start.
-        pupil_m: half axes of the entrance pupil, right and up.
-        table: how the lens bends them; None for a lens without errors.
-        rgb: ``(k, 3)`` share of each channel that each of the table's wavelengths carries; columns sum to 1.
+        pattern: start points.
+        pupil_m: half axes of the entrance pupil, right and up, metres.
+        table: lens table; None for a lens without errors.
+        rgb: ``(k, 3)`` share of each channel carried by each of the table's wavelengths; columns sum to 1.
         transmittance: share of light that passes.
-        squeeze: what a table's rays are narrowed by from side to side (anamorphic).
+        squeeze: anamorphic squeeze, by which a table's rays are narrower from side to side.
     """
 
     pattern: RayPattern
@@ -91,15 +90,15 @@ class RayBundle:
 
     @property
     def reach_m(self) -> float:
-        """Farthest that any ray passes from the pupil's centre, metres."""
+        """Greatest distance at which a ray passes from the pupil's centre, metres."""
         return self.table.pupil_reach_m if self.table is not None else max(self.pupil_m)
 
 
 def ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> RayPattern:
-    """The pattern of ``rays`` rays through an iris; see `render.optics.sampling`.
+    """Make the pattern of ``rays`` rays through an iris; see `render.optics.sampling`.
 
     Raises:
-        SettingsError: rays or seed is out of range, or the iris lets nothing through.
+        SettingsError: rays or seed is out of range, or the iris passes no light.
     """
     samples = lens_samples(rays, iris, seed=seed, tiled=tiled)
     points = base_points(rays, seed)
@@ -114,7 +113,7 @@ def ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True
 
 
 def thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
-    """Rays of the camera's thin lens; a pinhole has its rays through one point."""
+    """Rays of the camera's thin lens; the rays of a pinhole all pass one point."""
     radius = pupil_radius_m(camera)
     return RayBundle(pattern, (radius / camera.lens.squeeze, radius), transmittance=camera.lens.transmittance)
 

@@ -14,7 +14,7 @@ import numpy as np
 from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.trace.lens_fit import even_powers_of
+from render.trace.lens_fit import even_powers
 from render.trace.lens_table import (
     BOUND,
     FRONT_RIM,
@@ -59,7 +59,7 @@ def seidel_table(
     per_radius = D_LINE_NM * 1e-9 / reference_m  # slope for a wavelength of error per reference radius
     edge = pupil_radius_m / reference_m
     rows = np.zeros((len(wavelengths_nm), HEIGHTS, ROW_LENGTH))
-    even, odd = even_powers_of(7), even_powers_of(6)
+    even, odd = even_powers(7), even_powers(6)
 
     def add(power_x: int, power_y: int, tangential: DoubleArray, sagittal: DoubleArray) -> None:
         """Add ``tangential·x^i·y^j`` to the tangential error, and ``y·sagittal·x^i·y^j`` to the sagittal one."""
@@ -87,10 +87,10 @@ def seidel_table(
         rows[part, :, SLOPE_T + even.index((1, 0))] += defocus
         rows[part, :, SLOPE_S + odd.index((0, 0))] += defocus
         rows[part, :, SLOPE_T] -= errors.lateral_color_mm * blueness * heights / focal_length_mm
-    return _finished(rows, pupil_radius_m, last_slope)
+    return _finish(rows, pupil_radius_m, last_slope)
 
 
-def _finished(rows: DoubleArray, pupil_radius_m: float, last_slope: float) -> PolynomialTable:
+def _finish(rows: DoubleArray, pupil_radius_m: float, last_slope: float) -> PolynomialTable:
     """The rows with the pupil of a thin lens, open everywhere, and their bounds."""
     rows[..., PUPIL_T + 1] = pupil_radius_m
     rows[..., PUPIL_S] = pupil_radius_m

@@ -58,11 +58,11 @@ def rays_of_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray, N
     rows = table.rows[len(table.rows) // 2].astype(np.float64)
     half = pupil_nodes(_NODES, rim=0)
     nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is told from the middle of the whole disc
-    slope = _evaluated(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
-    return slope, _evaluated(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5), open_rays(rows, nodes)
+    slope = _evaluate(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
+    return slope, _evaluate(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5), open_rays(rows, nodes)
 
 
-def _evaluated(rows: DoubleArray, nodes: DoubleArray, even: int, odd: int, end: int, degree: int) -> DoubleArray:
+def _evaluate(rows: DoubleArray, nodes: DoubleArray, even: int, odd: int, end: int, degree: int) -> DoubleArray:
     """``(heights, nodes, 2)``."""
     tangential = rows[:, even:odd] @ even_basis(nodes, degree).T
     return np.stack([tangential, rows[:, odd:end] @ odd_basis(nodes, degree).T], axis=-1)

@@ -16,7 +16,7 @@ from render.layers.peel import Layers
 from render.model.arrays import FloatArray
 from render.optics.view import PinholeView
 from render.trace.focal_map import FocalMaps
-from render.trace.glimpse import Glimpse
+from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
@@ -24,10 +24,10 @@ from render.trace.rays import RayBundle
 RAYS_PER_PASS = 128
 """Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""
 _RAYS_PER_DISPATCH = 1 << 24
-"""A picture is traced in bands of lines, so that no dispatch is long enough for a display driver to give it up."""
+"""Rays of one dispatch. A picture is traced in bands of lines, so that no dispatch runs into a display driver's timeout."""
 _FIRST_UNIT = 0
 _LAYER_UNITS = 11
-"""Textures of layers, N-buffers, focus and motion that a program reads at most."""
+"""Texture units of layers, N-buffers, focus and motion."""
 _TILE = 8  # side of the shader's work groups
 
 Progress = Callable[[float], None]
@@ -47,7 +47,7 @@ class TracePass:
 
 
 class Tracer:
-    """Traces pictures, keeping its accumulation image and ray buffers for the next picture of the same size."""
+    """Traces pictures, keeping its accumulation image and ray buffers for pictures of the same size."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
@@ -71,67 +71,69 @@ class Tracer:
         *,
         rays_per_pass: int = RAYS_PER_PASS,
         bound_by_rays: bool = False,
-        glimpse: Glimpse | None = None,
+        moment_view: MomentView | None = None,
         movers: Movers | None = None,
         lines: tuple[int, int] | None = None,
     ) -> Iterator[TracePass]:
-        """Trace a picture pass by pass; each adds rays, and `picture` has the mean over those of whole passes.
+        """Trace a picture pass by pass; after each, `picture` has the mean over the rays of all whole passes.
 
         Args:
-            layers: peeled from the picture's own eye (or as the glimpse says), at any resolution and with any margin.
-            nbuffers: of those layers.
-            bundle: the lens.
-            focus: where it is focused.
-            view: the picture.
-            rays_per_pass: at most.
-            bound_by_rays: bound a pixel's footprint by the quad around all its rays, and not in closed form (as for a glimpse).
-            glimpse: at which moment, where the camera may have moved since the layers were peeled.
-            movers: of the layers, at that moment.
-            lines: of the picture that are wanted, from the first to before the last; None for all. Others may be left empty.
+            layers: layers from the picture's own eye (or as ``moment_view`` says), at any resolution and with any margin.
+            nbuffers: N-buffers of those layers.
+            bundle: rays of the lens.
+            focus: focal surface.
+            view: view of the picture.
+            rays_per_pass: largest number of rays per pixel in a pass.
+            bound_by_rays: bound a pixel's footprint by the quad around all its rays, not in closed form; so with ``moment_view``.
+            moment_view: view at a moment, where the camera may have moved since the layers were peeled.
+            movers: movers of the layers, at that moment.
+            lines: half-open range of the picture's lines to trace; None for all. Other lines may stay empty.
         """
         self._shares = np.zeros((view.height, view.width), np.float32)
-        self._sized_sum((view.width, view.height)).write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
-        focal_map = None if focus.affine is not None else self._maps.made(focus)
+        self._allocate_sum((view.width, view.height)).write(
+            np.zeros((view.height, view.width, 4), np.float32).tobytes()
+        )
+        focal_map = None if focus.affine is not None else self._maps.draw(focus)
         program = self._program(
             layers,
             bundle,
-            bound_by_rays=bound_by_rays or glimpse is not None,
+            bound_by_rays=bound_by_rays or moment_view is not None,
             by_map=focal_map is not None,
-            moment={"CARRIED_CAMERA": glimpse is not None, "MOVERS": movers is not None},
+            moment={"CARRIED_CAMERA": moment_view is not None, "MOVERS": movers is not None},
         )
 
         def bind() -> None:
             self._bind(program, layers, nbuffers, focal_map)
             self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
-            self._sized_sum((view.width, view.height))
+            self._allocate_sum((view.width, view.height))
             if movers is not None:
                 movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
 
         self._is_bound = False
         self._set_uniforms(program, layers, nbuffers, view)
-        if glimpse is not None:
-            set_uniforms(program, **glimpse.uniforms(layers.view))
+        if moment_view is not None:
+            set_uniforms(program, **moment_view.uniforms(layers.view))
         set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
             set_uniforms(program, first_ray=first, ray_count=count)
-            for share in self._worked(bind, program, bundle, view.width, lines or (0, view.height), count):
+            for share in self._trace_tiles(bind, program, bundle, view.width, lines or (0, view.height), count):
                 yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
 
-    def _worked(
+    def _trace_tiles(
         self,
         bind: Callable[[], None],
         program: moderngl.ComputeShader,
         bundle: RayBundle,
         width: int,
-        wanted: tuple[int, int],
+        span: tuple[int, int],
         rays: int,
     ) -> Iterator[float]:
-        """Work on the picture tile by tile, and tell the share that is done."""
+        """Trace the picture tile by tile, and yield the share that is done."""
         light = (
             np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
         )
-        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, wanted):
+        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, span):
             if not self._is_bound:
                 bind()
                 self._is_bound = True
@@ -146,26 +148,26 @@ class Tracer:
             else:
                 self._ctx.finish()
             self._shares[y : y + down, x : x + across] += rays / bundle.count
-            yield (y - wanted[0] + down * (x + across) / width) / (wanted[1] - wanted[0])
+            yield (y - span[0] + down * (x + across) / width) / (span[1] - span[0])
 
-    def _tiles(self, work: int, width: int, wanted: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
-        """Left, top, width and height of tiles all over some lines, as large as the work at each pixel allows."""
-        x, y = 0, wanted[0]
-        while y < wanted[1]:
+    def _tiles(self, work: int, width: int, span: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
+        """Tiles of some lines as left, top, width and height; their size depends on the work per pixel."""
+        x, y = 0, span[0]
+        while y < span[1]:
             pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // work
             if (x == 0 and pixels >= width * _TILE) or not self._cancellation.is_cancellable:
-                down = min(max(_TILE, pixels // width // _TILE * _TILE), wanted[1] - y)
+                down = min(max(_TILE, pixels // width // _TILE * _TILE), span[1] - y)
                 yield 0, y, width, down
                 y += down
                 continue
-            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, wanted[1] - y)
+            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, span[1] - y)
             yield x, y, across, down
             x += across
             if x == width:
                 x, y = 0, y + down
 
     def picture(self) -> FloatArray:
-        """Mean over all rays.
+        """Return the mean over all rays.
 
         Returns:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
@@ -175,17 +177,17 @@ class Tracer:
             raise ValueError("no picture has been traced")
         return np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4).copy()
 
-    def so_far(self) -> tuple[FloatArray, FloatArray]:
-        """Mean over the rays so far, and ``(height, width, 1)`` the share of them that it is of: 0 where there were none.
+    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
+        """Mean over the rays so far, and ``(height, width, 1)`` the share of all rays that were traced: 0 where none were.
 
-        The device may then be used for other work before the next pass is asked for; what is traced must stay as it is.
+        The device may do other work before the next pass; layers and buffers of the picture must not change.
         """
         shares = self._shares[..., None].copy()
         self._is_bound = False
         return np.asarray(self.picture() / np.where(shares > 0, shares, 1), np.float32), shares
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         if self._sum is not None:
             self._sum.release()
         self._buffers.release()
@@ -197,8 +199,8 @@ class Tracer:
         defines: dict[str, int | float | str] = {name: 1 for name, is_set in moment.items() if is_set}
         if layers.count > 4:
             defines["EIGHT_LAYERS"] = 1
-        if layers.may_be_faded:
-            defines["MAY_BE_FADED"] = 1
+        if layers.may_be_translucent:
+            defines["MAY_BE_TRANSLUCENT"] = 1
         if bound_by_rays:
             defines["BOUND_BY_RAYS"] = 1
         if by_map:
@@ -246,7 +248,7 @@ class Tracer:
             last_level=nbuffers.levels - 1,
         )
 
-    def _sized_sum(self, size: tuple[int, int]) -> moderngl.Texture:
+    def _allocate_sum(self, size: tuple[int, int]) -> moderngl.Texture:
         if self._sum is None or self._sum.size != size:
             if self._sum is not None:
                 self._sum.release()

@@ -30,7 +30,7 @@ def measure_aovs(
     settings = request.settings
     values: dict[str, NDArray[Any]] = {}
     if set(settings.aovs) & set(MEASURED):
-        values = device.tracer.measured(device.peeler, request.camera, request.view)
+        values = device.tracer.measure_aovs(device.peeler, request.camera, request.view)
     if "albedo" in settings.aovs:
         unlit = replace(request, settings=replace(settings, shading="unlit"), part=ALL_RAYS, on_progress=None)
         values["albedo"] = draw(unlit)[..., :3]

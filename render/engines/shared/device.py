@@ -14,8 +14,8 @@ from render.postblur.focus_split import Blur
 from render.postblur.preview import Previewer
 from render.postblur.single_image import SingleImageBlur
 from render.trace.lens import LensTracer
+from render.trace.motion_tracer import ShutterSample
 from render.trace.rays import RayPattern, ray_pattern
-from render.trace.swept import ShutterSample
 
 
 class Device:
@@ -58,7 +58,7 @@ class Device:
     def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
         """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
         settings = request.settings
-        traced = yield from self.tracer.tracing(
+        traced = yield from self.tracer.trace_steps(
             self.peeler,
             request.camera,
             request.view,
@@ -75,7 +75,7 @@ class Device:
     ) -> Generator[FloatArray, None, None]:
         """Trace the moments of a moving scene; as `Engine.draw_swept`."""
         settings = request.settings
-        return self.tracer.swept.pictures(
+        return self.tracer.motion_tracer.pictures(
             self.peeler,
             request.view,
             samples,

@@ -12,8 +12,8 @@ from render.model.frame_settings import FrameSettings
 from render.model.lens import IrisShape
 from render.model.moment import Moment
 from render.optics.view import PinholeView
+from render.trace.motion_tracer import ShutterSample
 from render.trace.rays import RayPattern, ray_pattern
-from render.trace.swept import ShutterSample
 
 
 def shutter_samples(
@@ -36,9 +36,9 @@ def shutter_samples(
     for i, moment in enumerate(moments):
         camera = close_iris(moment.camera)
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        since = (i + 0.5) / len(moments) - 0.5
+        shutter_time = (i + 0.5) / len(moments) - 0.5
         pattern = pattern_of(camera.iris).part(i % apart, apart)
-        samples.append(ShutterSample(camera, view, since, pattern, _exposed_lines(moment, settings)))
+        samples.append(ShutterSample(camera, view, shutter_time, pattern, _exposed_lines(moment, settings)))
     return samples
 
 

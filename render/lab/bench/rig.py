@@ -114,7 +114,7 @@ class LensRig:
 
     def _timed(self, camera: Camera, settings: FrameSettings) -> tuple[TracedPicture, dict[str, Spent]]:
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        self._peeler.forget()
+        self._peeler.clear_cache()
         clock = StageClock(self.graphics.ctx.finish)
         picture = self._lens.picture(
             self._peeler,

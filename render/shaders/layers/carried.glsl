@@ -7,7 +7,7 @@
 uniform vec2 layer_axis;    // where the view axis meets the layers
 uniform vec2 layer_focal;   // their focal length in pixels
 uniform float nearest_m;    // nothing nearer than this is drawn
-uniform float since;        // the moment: -0.5 when the shutter opens, 0.5 when it closes
+uniform float shutter_time;        // the moment: -0.5 when the shutter opens, 0.5 when it closes
 
 const float MOST_M = 60000.0;   // what a half holds
 

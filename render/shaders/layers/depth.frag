@@ -5,7 +5,7 @@
 //      previous layer and this one move
 // Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
 
-#ifdef MAY_BE_CLEAR
+#ifdef MAY_BE_TRANSPARENT
 #include "layers/material.glsl"
 
 in vec3 frag_position;
@@ -43,7 +43,7 @@ uniform int own_channel;
 
 void main()
 {
-#if defined(PEEL) || defined(MAY_BE_CLEAR)
+#if defined(PEEL) || defined(MAY_BE_TRANSPARENT)
     bool hidden = false;
 #endif
 #ifdef PEEL
@@ -57,11 +57,11 @@ void main()
 #ifdef FILL
     hidden = hidden || texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel] != 0.0;
 #endif
-#ifdef MAY_BE_CLEAR
+#ifdef MAY_BE_TRANSPARENT
     // before any discard: look-ups need their neighbours' coordinates
     hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity < LEAST_OPACITY || hidden;
 #endif
-#if defined(PEEL) || defined(MAY_BE_CLEAR)
+#if defined(PEEL) || defined(MAY_BE_TRANSPARENT)
     if (hidden) discard;
 #endif
 }

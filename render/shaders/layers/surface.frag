@@ -33,7 +33,7 @@ void main()
 {
     vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) / gl_FragCoord.w;  // before any pixel is discarded
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
-#ifdef MAY_BE_CLEAR
+#ifdef MAY_BE_TRANSPARENT
     if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with a surface that is there
 #endif
 #ifdef UNLIT

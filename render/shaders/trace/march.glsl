@@ -19,12 +19,12 @@ uniform sampler2D background;
 #include "layers/carried.glsl"
 uniform usampler2DArray motion; // how surfaces move while the shutter is open (surface.frag)
 uniform sampler2DArray movers;  // what moves in each block (movers.comp)
-layout(std430, binding = 10) readonly buffer Landing { uvec4 landing[]; };  // what lands in it (landing.comp)
+layout(std430, binding = 10) readonly buffer Arrivals { uvec4 arrivals[]; };  // what lands in it (arrivals.comp)
 
 // Surfaces that may move into a pixel at this moment; none where the third number is 0.
-uvec4 landing_at(ivec2 pixel)
+uvec4 arrivals_at(ivec2 pixel)
 {
-    return landing[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
+    return arrivals[(pixel.y / BLOCK) * textureSize(ranges, 0).x + pixel.x / BLOCK];
 }
 #endif
 
@@ -130,7 +130,7 @@ bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
         at.high = high + pad;
         if (may_meet(at)) return true;
 #ifdef MOVERS
-        if (landing_at(at.pixel).z != 0u) return true;
+        if (arrivals_at(at.pixel).z != 0u) return true;
 #endif
     }
 }
@@ -156,7 +156,7 @@ vec4 march(vec2 a, vec2 b)
     float limit = 1e30;
     while (!hit.opaque && walk_on(walk, last, at)) {
         hit = nearest_in(a, b, at, limit);
-#ifdef MAY_BE_FADED
+#ifdef MAY_BE_TRANSLUCENT
         while (hit.layer >= 0 && !hit.opaque) {
             vec4 surface = radiance_at(a, b, last, at.pixel, hit);
             seen += (1.0 - seen.a) * surface.a * vec4(surface.rgb, 1.0);

@@ -22,7 +22,7 @@ const Met NOTHING = Met(Hit(0.0, -1, false, 0.0), 0.0, vec2(0.0), ivec2(-9));
 vec4 motion_at(ivec2 pixel, int layer)
 {
     uvec4 stored = texelFetch(motion, ivec3(pixel, layer), 0);
-    return stored.w == 0u ? vec4(0.0) : vec4(motion_in_half(stored, since >= 0.0), 1.0);
+    return stored.w == 0u ? vec4(0.0) : vec4(motion_in_half(stored, shutter_time >= 0.0), 1.0);
 }
 
 vec4 mover_of(uint number)
@@ -34,8 +34,8 @@ vec4 mover_of(uint number)
 // The stretch and the ray as what moves with a look's mover meets them.
 Stretch seen_moving(vec2 a, vec2 b, Stretch at, vec4 mover, ivec2 last, out vec2 own)
 {
-    float away = since * mover.z;
-    own = relative(a, b, since * mover.xyz);
+    float away = shutter_time * mover.z;
+    own = relative(a, b, shutter_time * mover.xyz);
     Stretch there;
     there.low = in_the_middle(at.low, away);
     there.high = in_the_middle(at.high, away);
@@ -45,14 +45,14 @@ Stretch seen_moving(vec2 a, vec2 b, Stretch at, vec4 mover, ivec2 last, out vec2
 }
 
 // Choose the next search when one has ended; false where none is left.
-bool next_look(inout Look look, uvec4 landed, vec4 passed)
+bool next_look(inout Look look, uvec4 arrived, vec4 passed)
 {
     look.round = 0;
     ++look.sought;
-    if (look.sought == FASTEST && landed.z == 0u) look.sought = PASSED;
-    if (look.sought == NEAREST && landed.w == landed.z) look.sought = PASSED;
-    if (look.sought == FASTEST) look.mover = mover_of(landed.z);
-    if (look.sought == NEAREST) look.mover = mover_of(landed.w);
+    if (look.sought == FASTEST && arrived.z == 0u) look.sought = PASSED;
+    if (look.sought == NEAREST && arrived.w == arrived.z) look.sought = PASSED;
+    if (look.sought == FASTEST) look.mover = mover_of(arrived.z);
+    if (look.sought == NEAREST) look.mover = mover_of(arrived.w);
     if (look.sought == PASSED) look.mover = passed;
     return look.sought < PASSED || look.sought == PASSED && passed.w > 0.0;
 }
@@ -71,11 +71,11 @@ Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
     Met met = NOTHING;
     Look look = Look(STILL, vec4(0.0), 0);
     vec4 passed = vec4(0.0);
-    uvec4 landed = landing_at(at.pixel);
+    uvec4 arrived = arrivals_at(at.pixel);
     vec2 own = b;
     Stretch there = at;
     for (int i = 0; i < most_tries; ++i) {
-        float away = since * look.mover.z, behind = limit < 1e20 ? in_the_middle(limit, away) : limit;
+        float away = shutter_time * look.mover.z, behind = limit < 1e20 ? in_the_middle(limit, away) : limit;
         vec4 missed = vec4(0.0);
         // in Mesa 22's llvmpipe a do-while here forgets what the pixels beside each other found that leave it first
         for (int k = 0; k < most_tries; ++k) {
@@ -92,16 +92,16 @@ Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
                 continue;
             }
             if (found.w == 0.0 || is_met_again(hit, there.pixel, before)) continue;
-            vec2 its = relative(a, b, since * found.xyz), off = abs(a + its * hit.w - (vec2(there.pixel) + 0.5));
+            vec2 its = relative(a, b, shutter_time * found.xyz), off = abs(a + its * hit.w - (vec2(there.pixel) + 0.5));
             if (max(off.x, off.y) <= SAME_PLACE) {
-                float w = at_the_moment(hit.w, since * found.z);
+                float w = at_the_moment(hit.w, shutter_time * found.z);
                 if (w > met.w && w < limit) met = Met(hit, w, its, there.pixel);
                 break;
             }
             if (missed.w == 0.0) missed = vec4(found.xyz, hit.w);
         }
         if (missed.w > 0.0 && ++look.round < ROUNDS_OF_MOTION) look.mover = missed;
-        else if (!next_look(look, landed, passed)) break;
+        else if (!next_look(look, arrived, passed)) break;
         there = seen_moving(a, b, at, look.mover, last, own);
     }
     return met;

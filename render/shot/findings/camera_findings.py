@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pxr import Usd
 
 from render.errors import PullfocusError
-from render.layers.lights import MAX_LIGHTS, chosen_lights
+from render.layers.lights import MAX_LIGHTS, select_lights
 from render.layers.shadows import MAX_SHADOW_MAPS, lights_without_shadow
 from render.model.scene import Light
 from render.near_names import hint
@@ -140,7 +140,7 @@ def camera_findings(stage: Usd.Stage, camera_paths: Sequence[str]) -> list[Findi
 
 def light_findings(lights: tuple[Light, ...]) -> list[Finding]:
     """Find each light beyond the renderer's limits on lights and shadow maps."""
-    drawn = chosen_lights(lights)
+    drawn = select_lights(lights)
     dropped = [light.path for light in lights if max(light.radiance) > 0 and light not in drawn]
     many = f"is not honoured: the strongest {MAX_LIGHTS} lights of the shot are"
     full = f"casts no shadow: stronger lights have all {MAX_SHADOW_MAPS} shadow maps (a bare sphere needs six)"

@@ -72,11 +72,11 @@ def living() -> dict[str, list[int]]:
 
 
 def layers(ctx: Any, programs: ProgramCache) -> object:
-    return LayerTargets.make(ctx, 40, 30, 8)
+    return LayerTargets.allocate(ctx, 40, 30, 8)
 
 
 def surfaces(ctx: Any, programs: ProgramCache) -> object:
-    return SurfaceTargets.make(ctx, 40, 30)
+    return SurfaceTargets.allocate(ctx, 40, 30)
 
 
 def nbuffers(ctx: Any, programs: ProgramCache) -> object:

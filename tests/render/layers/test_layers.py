@@ -14,9 +14,9 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import checkerboard, posts_before_wall, rectangle, sphere, spheres_over_checkerboard
+from render.layers.draw_splitter import DrawRange
 from render.layers.index import Draw
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
-from render.layers.pieces import Share
 from render.layers.renderer import LayerRenderer
 from render.model.camera import Camera
 from render.model.scene import Batch, Dome, Material, Scene
@@ -264,13 +264,13 @@ def test_cancellable_work_is_split_and_bit_identical(monkeypatch: pytest.MonkeyP
     settings = FrameSettings(120, 90, rays=16, layers=4, aovs=("color", "depth", "prim_id", "face_id"))
     with FrameRenderer() as plain:
         whole = plain.render(scene, camera, settings)
-    monkeypatch.setattr("render.layers.pieces._TRIANGLES", 150)
-    monkeypatch.setattr("render.layers.pieces._LEAST_TRIANGLES", 100)
-    monkeypatch.setattr("render.layers.pieces._MOST_TRIANGLES", 150)
+    monkeypatch.setattr("render.layers.draw_splitter._TRIANGLES", 150)
+    monkeypatch.setattr("render.layers.draw_splitter._LEAST_TRIANGLES", 100)
+    monkeypatch.setattr("render.layers.draw_splitter._MOST_TRIANGLES", 150)
     drawn: list[int] = []
     draw = LayerRenderer._draw
 
-    def counted(self: LayerRenderer, one: Draw, share: Share, *arguments: Any, **named: Any) -> None:
+    def counted(self: LayerRenderer, one: Draw, share: DrawRange, *arguments: Any, **named: Any) -> None:
         drawn.append(share.triangles * share.instances)
         draw(self, one, share, *arguments, **named)
 

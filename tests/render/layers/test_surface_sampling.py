@@ -9,7 +9,7 @@ import pytest
 
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import rectangle
-from render.layers.surface_sampling import SurfaceSampling, patch_px_m, sampling_of_layers
+from render.layers.surface_sampling import SurfaceSampling, layer_sampling, patch_px_m
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.scene import Batch, Image, Material, Scene, TextureLookup
@@ -67,7 +67,7 @@ def test_layers_see_the_plane_of_focus_where_the_picture_sees_it() -> None:
     """A tilted plane of focus, in the pixels of layers with a margin and finer than the picture."""
     picture = PinholeView.from_camera(CAMERA, 160, 120)
     layers = replace(picture, width=420, height=320, fx=2.5 * picture.fx, fy=2.5 * picture.fy, cx=213.0, cy=157.0)
-    found = sampling_of_layers(layers, picture, (0.4, 2e-3, -1e-3), 0.02, 100)
+    found = layer_sampling(layers, picture, (0.4, 2e-3, -1e-3), 0.02, 100)
     assert isinstance(found, SurfaceSampling)
     for x, y in ((3.0, 100.0), (150.0, 11.0)):
         at = (layers.cx + 2.5 * (x - picture.cx), layers.cy + 2.5 * (y - picture.cy))

@@ -15,13 +15,13 @@ from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.metrics import psnr_db
-from render.layers.movement import movements
+from render.layers.movement import find_movements
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.pictures.picture import expose_frame, make_picture
 from render.shot import Shot
-from render.trace.glimpse import Glimpse
+from render.trace.moment_view import MomentView
 from tests.render.kits.moving_shots import STILL, add_card, coverage, key_move, write_moving, write_posts_shot
 from usd_schemas import Shutter as ShutterData
 
@@ -152,9 +152,9 @@ def test_an_instancer_moves_instance_by_instance(
     exact, fast, still = both(renderer, tmp_path / "instances.usda")
     assert psnr(exact, fast) > 35
     assert psnr(exact, fast) > psnr(exact, still) + 6
-    monkeypatch.setattr("render.layers.pieces._TRIANGLES", 2)
-    monkeypatch.setattr("render.layers.pieces._LEAST_TRIANGLES", 2)
-    monkeypatch.setattr("render.layers.pieces._MOST_TRIANGLES", 2)
+    monkeypatch.setattr("render.layers.draw_splitter._TRIANGLES", 2)
+    monkeypatch.setattr("render.layers.draw_splitter._LEAST_TRIANGLES", 2)
+    monkeypatch.setattr("render.layers.draw_splitter._MOST_TRIANGLES", 2)
     with FrameRenderer() as other, other.graphics.cancellation.cancel_when(lambda: False):
         _, one_by_one, _ = both(other, tmp_path / "instances.usda")
     np.testing.assert_array_equal(one_by_one, fast)
@@ -179,12 +179,12 @@ def test_instances_are_known_again_by_their_ids(tmp_path: Path) -> None:
     """However many there are and however they are ordered; those that come or go stand still."""
     shot = write_particles(tmp_path / "ids.usda", {1.0: [7, 8], 2.0: [9, 8, 7], 3.0: [8, 7, 9]}, told=True)
     before, middle, after = (shot.scene_at(time) for time in (1.0, 2.0, 3.0))
-    found = movements(middle, before, after)
+    found = find_movements(middle, before, after)
     (batch,) = (batch for batch in middle.batches if len(batch.poses) == 3)
     movement = found[id(batch)]
     moved = movement.closing_poses[:, :3, 3] - movement.opening_poses[:, :3, 3]
     np.testing.assert_allclose(moved, [[0, 0, 0], [0, 2, 0], [0, 2, 0]], atol=1e-6)
-    assert movements(middle, middle, middle) == {}
+    assert find_movements(middle, middle, middle) == {}
 
 
 def test_instances_without_ids_stand_still_where_some_come_or_go(tmp_path: Path) -> None:
@@ -192,7 +192,7 @@ def test_instances_without_ids_stand_still_where_some_come_or_go(tmp_path: Path)
     shot = write_particles(tmp_path / "none.usda", {1.0: [5, 6, 7, 8], 2.0: [6, 7, 8], 3.0: [6, 7, 8]}, told=False)
     before, middle, after = (shot.scene_at(time) for time in (1.0, 2.0, 3.0))
     (batch,) = (batch for batch in middle.batches if len(batch.poses) == 3)
-    assert id(batch) not in movements(middle, before, after)
+    assert id(batch) not in find_movements(middle, before, after)
 
 
 def test_what_is_passed_through_is_counted_once(renderer: FrameRenderer, tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_the_layers_of_a_still_shot_keep_no_motion(renderer: FrameRenderer, tmp_
     stage = write_posts_shot(tmp_path / "still.usda")
     stage.Save()
     shot = Shot.open(tmp_path / "still.usda")
-    assert movements(*(shot.scene_at(time) for time in (1.25, 1.0, 1.5))) == {}
+    assert find_movements(*(shot.scene_at(time) for time in (1.25, 1.0, 1.5))) == {}
     exact, fast, still = both(renderer, tmp_path / "still.usda")
     assert psnr(exact, fast) > 45
     assert psnr(still, fast) > 40
@@ -283,12 +283,12 @@ def test_a_camera_that_turns_sees_its_rays_from_where_it_was() -> None:
     moved[:3, :3] = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
     moved[:3, 3] = 0.3, -0.1, 0.2
     middle, moment = (PinholeView.from_camera(Camera(pose), 64, 36) for pose in (np.eye(4), moved))
-    glimpse = Glimpse(middle, moment, 0.5)
+    moment_view = MomentView(middle, moment, 0.5)
     origin, along = moment.ray(40.0, 10.0)
     slope = np.array([(40.0 - moment.cx) / moment.fx, (10.0 - moment.cy) / moment.fy, 1.0])
     down = np.array([1.0, -1.0, -1.0])  # from camera space to x right, y down, z ahead
-    np.testing.assert_allclose(glimpse.turn @ slope, along * down, atol=1e-12)
-    np.testing.assert_allclose(glimpse.move_m, origin * down, atol=1e-12)
+    np.testing.assert_allclose(moment_view.turn @ slope, along * down, atol=1e-12)
+    np.testing.assert_allclose(moment_view.move_m, origin * down, atol=1e-12)
 
 
 def test_the_reference_has_no_velocities() -> None:

@@ -182,7 +182,7 @@ def test_rounding_moves_rays_by_no_more_than_it_says(renderer: FrameRenderer, kn
     focal_px = 960 * camera.focal_length_mm / 36
     view = PinholeView(960, 540, focal_px, focal_px, 480, 270, 0.1, 1000, np.eye(4))
     ctx = renderer.graphics.ctx
-    table = BundleMaker(ctx, ProgramCache(ctx)).bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+    table = BundleMaker(ctx, ProgramCache(ctx)).make_bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
     assert table is not None
     errors = LensErrors(table, pupil_radius_m(camera), focal_px)
     rounded, exact = axis_spot(errors), ExactSpot(errors)

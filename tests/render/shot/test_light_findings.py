@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from render.layers.lights import MAX_LIGHTS, chosen_lights
+from render.layers.lights import MAX_LIGHTS, select_lights
 from render.model.scene import Light
 from render.shot.findings.camera_findings import light_findings
 
@@ -21,5 +21,5 @@ def test_two_bare_bulbs_have_shadows_and_the_weakest_of_three_has_none() -> None
 
 def test_the_weakest_of_too_many_lights_are_named() -> None:
     lights = tuple(bulb(i, 1.0 + i, casts=False) for i in range(MAX_LIGHTS + 2))
-    assert len(chosen_lights(lights)) == MAX_LIGHTS
+    assert len(select_lights(lights)) == MAX_LIGHTS
     assert [f.path for f in light_findings(lights)] == ["/bulb0", "/bulb1"]

@@ -44,7 +44,7 @@ def test_the_device_evaluates_the_same_surface(renderer: FrameRenderer, surface:
     view = PinholeView.from_camera(camera, 320, 240)
     renderer.graphics.make_current()
     maps = FocalMaps(renderer.graphics.ctx, renderer.device.tracer._tracer._programs)
-    made = np.frombuffer(maps.made(picture_focus(camera, view)).read(), np.float32).reshape(240, 320, 2)
+    made = np.frombuffer(maps.draw(picture_focus(camera, view)).read(), np.float32).reshape(240, 320, 2)
     maps.release()
     x, y = np.meshgrid(np.arange(320) + 0.5, np.arange(240) + 0.5)
     w, pupil = focused_at(surface, np.stack([(x - view.cx) / view.fx, (view.cy - y) / view.fy], axis=-1))

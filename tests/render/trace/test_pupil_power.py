@@ -18,7 +18,7 @@ from render.model.camera import Camera
 from render.model.lens import Lens, SeidelErrors
 from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales, relative_power
-from render.trace.drawn_power import with_drawn_power
+from render.trace.drawn_power import add_drawn_power
 from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes
 from render.trace.lens_table import SLOPE_S, SLOPE_T, PolynomialTable
 from render.trace.seidel_table import seidel_table
@@ -168,7 +168,7 @@ def test_a_table_of_polynomials_shows_three_bends() -> None:
         last_slope=0.4,
         wavelengths_nm=(587.6,),
     )
-    table = with_drawn_power(plain, lens, focal_length_mm=50.0, pupil_radius_m=RADIUS_M)
+    table = add_drawn_power(plain, lens, focal_length_mm=50.0, pupil_radius_m=RADIUS_M)
     assert isinstance(table, PolynomialTable)
     nodes = pupil_nodes(200)
     wanted = -nodes * RADIUS_M * drawn_defocus(lens, 50.0, np.hypot(*nodes.T))[:, None]

@@ -1,7 +1,7 @@
 """View of a camera at one moment of the exposure, onto layers that were peeled in the middle of it.
 
-A straight ray of the camera where it is then is a straight ray from where it was, so that its line ``s(w) = a + b·w`` only gets
-other numbers: the camera's own motion needs no velocities, and is exact.
+A straight ray from the camera's position at the moment is straight in the middle's frame too, so that its line ``s(w) = a + b·w``
+only gets other coefficients: the camera's own motion needs no velocities, and is exact.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ _AHEAD = np.diag([1.0, -1.0, -1.0])  # from camera space to x right, y down, z a
 
 
 @dataclass(frozen=True, eq=False)
-class Glimpse:
-    """One moment.
+class MomentView:
+    """View at one moment.
 
     Attributes:
-        peeled_for: the picture in the middle of the time, which the layers were peeled for.
-        view: the picture at the moment.
-        since: the moment: -0.5 when the shutter opens, 0.5 when it closes.
+        peeled_for: view in the middle of the interval, for which the layers were peeled.
+        view: view at the moment.
+        shutter_time: -0.5 as the shutter opens, 0.5 as it closes.
     """
 
     peeled_for: PinholeView
     view: PinholeView
-    since: float
+    shutter_time: float
 
     @property
     def turn(self) -> DoubleArray:
-        """``(3, 3)`` to the axes of the middle (x right, y down, z ahead) from those of the moment."""
+        """Rotation ``(3, 3)`` to the axes of the middle (x right, y down, z ahead) from those of the moment."""
         return np.asarray(_AHEAD @ self._middle_from_moment[:3, :3] @ _AHEAD)
 
     @property
     def move_m(self) -> DoubleArray:
-        """``(3,)`` where the pupil's centre is at the moment, in the axes of the middle, metres."""
+        """Position ``(3,)`` of the pupil's centre at the moment, in the axes of the middle, metres."""
         return np.asarray(_AHEAD @ self._middle_from_moment[:3, 3])
 
     @property
@@ -58,5 +58,5 @@ class Glimpse:
             "nearest_m": layers.near_m,
             "camera_turn": tuple(self.turn.T.ravel()),
             "camera_move": tuple(self.move_m),
-            "since": self.since,
+            "shutter_time": self.shutter_time,
         }

@@ -1,7 +1,7 @@
 #version 450 core
 // Which of the things that move may be in each 4x4 block at a moment: the fastest that lands there or beside, and the nearest.
 // in:  `movers` (movers.comp)
-// out: `landing`: of each block the greatest speed and w of what lands there (as bits, which order as the numbers do), and of both
+// out: `arrivals`: of each block the greatest speed and w of what lands there (as bits, which order as the numbers do), and of both
 //      where in `movers` that is, and 1; 0 where nothing lands. First speeds and w are found, then, where `settles`, the places.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,15 +13,15 @@ uniform ivec2 blocks;
 uniform int layers;
 uniform bool settles;
 
-layout(std430, binding = 10) buffer Landing { uvec4 landing[]; };
+layout(std430, binding = 10) buffer Arrivals { uvec4 arrivals[]; };
 
 void land(ivec2 block, int slice)
 {
     vec4 mover = texelFetch(movers, ivec3(block, slice), 0);
     if (mover.w == 0.0) return;
-    vec2 centre = vec2(block * 4 + 2), place = carried(centre, mover.w, since * mover.xyz);
+    vec2 centre = vec2(block * 4 + 2), place = carried(centre, mover.w, shutter_time * mover.xyz);
     uint speed = floatBitsToUint(length(drift(centre, mover.w, mover.xyz)) + 1e-3);
-    uint w = floatBitsToUint(at_the_moment(mover.w, since * mover.z));
+    uint w = floatBitsToUint(at_the_moment(mover.w, shutter_time * mover.z));
     uint number = uint((slice * blocks.y + block.y) * blocks.x + block.x) + 1u;
     ivec2 to = ivec2(floor(clamp(place, vec2(-8.0), vec2(blocks * 4 + 8)) / 4.0));
     for (int j = 0; j < 9; ++j) {
@@ -29,11 +29,11 @@ void land(ivec2 block, int slice)
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, blocks))) continue;
         int i = at.y * blocks.x + at.x;
         if (!settles) {
-            atomicMax(landing[i].x, speed);
-            atomicMax(landing[i].y, w);
+            atomicMax(arrivals[i].x, speed);
+            atomicMax(arrivals[i].y, w);
         } else {
-            if (landing[i].x == speed) atomicMax(landing[i].z, number);
-            if (landing[i].y == w) atomicMax(landing[i].w, number);
+            if (arrivals[i].x == speed) atomicMax(arrivals[i].z, number);
+            if (arrivals[i].y == w) atomicMax(arrivals[i].w, number);
         }
     }
 }
@@ -42,6 +42,6 @@ void main()
 {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(block, blocks))) return;
-    int in_half = since < 0.0 ? 0 : 1;
+    int in_half = shutter_time < 0.0 ? 0 : 1;
     for (int i = 0; i < 2 * layers; ++i) land(block, 4 * (i / 2) + 2 * (i % 2) + in_half);
 }

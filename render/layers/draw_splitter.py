@@ -1,4 +1,4 @@
-"""Draws divided into pieces between which work can be cancelled (`render.gl.cancellation`): picture tiles or triangle ranges."""
+"""Draws split into pieces between which work can be cancelled (`render.gl.cancellation`): picture tiles or triangle ranges."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from render.layers.index import Draw
 from render.optics.view import PinholeView
 
 _TRIANGLES, _LEAST_TRIANGLES, _MOST_TRIANGLES = 40_000, 2_000, 320_000
-"""Triangles drawn between two cancellation points: at first (and the most in a draw that is not split), at least, at most."""
+"""Triangles between two cancellation points: at first, at least and at most. A smaller draw is split by picture rows instead."""
 _PIXELS, _LEAST_PIXELS, _FORGETTING = 16_384, 4096, 0.995
 """Pixels shaded between two cancellation points, at first and at least; share of the measured cost kept after each point."""
 Rectangle = tuple[int, int, int, int]
@@ -21,14 +21,14 @@ Rectangle = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
-class Share:
-    """Some of a draw: some triangles of one instance, or some instances whole.
+class DrawRange:
+    """Range of a draw: triangles of one instance, or whole instances.
 
     Attributes:
-        first_triangle: of each instance.
-        triangles: how many of them.
-        first_instance: of the draw.
-        instances: likewise.
+        first_triangle: first triangle of each instance.
+        triangles: number of triangles.
+        first_instance: first instance of the draw.
+        instances: number of instances.
     """
 
     first_triangle: int
@@ -37,13 +37,13 @@ class Share:
     instances: int
 
 
-class Pieces:
-    """Draws of one context in pieces, where the cancellation is watched; else each draw is one.
+class DrawSplitter:
+    """Splits draws of one context into pieces where work can be cancelled; otherwise each draw is one piece.
 
-    Pieces of large draws are shares of them, in the order of the whole: what is drawn is the same to the bit.
+    Pieces of large draws are ranges in the order of the draw, so that the picture is the same to the bit.
 
     Args:
-        cancellation: of the context.
+        cancellation: cancellation point of the context.
     """
 
     def __init__(self, cancellation: CancellationPoint) -> None:
@@ -52,8 +52,8 @@ class Pieces:
         self._shaded, self._found = (PieceSize(_TRIANGLES, least=_LEAST_TRIANGLES) for _ in range(2))
         self._triangles = self._pixels = 0
 
-    def of(self, draw: Draw, view: PinholeView) -> Iterator[Share]:
-        """Each piece of what is shaded, which is to be drawn then; the rest of the picture may be cut off.
+    def split(self, draw: Draw, view: PinholeView) -> Iterator[DrawRange]:
+        """Pieces of a draw that is shaded. The scissor test is set for each piece, which must be drawn before the next.
 
         Raises:
             Cancelled: the work is stale.
@@ -61,26 +61,26 @@ class Pieces:
         whole = _whole(draw)
         triangles = max(1, whole.triangles * whole.instances)
         if not self._cancellation.is_cancellable or triangles > _TRIANGLES:
-            yield from self._shares(whole, self._shaded)
+            yield from self._ranges(whole, self._shaded)
             return
         left, top, width, height = _bounds(draw, view)
-        wanted = int(np.ceil(width * height * self._ms_of_pixel / PIECE_MS))
-        rows = -(-height // max(1, min(wanted, _TRIANGLES // triangles)))
+        pieces = int(np.ceil(width * height * self._ms_of_pixel / PIECE_MS))
+        rows = -(-height // max(1, min(pieces, _TRIANGLES // triangles)))
         GL.glEnable(GL.GL_SCISSOR_TEST)
         try:
             for first in range(top, top + height, max(1, rows)):
                 GL.glScissor(left, first, width, min(rows, top + height - first))
                 yield whole
-                self._drawn(triangles, width * rows)
+                self._record(triangles, width * rows)
         finally:
             GL.glDisable(GL.GL_SCISSOR_TEST)
 
-    def of_depth(self, draw: Draw) -> Iterator[Share]:
-        """Each piece of what only depth is found of, likewise."""
-        yield from self._shares(_whole(draw), self._found)
+    def split_depth(self, draw: Draw) -> Iterator[DrawRange]:
+        """Pieces of a draw of which only depth is drawn."""
+        yield from self._ranges(_whole(draw), self._found)
 
-    def _shares(self, whole: Share, size: PieceSize) -> Iterator[Share]:
-        """Shares of a draw in its order, with a beat after each."""
+    def _ranges(self, whole: DrawRange, size: PieceSize) -> Iterator[DrawRange]:
+        """Ranges of a draw in its order, with a cancellation point after each."""
         if not self._cancellation.is_cancellable:
             yield whole
             return
@@ -89,20 +89,20 @@ class Pieces:
             most = min(size.units, _MOST_TRIANGLES)
             if triangle == 0 and most >= whole.triangles:
                 some = min(most // max(1, whole.triangles), whole.instances - instance)
-                share = Share(0, whole.triangles, instance, some)
+                share = DrawRange(0, whole.triangles, instance, some)
                 instance += some
             else:
-                share = Share(triangle, min(most, whole.triangles - triangle), instance, 1)
+                share = DrawRange(triangle, min(most, whole.triangles - triangle), instance, 1)
                 triangle += share.triangles
                 if triangle == whole.triangles:
                     instance, triangle = instance + 1, 0
             yield share
             took_ms, drawn = self._cancellation.poll(), share.triangles * share.instances
-            if 2 * drawn >= size.units:  # small draws say nothing of large ones
+            if 2 * drawn >= size.units:  # small draws do not predict the time of large ones
                 size.learn(drawn, took_ms)
 
-    def _drawn(self, triangles: int, pixels: int) -> None:
-        """Take note of a piece. What the dearest pixels cost is remembered for long: many pieces hardly touch a picture."""
+    def _record(self, triangles: int, pixels: int) -> None:
+        """Record a shaded piece. The cost of the most expensive pixels is kept for long, since many pieces cover few pixels."""
         self._triangles, self._pixels = self._triangles + triangles, self._pixels + pixels
         if self._triangles >= _TRIANGLES or self._pixels * self._ms_of_pixel >= PIECE_MS / 2:
             took_ms = self._cancellation.poll()
@@ -110,8 +110,8 @@ class Pieces:
             self._triangles = self._pixels = 0
 
 
-def _whole(draw: Draw) -> Share:
-    return Share(0, len(draw.batch.geometry.triangles), 0, len(draw.instances))
+def _whole(draw: Draw) -> DrawRange:
+    return DrawRange(0, len(draw.batch.geometry.triangles), 0, len(draw.instances))
 
 
 def _bounds(draw: Draw, view: PinholeView) -> Rectangle:

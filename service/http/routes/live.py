@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.http.errors import RETRY_AFTER, ServiceError, problem
+from service.http.live_connection import LiveConnection, LiveRequest
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
-from service.http.viewing import LiveRequest, Viewer
 from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop
 
 router = APIRouter(tags=["frames"])
@@ -66,7 +66,7 @@ async def watch(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
     service.metrics.live_viewers.inc()
     try:
         await socket.accept()
-        await Viewer(service, socket, shot).serve()
+        await LiveConnection(service, socket, shot).serve()
     finally:
         service.live_sockets.discard(socket)
         service.metrics.live_viewers.dec()

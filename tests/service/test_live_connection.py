@@ -12,8 +12,8 @@ import pytest
 
 from service.http.errors import ServiceError
 from service.http.frame_cache import FrameCache
+from service.http.live_connection import MAX_PROBLEMS, LiveConnection
 from service.http.metrics import Metrics
-from service.http.viewing import MOST_PROBLEMS, Viewer
 from service.models.cameras import READOUT_EXAMPLE, Readout
 from service.picture.requests import LivePicture
 
@@ -29,36 +29,36 @@ READOUT = Readout.model_validate(READOUT_EXAMPLE)
 
 
 class Socket:
-    """The viewer's end of a connection."""
+    """The client's end of a connection."""
 
     def __init__(self) -> None:
         self.to_service: asyncio.Queue[str] = asyncio.Queue()
-        self.heard: list[tuple[int, str]] = []
-        self.said: list[dict] = []
-        self.taken = 0
+        self.pictures: list[tuple[int, str]] = []
+        self.texts: list[dict] = []
+        self.received_count = 0
         self.reads = asyncio.Event()
         self.reads.set()
 
     async def receive(self) -> dict[str, str]:
         text = await self.to_service.get()
-        self.taken += 1
+        self.received_count += 1
         return {"type": "websocket.receive", "text": text}
 
     async def send_bytes(self, data: bytes) -> None:
         await self.reads.wait()
         head = json.loads(data[4 : 4 + struct.unpack_from(">I", data)[0]])
-        self.heard.append((head["id"], head["stage"]))
+        self.pictures.append((head["id"], head["stage"]))
 
     async def send_text(self, text: str) -> None:
         await self.reads.wait()
-        self.said.append(json.loads(text))
+        self.texts.append(json.loads(text))
 
-    async def say(self, **said: object) -> None:
-        self.to_service.put_nowait(json.dumps(said))
+    async def send(self, **fields: object) -> None:
+        self.to_service.put_nowait(json.dumps(fields))
         await settled()
 
-    async def ask(self, number: int, **asked: object) -> None:
-        await self.say(id=number, width=96, height=54, rays=8, **({"time": number} | asked))
+    async def request(self, number: int, **fields: object) -> None:
+        await self.send(id=number, width=96, height=54, rays=8, **({"time": number} | fields))
 
 
 class Pictures:
@@ -68,8 +68,8 @@ class Pictures:
         self.streams: list[SimpleNamespace] = []
         self.dropped: list[SimpleNamespace] = []
 
-    def submit_stream(self, work: object, **ears: object) -> SimpleNamespace:
-        self.streams.append(SimpleNamespace(work=work, **ears))
+    def submit_stream(self, work: object, **callbacks: object) -> SimpleNamespace:
+        self.streams.append(SimpleNamespace(work=work, **callbacks))
         return self.streams[-1]
 
     def cancel_stream(self, stream: SimpleNamespace) -> None:
@@ -81,15 +81,15 @@ class Pictures:
 
 
 async def settled() -> None:
-    """Let all that can happen now happen, reading a shot's edits in a thread included."""
+    """Let all pending tasks run, including reading a shot's edits in a thread."""
     for _ in range(20):
         await asyncio.sleep(0.001)
 
 
-def watched(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
-    """Serve a viewer while a test plays the worker and the page."""
+def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
+    """Serve a connection while a test plays the worker and the page."""
 
-    async def served() -> None:
+    async def run() -> None:
         record = SimpleNamespace(id="room", created_at=SimpleNamespace(isoformat=lambda: "now"), edit_text=lambda: "")
         socket, pictures = Socket(), Pictures()
         service = SimpleNamespace(
@@ -100,105 +100,105 @@ def watched(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
             metrics=Metrics(queues=()),
             run_id="run",
         )
-        viewer = asyncio.create_task(Viewer(service, socket, "room").serve())
+        connection = asyncio.create_task(LiveConnection(service, socket, "room").serve())
         try:
             await play(socket, pictures)
-            assert not viewer.done()
+            assert not connection.done()
         finally:
-            viewer.cancel()
+            connection.cancel()
 
-    asyncio.run(served())
+    asyncio.run(run())
 
 
-def test_what_still_comes_of_an_older_request_does_not_take_the_place_of_a_kept_picture():
+def test_late_pictures_of_an_older_request_do_not_replace_a_cached_one():
     async def play(socket: Socket, pictures: Pictures) -> None:
-        await socket.ask(2)
-        await pictures.show(0, FINAL)  # from here on it is kept
-        await socket.say(ack=1)
-        await socket.ask(1)
+        await socket.request(2)
+        await pictures.show(0, FINAL)  # which is cached now
+        await socket.send(ack=1)
+        await socket.request(1)
         await pictures.show(1, PREVIEW)
         await pictures.show(1, REFINING)
-        await socket.ask(3, time=2)
+        await socket.request(3, time=2)
         assert pictures.dropped == [pictures.streams[1]]
         await pictures.show(1, BETTER)
         pictures.streams[1].on_end(ServiceError(504, "timeout", "It took too long."))
-        assert socket.heard[1:] == [(1, "preview"), (1, "refining")]  # two are on their way
-        await socket.say(ack=3)
-        assert socket.heard[3:] == [(3, "final")]
-        assert socket.said == []
+        assert socket.pictures[1:] == [(1, "preview"), (1, "refining")]  # two are unacknowledged
+        await socket.send(ack=3)
+        assert socket.pictures[3:] == [(3, "final")]
+        assert socket.texts == []
 
-    watched(play)
+    serve(play)
 
 
-def test_what_was_superseded_shows_its_one_picture_until_something_newer_has():
+def test_a_superseded_request_shows_one_picture_unless_a_newer_one_did():
     async def play(socket: Socket, pictures: Pictures) -> None:
         for number in (1, 2, 3):
-            await socket.ask(number, moving=True)
+            await socket.request(number, moving=True)
         await pictures.show(0, PREVIEW)
         await pictures.show(2, PREVIEW)
-        await socket.say(ack=2)
+        await socket.send(ack=2)
         await pictures.show(1, PREVIEW)
-        assert socket.heard == [(1, "preview"), (3, "preview")]
+        assert socket.pictures == [(1, "preview"), (3, "preview")]
 
-    watched(play)
+    serve(play)
 
 
-def test_after_a_stop_nothing_is_sent_until_something_is_asked_for():
+def test_after_a_stop_nothing_is_sent_until_the_next_request():
     async def play(socket: Socket, pictures: Pictures) -> None:
-        await socket.ask(1)
+        await socket.request(1)
         await pictures.show(0, PREVIEW)
         await pictures.show(0, REFINING)
-        await pictures.show(0, BETTER)  # which waits for an ack
-        await socket.say(stop=True)
+        await pictures.show(0, BETTER)  # waits for an ack
+        await socket.send(stop=True)
         assert pictures.dropped == pictures.streams
-        await socket.say(ack=2)
+        await socket.send(ack=2)
         await pictures.show(0, FINAL)
-        assert socket.heard == [(1, "preview"), (1, "refining")]
-        await socket.ask(2)
+        assert socket.pictures == [(1, "preview"), (1, "refining")]
+        await socket.request(2)
         await pictures.show(1, PREVIEW)
-        assert socket.heard[2:] == [(2, "preview")]
-        assert socket.said == []
+        assert socket.pictures[2:] == [(2, "preview")]
+        assert socket.texts == []
 
-    watched(play)
+    serve(play)
 
 
-def test_who_never_reads_is_not_heard_for_ever():
+def test_a_client_that_never_reads_is_not_received_from():
     async def play(socket: Socket, pictures: Pictures) -> None:
         socket.reads.clear()
-        for _ in range(10 * MOST_PROBLEMS):
+        for _ in range(10 * MAX_PROBLEMS):
             socket.to_service.put_nowait("no json")
         await settled()
-        assert MOST_PROBLEMS <= socket.taken <= MOST_PROBLEMS + 2
+        assert MAX_PROBLEMS <= socket.received_count <= MAX_PROBLEMS + 2
         socket.reads.set()
-        while len(socket.said) < 10 * MOST_PROBLEMS:
+        while len(socket.texts) < 10 * MAX_PROBLEMS:
             await asyncio.sleep(0.001)
 
-    watched(play)
+    serve(play)
 
 
-def test_of_what_the_lens_did_the_newest_alone_is_told():
+def test_only_the_newest_unsent_readout_is_sent():
     async def play(socket: Socket, pictures: Pictures) -> None:
         socket.reads.clear()
         for number in range(1, 6):
-            await socket.ask(number, moving=True)
+            await socket.request(number, moving=True)
             pictures.streams[-1].on_item(PREVIEW)
             pictures.streams[-1].on_item(READOUT)
             await settled()
         socket.reads.set()
         await settled()
-        assert [told["id"] for told in socket.said] == [1, 5]  # the first was on its way
+        assert [message["id"] for message in socket.texts] == [1, 5]  # the first was being sent
 
-    watched(play)
+    serve(play)
 
 
-@pytest.mark.parametrize("said", ["[" * 500_000, '{"id":' * 500_000, '{"stop": false}', '{"stop": true, "id": 1}'])
-def test_what_is_no_message_is_told_and_the_next_one_is_heard(said):
+@pytest.mark.parametrize("text", ["[" * 500_000, '{"id":' * 500_000, '{"stop": false}', '{"stop": true, "id": 1}'])
+def test_an_invalid_message_is_reported_and_the_next_one_answered(text):
     async def play(socket: Socket, pictures: Pictures) -> None:
-        socket.to_service.put_nowait(said)
+        socket.to_service.put_nowait(text)
         await settled()
-        assert [told["problem"]["code"] for told in socket.said] == ["invalid_request"]
-        await socket.ask(1)
+        assert [message["problem"]["code"] for message in socket.texts] == ["invalid_request"]
+        await socket.request(1)
         await pictures.show(0, PREVIEW)
-        assert socket.heard == [(1, "preview")]
+        assert socket.pictures == [(1, "preview")]
 
-    watched(play)
+    serve(play)

@@ -1,0 +1,298 @@
+"""One client of live pictures on a WebSocket: the newest request wins, and at most two pictures are unacknowledged."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Annotated, Any, TypeVar
+
+from fastapi import WebSocket, WebSocketDisconnect
+from pydantic import Field
+from starlette.concurrency import run_in_threadpool
+
+from service.http.errors import ServiceError, answer_to
+from service.http.routes.frames import FrameQuery, PictureQuery, frame_request, tag_of_frame
+from service.http.service import Service
+from service.models.base import Model, Problem
+from service.models.cameras import Readout
+from service.models.changes import MAX_CHANGES, Change
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming
+from service.models.picture_size import check_pixels
+from service.picture.calls import live, state
+from service.picture.requests import LivePicture
+from service.storage.store import ShotRecord
+from service.workers.calls import stream_call
+from service.workers.errors import SupersededError
+from service.workers.worker_queue import QueuedStream
+
+MAX_UNACKNOWLEDGED = 2
+"""Pictures that may be sent before the client acknowledges one."""
+MAX_PROBLEMS = 32
+"""Problems that may wait to be sent; a client that does not read them is not received from any more."""
+
+Value = TypeVar("Value")
+
+
+class LiveRequest(PictureQuery):
+    """Asks for a picture, in place of what was asked for before."""
+
+    id: int = Field(ge=0, le=2**53 - 1, description="Names the request in what comes of it.", examples=[3])
+    moving: bool = Field(
+        default=False,
+        description="While a hand moves: one picture, as good as comes in time. Else they get better until the final one.",
+        examples=[True],
+    )
+    budget_ms: float = Field(
+        default=100, ge=1, le=60_000, description="What the first picture may take.", examples=[100]
+    )
+    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = Field(
+        default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
+    )
+
+
+class LiveConnection:
+    """Serves one connection. Runs in the event loop; the queue's callbacks come from a thread of its own.
+
+    Requests are numbered in order of arrival, since their ids are chosen by the client.
+
+    Args:
+        service: the running service.
+        socket: an accepted WebSocket.
+        shot_id: the shot to show.
+    """
+
+    def __init__(self, service: Service, socket: WebSocket, shot_id: str) -> None:
+        self._service = service
+        self._socket = socket
+        self._shot_id = shot_id
+        self._loop = asyncio.get_running_loop()
+        self._stream: QueuedStream[state.PictureWorkerState] | None = None
+        self._problems: deque[str] = deque()
+        self._unsent_readout: str | None = None
+        self._unsent_picture: tuple[_Request, LivePicture] | None = None
+        self._sent_count = self._acknowledged_count = 0
+        self._request_count = 0
+        self._oldest_valid = (
+            0  # number of the oldest request that may still send: earlier ones were overtaken or stopped
+        )
+        self._to_send = asyncio.Event()
+        self._can_receive = asyncio.Event()
+        self._can_receive.set()
+
+    async def serve(self) -> None:
+        """Receive requests and send pictures until the client disconnects."""
+        tasks = [asyncio.create_task(self._send_all()), asyncio.create_task(self._receive_all())]
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                with suppress(WebSocketDisconnect):
+                    task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            self._cancel_stream()
+
+    async def _receive_all(self) -> None:
+        while True:
+            await self._can_receive.wait()
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            fields: Any = None
+            try:
+                fields = _json_of(message.get("text"))
+                await self._handle(fields)
+            except Exception as error:
+                self._report_problem(fields.get("id") if isinstance(fields, dict) else None, error)
+
+    async def _handle(self, fields: dict[str, Any]) -> None:
+        if "ack" in fields:
+            ack = min(LiveAck.model_validate(fields).ack, self._sent_count)
+            self._acknowledged_count = max(self._acknowledged_count, ack)
+            self._to_send.set()
+        elif "stop" in fields:
+            LiveStop.model_validate(fields)
+            self._stop()
+        else:
+            self._request_count += 1
+            await self._start(_Request(LiveRequest.model_validate(fields), self._request_count))
+
+    async def _start(self, pending: _Request) -> None:
+        """Start a stream of pictures, in place of the one before, or send the final picture from the cache."""
+        request = pending.request
+        check_pixels(request.width, request.height, self._service.settings.max_picture_px)
+        record = self._service.store.get(self._shot_id)
+        edits = await run_in_threadpool(record.edit_text)
+        if not request.moving and not request.changes:
+            pending.tag = self._tag(record, edits, request)
+            cached = self._service.frame_cache.get(pending.tag)
+            if cached is not None:
+                self._cancel_stream()
+                self._service.metrics.frames.labels("cache").inc()
+                self._queue_item(pending, _cached_picture(cached, request.rays))
+                return
+        frame = frame_request(self._service, record, edits, request)
+        self._stream = self._service.picture_queue.submit_stream(
+            stream_call(live.stream_pictures, frame, request.changes, request.budget_ms, request.moving),
+            on_item=self._from_thread(lambda item: self._queue_item(pending, item)),
+            on_end=self._from_thread(lambda error: self._end(pending, error)),
+            group=self,
+        )
+
+    def _stop(self) -> None:
+        """Discard all requests: nothing of them is sent any more."""
+        self._cancel_stream()
+        self._oldest_valid = self._request_count + 1
+        self._unsent_picture = self._unsent_readout = None
+
+    def _tag(self, record: ShotRecord, edits: str, request: LiveRequest) -> str:
+        """Return the tag of the final picture in the cache of frames, which is that of the same frame over HTTP."""
+        same = {name: getattr(request, name) for name in PictureQuery.model_fields}
+        return tag_of_frame(self._service, record, edits, FrameQuery(**same))
+
+    def _from_thread(self, callback: Callable[[Value], None]) -> Callable[[Value], None]:
+        """Wrap a callback so that another thread may call it."""
+
+        def schedule(value: Value) -> None:
+            with suppress(RuntimeError):  # the event loop is closed, because the service stops
+                self._loop.call_soon_threadsafe(callback, value)
+
+        return schedule
+
+    def _queue_item(self, pending: _Request, item: LivePicture | Readout) -> None:
+        """Queue a picture or readout for sending, in place of an older one that was not sent yet.
+
+        A superseded request still shows one picture, because a moving pointer would never see one otherwise. That picture is
+        dropped where it comes after one of a newer request.
+        """
+        if pending.number < self._oldest_valid:
+            return
+        if isinstance(item, Readout):
+            self._unsent_readout = _to_json(LiveReadout(id=pending.request.id, readout=item))
+            self._to_send.set()
+            return
+        if not pending.is_improved_by(item):  # a stream that was interrupted begins again
+            return
+        metrics = self._service.metrics
+        metrics.live_pictures.labels(item.stage).inc()
+        if pending.best is None:
+            metrics.live_first.observe(pending.age_ms() / 1e3)
+        pending.best, pending.answered_ms = item, pending.age_ms()
+        if item.is_final and pending.tag is not None:
+            self._service.frame_cache.put(pending.tag, item.data)
+        self._oldest_valid = pending.number
+        self._unsent_picture = pending, item
+        self._to_send.set()
+
+    def _end(self, pending: _Request, error: Exception | None) -> None:
+        is_overtaken = pending.number < self._oldest_valid
+        if error is not None and not is_overtaken and not isinstance(error, SupersededError):
+            self._report_problem(pending.request.id, error)
+
+    def _report_problem(self, request_id: Any, error: Exception) -> None:
+        """Queue the description of an error for sending. An error that is a bug is raised again."""
+        answer = answer_to(error)
+        problem = Problem.model_validate_json(bytes(answer.body))
+        valid_id = request_id if isinstance(request_id, int) else None
+        self._problems.append(_to_json(LiveProblem(id=valid_id, status=answer.status_code, problem=problem)))
+        if len(self._problems) >= MAX_PROBLEMS:
+            self._can_receive.clear()
+        self._to_send.set()
+
+    async def _send_all(self) -> None:
+        while True:
+            await self._to_send.wait()
+            self._to_send.clear()
+            while self._problems:
+                await self._socket.send_text(self._problems.popleft())
+            self._can_receive.set()
+            if self._unsent_readout is not None:
+                readout, self._unsent_readout = self._unsent_readout, None
+                await self._socket.send_text(readout)
+            unacknowledged_count = self._sent_count - self._acknowledged_count
+            if self._unsent_picture is not None and unacknowledged_count < MAX_UNACKNOWLEDGED:
+                (pending, picture), self._unsent_picture = self._unsent_picture, None
+                self._sent_count += 1
+                await self._socket.send_bytes(_to_bytes(pending, picture, self._sent_count))
+                self._to_send.set()
+
+    def _cancel_stream(self) -> None:
+        if self._stream is not None:
+            self._service.picture_queue.cancel_stream(self._stream)
+        self._stream = None
+
+
+class _Request:
+    """A request and the best picture of it so far.
+
+    Args:
+        request: as it was received.
+        number: counts the requests of the connection.
+    """
+
+    def __init__(self, request: LiveRequest, number: int) -> None:
+        self.request = request
+        self.number = number
+        self.tag: str | None = None
+        self.best: LivePicture | None = None
+        self.answered_ms = 0.0
+        self._began_s = time.perf_counter()
+
+    def age_ms(self) -> float:
+        """Return the time since the request was received."""
+        return 1e3 * (time.perf_counter() - self._began_s)
+
+    def is_improved_by(self, picture: LivePicture) -> bool:
+        """Return whether a picture is better than those before."""
+        return self.best is None or _rank(picture) > _rank(self.best)
+
+
+def _rank(picture: LivePicture) -> tuple[bool, bool, float]:
+    return picture.is_final, picture.stage != "preview", picture.share
+
+
+def _to_json(model: Model) -> str:
+    return model.model_dump_json(by_alias=True)
+
+
+def _json_of(text: object) -> dict[str, Any]:
+    """Parse a message. Raises `ServiceError` 422 where it is no JSON object."""
+    with suppress(ValueError, TypeError, RecursionError):  # RecursionError: thousands of nested brackets
+        fields = json.loads(text)  # type: ignore[arg-type]  # a binary message has no text: TypeError
+        if isinstance(fields, dict):
+            return fields
+    raise ServiceError(422, "invalid_request", "A message to the service is a JSON object, sent as text.")
+
+
+def _to_bytes(pending: _Request, picture: LivePicture, number: int) -> bytes:
+    """Return a picture as it is sent: the length of its head as 4 bytes, big-endian; the head, as JSON; the picture."""
+    head = LivePictureHead(
+        id=pending.request.id,
+        picture=number,
+        stage=picture.stage,
+        final=picture.is_final,
+        format=picture.format,
+        width=picture.width,
+        height=picture.height,
+        timing=LiveTiming(
+            **picture.took_ms,
+            answered_ms=pending.answered_ms,
+            rays=picture.rays,
+            scale=picture.scale,
+            share=picture.share,
+        ),
+    )
+    encoded = _to_json(head).encode()
+    return struct.pack(">I", len(encoded)) + encoded + picture.data
+
+
+def _cached_picture(png: bytes, rays: int) -> LivePicture:
+    """Return a final picture from the cache."""
+    width, height = struct.unpack_from(">II", png, 16)  # of the header chunk, which is the first (PNG, 11.2.1)
+    took_ms = dict.fromkeys(("read_ms", "peel_ms", "blur_ms", "finish_ms", "total_ms", "encode_ms"), 0.0)
+    return LivePicture("final", "png", width, height, took_ms, rays, 1.0, 1.0, png)

@@ -211,15 +211,15 @@ class LiveConnection:
             while self._problems:
                 await self._socket.send_text(self._problems.popleft())
             self._can_receive.set()
-            if self._unsent_readout is not None:
-                readout, self._unsent_readout = self._unsent_readout, None
-                await self._socket.send_text(readout)
             unacknowledged_count = self._sent_count - self._acknowledged_count
             if self._unsent_picture is not None and unacknowledged_count < MAX_UNACKNOWLEDGED:
                 (pending, picture), self._unsent_picture = self._unsent_picture, None
                 self._sent_count += 1
                 await self._socket.send_bytes(_to_bytes(pending, picture, self._sent_count))
                 self._to_send.set()
+            if self._unsent_readout is not None:
+                readout, self._unsent_readout = self._unsent_readout, None
+                await self._socket.send_text(readout)
 
     def _cancel_stream(self) -> None:
         if self._stream is not None:

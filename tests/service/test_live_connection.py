@@ -34,6 +34,7 @@ class Socket:
     def __init__(self) -> None:
         self.to_service: asyncio.Queue[str] = asyncio.Queue()
         self.pictures: list[tuple[int, str]] = []
+        self.order: list[str] = []
         self.texts: list[dict] = []
         self.received_count = 0
         self.reads = asyncio.Event()
@@ -48,10 +49,12 @@ class Socket:
         await self.reads.wait()
         head = json.loads(data[4 : 4 + struct.unpack_from(">I", data)[0]])
         self.pictures.append((head["id"], head["stage"]))
+        self.order.append("picture")
 
     async def send_text(self, text: str) -> None:
         await self.reads.wait()
         self.texts.append(json.loads(text))
+        self.order.append("readout" if "readout" in self.texts[-1] else "problem")
 
     async def send(self, **fields: object) -> None:
         self.to_service.put_nowait(json.dumps(fields))
@@ -172,6 +175,17 @@ def test_a_client_that_never_reads_is_not_received_from():
         socket.reads.set()
         while len(socket.texts) < 10 * MAX_PROBLEMS:
             await asyncio.sleep(0.001)
+
+    serve(play)
+
+
+def test_a_readout_follows_the_picture_that_it_belongs_to():
+    async def play(socket: Socket, pictures: Pictures) -> None:
+        await socket.request(1, moving=True)
+        pictures.streams[0].on_item(PREVIEW)
+        pictures.streams[0].on_item(READOUT)  # both wait before either is sent
+        await settled()
+        assert socket.order == ["picture", "readout"]
 
     serve(play)
 

@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import httpx
@@ -30,12 +31,26 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def commands(page: Path, program: str) -> list[list[str]]:
     """The shell lines of a page that call a program, as words, in the order of the page."""
-    lines = [line for block in blocks(page, "sh") for line in block.replace("\\\n", "").splitlines()]
-    lines = [line for line in lines if line and not line.startswith("#")]
-    assert all(line.startswith(("pullfocus ", "curl ")) for line in lines), (
-        f"{page.name} calls a program that is not typed here"
-    )
-    return [shlex.split(line) for line in lines if line.startswith(f"{program} ")]
+    typed = [words for block in blocks(page, "sh") for words in split_commands(block)]
+    assert {words[0] for words in typed} <= {"pullfocus", "curl"}, f"{page.name} calls a program that is not typed here"
+    return [words for words in typed if words[0] == program]
+
+
+def split_commands(block: str) -> Iterator[list[str]]:
+    """The commands of a shell block as words; a command goes on over the lines of a quoted text."""
+    command = ""
+    for line in block.replace("\\\n", "").splitlines():
+        if not command and line.startswith("#"):
+            continue
+        command += f"{line}\n"
+        try:
+            words = shlex.split(command)
+        except ValueError:  # the quotation is still open
+            continue
+        if words:
+            yield words
+        command = ""
+    assert not command, f"an open quotation: {command}"
 
 
 def is_picture(path: Path) -> bool:

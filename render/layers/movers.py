@@ -71,8 +71,8 @@ class Movers:
         program = self._programs.compute("layers/arrivals.comp")
         self._movers.use(0)
         self._arrivals.bind_to_storage_buffer(_ARRIVALS)
-        for settles in (False, True):
-            set_uniforms(program, movers=0, shutter_time=shutter_time, settles=settles)
+        for writes_indices in (False, True):
+            set_uniforms(program, movers=0, shutter_time=shutter_time, writes_indices=writes_indices)
             self._run(program)
 
     def bind(self, program: moderngl.ComputeShader, first_unit: int) -> None:

@@ -1,8 +1,8 @@
 #version 450 core
 // Film or sensor response, as in render/film/process.py and sensor.py.
-// in:  light, exposed and balanced; with HALATION what the base spreads of it; with GRAIN or SMOOTH_GRAIN noise; the stock's
+// in:  light, exposed and balanced; with HALATION the light that the base spreads; with GRAIN or SMOOTH_GRAIN noise; the stock's
 //      tables, RECORDS rows each: density over log exposure, granularity over density, the PRINT's density over log exposure
-// out: light of the print or positive on the screen, 1 where it is clear; of a SENSOR, or of neither, scene-linear light
+// out: light of the print or positive on the screen, 1 where it is clear; with a SENSOR, or with neither, scene-linear light
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, rgba32f) writeonly uniform image2D developed;
@@ -27,7 +27,7 @@ vec3 light_at(ivec2 pixel)
 #endif
 
 #if defined(GRAIN) || defined(SMOOTH_GRAIN)
-uniform float grain_scale;  // what noise is multiplied by, the amount of grain included
+uniform float grain_scale;  // factor on the noise, including the amount of grain
 #ifdef SMOOTH_GRAIN
 layout(std430, binding = 1) readonly buffer Noise { vec4 smooth_noise[]; };
 
@@ -39,12 +39,12 @@ vec3 grain_at(ivec2 pixel, int width) { return grain_scale * normal_noise(pixel)
 
 #ifdef RECORDS
 uniform sampler2D tables;
-uniform vec3 curve_begins, curve_steps;  // of each record's row: what it begins with, and steps for each unit
+uniform vec3 curve_begins, curve_steps;  // first value of each record's row, and steps per unit
 uniform vec3 grain_begins, grain_steps;
 uniform vec3 print_begins, print_steps;
 uniform vec3 exposure_offset; // log exposure of each record at light 1, push included
 uniform vec3 printer_lights;
-uniform vec3 clear;           // density of the clear film that is shown
+uniform vec3 clear;           // density of clear film
 
 const float DARKEST = 1e-7;
 const float LOG10_2 = 0.30102999566;
@@ -84,8 +84,8 @@ vec3 film_light(ivec2 pixel, int width)
 #endif
 
 #ifdef SENSOR
-uniform vec3 electrons;      // of one photosite of each channel at light 1
-uniform float read_variance; // in electrons squared
+uniform vec3 electrons;      // electrons of one photosite of each channel at light 1
+uniform float read_variance; // variance in electrons squared
 uniform float averaged;      // photosites in each pixel
 uniform float clip;
 

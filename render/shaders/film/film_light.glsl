@@ -1,5 +1,5 @@
-// The light that falls on the film: radiance, exposed and balanced.
-// in: light, scene-linear; what exposure multiplies it by; the gains of the white balance
+// Light that falls on the film: radiance, exposed and balanced.
+// in: light, scene-linear; the exposure's factor; the gains of the white balance
 
 uniform sampler2D light;
 uniform float exposure;

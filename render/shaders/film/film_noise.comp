@@ -1,5 +1,5 @@
 #version 450 core
-// White noise of a picture and of what lies around it, as far as grain reaches.
+// White noise for a picture and a margin as wide as the grain's kernel.
 // out: four normal numbers for each place, row by row
 
 layout(local_size_x = 64) in;
@@ -8,7 +8,7 @@ layout(std430, binding = 0) writeonly buffer Noise { vec4 noise[]; };
 #include "film/noise.glsl"
 
 uniform ivec2 size;
-uniform ivec2 first;  // place of the picture that the first number belongs to
+uniform ivec2 first;  // pixel of the picture that the first number belongs to
 
 void main()
 {

@@ -1,5 +1,5 @@
 #version 450 core
-// Lays the exposed light out for its Fourier transform: mirrored at the edges of the picture, as far as halation reaches.
+// Lay out the exposed light for its Fourier transform: mirrored at the picture's edges, as far as halation reaches.
 // out: (R + iG, B + i0) for each place, row by row
 
 layout(local_size_x = 64) in;
@@ -7,12 +7,12 @@ layout(std430, binding = 0) writeonly buffer Padded { vec4 padded[]; };
 
 #include "film/film_light.glsl"
 
-uniform ivec2 size;   // of the transform
-uniform ivec2 reach;  // how far the picture's corner lies within it
+uniform ivec2 size;   // size of the transform
+uniform ivec2 reach;  // position of the picture's corner in it
 
 ivec2 mirrored(ivec2 place, ivec2 period)
 {
-    ivec2 folded = (place + period * (reach / period + 1)) % period;  // of a number from 0 up: % knows no others
+    ivec2 folded = (place + period * (reach / period + 1)) % period;  // % needs a number of 0 or more
     return min(folded, period - 1 - folded);
 }
 

@@ -1,7 +1,7 @@
 #version 450 core
-// A field under a kernel, along one axis; it gets shorter by the kernel's reach at both ends.
+// Convolve a field with a kernel along one axis; it gets shorter by the kernel's reach at both ends.
 // in:  four numbers for each place, row by row; the kernel's weights; AXIS
-// out: likewise, of `size`
+// out: the same, of `size`
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Source { vec4 source[]; };

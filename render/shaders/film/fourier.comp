@@ -1,18 +1,18 @@
 #version 450 core
-// One stage of a Fourier transform along one axis: Stockham's, of mixed radix, which sorts itself (Govindaraju et al. 2008).
+// One stage of a Fourier transform along one axis: Stockham's self-sorting transform of mixed radix (Govindaraju et al. 2008).
 // in:  two complex numbers for each place, row by row; RADIX, and its ROOTS of unity; AXIS
-// out: likewise; after all stages of an axis, whose radices multiply to its length, the transform, not divided by anything
+// out: the same; after all stages of an axis, whose radices multiply to its length, the transform, unnormalized
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Source { vec4 source[]; };
 layout(std430, binding = 1) writeonly buffer Target { vec4 target[]; };
 #ifdef SPECTRUM
-layout(std430, binding = 2) readonly buffer Spectrum { float spectrum[]; };  // what is multiplied by on the way in
+layout(std430, binding = 2) readonly buffer Spectrum { float spectrum[]; };  // factor on the input
 #endif
 
 uniform ivec2 size;
 uniform int done;          // product of the radices of the stages before
-uniform float direction;   // -1 there, 1 back
+uniform float direction;   // -1 forward, 1 inverse
 
 const vec2 root[RADIX] = vec2[](ROOTS);
 

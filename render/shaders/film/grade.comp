@@ -1,7 +1,7 @@
 #version 450 core
-// Exposes light and turns it into what a display is sent.
-// in:  light, linear; what exposure multiplies it by; OpenColorIO's own code and tables, which make `vec4 displayed(vec4 light)`,
-//      with CDL defined from where the CDL works, and `vec4 timed(vec4 light)` to there; the CDL
+// Expose light and convert it to a display's picture.
+// in:  light, linear; the exposure's factor; OpenColorIO's code and tables, which define `vec4 displayed(vec4 light)`, with CDL from
+//      the space where the CDL works, and `vec4 timed(vec4 light)` into that space; the CDL
 // out: the picture, encoded for the display, 0 to 1; its format is the bound image's
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -22,7 +22,7 @@ const float BRIGHTEST = 65504.0;  // the largest half float, as on the CPU
 #pragma transform
 
 #ifdef CDL
-// ASC CDL 1.2 without its clamps, as OpenColorIO has it: what is below 0 is not raised to the power.
+// ASC CDL 1.2 without its clamps, as in OpenColorIO: values below 0 are not raised to the power.
 vec3 decided(vec3 rgb)
 {
     vec3 scaled = slope * rgb + offset;

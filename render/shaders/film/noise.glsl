@@ -1,4 +1,4 @@
-// Normal numbers of mean 0 and variance 1 that belong to a place, as render/film/noise.py makes them.
+// Normal numbers of mean 0 and variance 1 for each pixel, as in render/film/noise.py.
 // PCG in four dimensions (Jarzynski & Olano 2020, JCGT 9:3), made normal by Box & Muller (1958).
 
 uniform uvec2 noise_key;
@@ -11,7 +11,7 @@ void mix_words(inout uvec4 v)
     v.w += v.y * v.z;
 }
 
-// Between 0 and 1, neither of which it reaches; exact in single precision.
+// Number in the open interval (0, 1); exact in single precision.
 vec2 uniform_of(uvec2 words)
 {
     return (vec2(words >> 9u) + 0.5) * exp2(-23.0);

@@ -1,8 +1,9 @@
 #version 450 core
-// Which of the things that move may be in each 4x4 block at a moment: the fastest that lands there or beside, and the nearest.
+// Movers that may be in each 4x4 block at a moment: the fastest that arrives there or beside it, and the nearest.
 // in:  `movers` (movers.comp)
-// out: `arrivals`: of each block the greatest speed and w of what lands there (as bits, which order as the numbers do), and of both
-//      where in `movers` that is, and 1; 0 where nothing lands. First speeds and w are found, then, where `settles`, the places.
+// out: `arrivals`: for each block the greatest speed and w of arriving movers (as bits, which sort like the numbers), and the index
+//      in `movers` of each, plus 1; 0 where none arrives. Speeds and w are found first; the pass with `writes_indices` then writes
+//      the indices.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -11,11 +12,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 uniform sampler2DArray movers;
 uniform ivec2 blocks;
 uniform int layers;
-uniform bool settles;
+uniform bool writes_indices;
 
 layout(std430, binding = 10) buffer Arrivals { uvec4 arrivals[]; };
 
-void land(ivec2 block, int slice)
+void add_arrival(ivec2 block, int slice)
 {
     vec4 mover = texelFetch(movers, ivec3(block, slice), 0);
     if (mover.w == 0.0) return;
@@ -28,7 +29,7 @@ void land(ivec2 block, int slice)
         ivec2 at = to + ivec2(j % 3, j / 3) - 1;
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, blocks))) continue;
         int i = at.y * blocks.x + at.x;
-        if (!settles) {
+        if (!writes_indices) {
             atomicMax(arrivals[i].x, speed);
             atomicMax(arrivals[i].y, w);
         } else {
@@ -43,5 +44,5 @@ void main()
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(block, blocks))) return;
     int in_half = shutter_time < 0.0 ? 0 : 1;
-    for (int i = 0; i < 2 * layers; ++i) land(block, 4 * (i / 2) + 2 * (i % 2) + in_half);
+    for (int i = 0; i < 2 * layers; ++i) add_arrival(block, 4 * (i / 2) + 2 * (i % 2) + in_half);
 }

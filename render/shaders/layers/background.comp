@@ -11,7 +11,7 @@ uniform mat4 dome_from_camera;
 uniform vec3 radiance;
 uniform vec2 focal_px;
 uniform vec2 centre_px;
-uniform mat2 unshear;           // from the picture's slopes, right and up, to those of space
+uniform mat2 unshear;           // from slopes of the picture, right and up, to slopes of space
 
 #include "layers/latlong.glsl"
 

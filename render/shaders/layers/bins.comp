@@ -1,7 +1,7 @@
 #version 450 core
-// Which bins of inverse depth hold a surface of a 4x4 block, in any layer.
-// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent), and how they slope; the N-buffers, for the
-//      picture's range
+// Bins of inverse depth that hold a surface in a 4x4 block, in any layer.
+// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent), and its slopes; the N-buffers, for
+//      the picture's range
 // out: 64 bits in slice 0
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -11,21 +11,21 @@ layout(rg32ui, binding = 0) writeonly uniform uimage2DArray bins;
 #include "trace/slopes.glsl"
 
 uniform sampler2D near_w;  // layers 0 to 3
-uniform sampler2D far_w;   // layers 4 to 7, where there are so many
+uniform sampler2D far_w;   // layers 4 to 7, if any
 uniform usampler2D near_slopes;
 uniform usampler2D far_slopes;
 uniform bool two_packs;
 uniform sampler2DArray ranges;
 uniform int last_level;
 #ifdef MOVERS
-layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // of each block, what moves through it (movers.comp)
+layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
 #endif
 
 uvec2 joined(uvec2 held, vec4 stored, uvec4 slopes, vec2 all)
 {
     vec4 w = abs(stored), reach = w * reach_of(slopes);
     for (int i = 0; i < 4; ++i) {
-        if (stored[i] == 0.0) break;  // once a pixel is empty, it stays empty
+        if (stored[i] == 0.0) break;  // after an empty layer, all are empty
         held |= bits_between(bin_of(w[i] - reach[i], all), bin_of(w[i] + reach[i], all));
     }
     return held;

@@ -2,7 +2,7 @@
 
 const int BINS = 64;
 
-// The bin of w in a picture whose surfaces lie between `all.x` and `all.y`.
+// Bin of w in a picture whose surfaces lie between `all.x` and `all.y`.
 int bin_of(float w, vec2 all)
 {
     return clamp(int((w - all.x) / max(all.y - all.x, 1e-9 * all.y) * float(BINS)), 0, BINS - 1);

@@ -1,6 +1,6 @@
 #version 450 core
-// Takes the range of inverse depth of each 4x4 block over all layers.
-// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent), and how they slope
+// Range of inverse depth of each 4x4 block over all layers.
+// in:  w of the layers, four in a texture (1/m; 0 empty, negative partly transparent), and its slopes
 // out: (min, max) of |w| between the corners of the block's pixels in slice 0, empty ones left out: (+big, 0) where all are empty
 // Lee, Eisemann & Seidel 2010, section 3.1, "Multi-Layer Packing"; Decoret 2005.
 
@@ -8,7 +8,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(rg32f, binding = 0) writeonly uniform image2DArray ranges;
 
 uniform sampler2D near_w;  // layers 0 to 3
-uniform sampler2D far_w;   // layers 4 to 7, where there are so many
+uniform sampler2D far_w;   // layers 4 to 7, if any
 uniform usampler2D near_slopes;
 uniform usampler2D far_slopes;
 uniform bool two_packs;
@@ -16,10 +16,10 @@ uniform bool two_packs;
 #include "trace/slopes.glsl"
 
 #ifdef MOVERS
-layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // of each block, what moves through it (movers.comp)
+layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
 #endif
 
-// The range of four layers' w joined to `range`.
+// Extend `range` by the w of four layers.
 vec2 joined(vec2 range, vec4 stored, uvec4 slopes)
 {
     vec4 w = abs(stored), reach = w * reach_of(slopes);

@@ -1,8 +1,8 @@
 #version 450 core
-// Finds the nearest surface behind the last layer's umbra, before anything is shaded: only the depth buffer is written.
+// Depth pass of a peel: the nearest surface behind the last layer's umbra. Only the depth buffer is written.
 // in:  surface.vert's outputs; the previous layer's w (1/m, negative where partly transparent) where PEEL is defined;
-//      the layer's own w where FILL is defined, which leaves alone what is there; where MOTION is defined, how the surfaces of the
-//      previous layer and this one move
+//      the layer's own w where FILL is defined, which keeps filled pixels; where MOTION is defined, the motion of the surfaces of
+//      the previous layer and of this one
 // Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
 
 #ifdef MAY_BE_TRANSPARENT
@@ -17,7 +17,7 @@ in vec4 frag_color;
 #ifdef PEEL
 layout(binding = 8) uniform sampler2D previous_w;
 uniform int previous_channel;
-uniform float umbra;  // how far in w an opaque surface hides what is behind it, 1/m
+uniform float umbra;  // reach of an opaque surface's umbra in w, 1/m
 #ifdef MOTION
 #include "layers/drifting.glsl"
 layout(binding = 12) uniform usampler2DArray previous_motion;
@@ -50,7 +50,7 @@ void main()
     float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0)[previous_channel];
     float reach = last_w > 0.0 ? umbra : 0.0;  // a transparent surface hides nothing
 #ifdef MOTION
-    reach *= max(0.0, 1.0 - parting(last_w));  // nor one that moves off
+    reach *= max(0.0, 1.0 - parting(last_w));  // nor does one that moves away
 #endif
     hidden = gl_FragCoord.w >= abs(last_w) - reach;
 #endif
@@ -58,7 +58,7 @@ void main()
     hidden = hidden || texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel] != 0.0;
 #endif
 #ifdef MAY_BE_TRANSPARENT
-    // before any discard: look-ups need their neighbours' coordinates
+    // before any discard: texture look-ups need the neighbours' derivatives
     hidden = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing).opacity < LEAST_OPACITY || hidden;
 #endif
 #if defined(PEEL) || defined(MAY_BE_TRANSPARENT)

@@ -7,7 +7,7 @@ in vec3 frag_first;
 in vec3 frag_second;
 #endif
 
-const float STILL_PX = 0.05;    // what moves by less stands still
+const float STILL_PX = 0.05;    // surfaces that move by less count as still
 
 vec3 own_first()
 {
@@ -27,7 +27,7 @@ vec3 own_second()
 #endif
 }
 
-// Whether it moves so that one could see it.
+// Whether it moves visibly.
 bool drifts()
 {
     vec2 first = drift(gl_FragCoord.xy, gl_FragCoord.w, own_first()), second = drift(gl_FragCoord.xy, gl_FragCoord.w, own_second());

@@ -6,14 +6,14 @@
 
 struct Light {
     vec4 position_kind;     // xyz, 0 distant 1 sphere 2 disk or rect
-    vec4 axis_radius;       // where it shines, and the radius of the disk of equal area (distant: sine of its half angle)
+    vec4 axis_radius;       // direction of its light, and the radius of the disk of equal area (distant: sine of its half angle)
     vec4 radiance_area;     // radiance (distant: irradiance), area
     vec4 cone_response;     // cosines of the cone's outer and inner angle, diffuse and specular multiplier
-    vec4 shadow;            // first shadow map or -1, how many maps, bias towards the light (m), texel size at 1 m (m)
+    vec4 shadow;            // first shadow map or -1, number of maps, bias towards the light (m), texel size at 1 m (m)
 };
 
 layout(std140, binding = 2) uniform LightBlock {
-    vec4 count;             // lights; whether there is a dome; its mip for a rough surface; how many lights have shadows (the first ones)
+    vec4 count;             // number of lights; 1 with a dome; its mip for a rough surface; number of lights with shadows (the first ones)
     vec4 dome_irradiance[9];// irradiance over pi in spherical harmonics, the dome's axes
     mat4 dome_from_camera;
     mat4 world_from_camera;

@@ -1,5 +1,5 @@
 // UsdPreviewSurface inputs at a fragment.
-// Each HAS_<INPUT> define says that the input is read from a texture; its lookup is at LOOKUP_<INPUT> in `lookups`.
+// HAS_<INPUT> is defined for inputs that are read from a texture; their look-up is at LOOKUP_<INPUT> in `lookups`.
 
 struct Surface {
     vec3 base_color;
@@ -29,9 +29,9 @@ layout(std140, binding = 1) uniform MaterialBlock {
     Lookup lookups[8];
 } material;
 
-uniform float detail;      // how many times finer than this pass's pixels the finished picture samples the surface
+uniform float detail;      // times finer than this pass's pixels that the finished picture samples surfaces
 uniform float picture_px;  // side of the finished picture's pixels, in this pass's
-uniform float patch_px_m;  // side of what one ray stands for, for each 1/m of w from the plane of focus (surface_sampling.py)
+uniform float patch_px_m;  // side of one ray's patch per 1/m of w from the plane of focus (surface_sampling.py)
 uniform vec3 focus;        // w of that plane at the pass's corner and its change along x and y
 
 #ifdef HAS_BASE_COLOR
@@ -71,7 +71,7 @@ vec4 lookup(Lookup l, sampler2D map, vec2 uv, float bias)
     return texture(map, vec2(st.x, 1.0 - st.y), bias) * l.rows[2] + l.rows[3];  // images have row 0 at the top
 }
 
-// Over what one ray of the finished picture stands for, around this pixel.
+// Footprint of one ray of the finished picture, around this pixel.
 vec4 lookup_color(Lookup l, sampler2D map, vec2 uv)
 {
     float patch_px = patch_px_m * (gl_FragCoord.w - focus.x - dot(focus.yz, gl_FragCoord.xy));
@@ -99,9 +99,9 @@ vec3 mapped_normal(vec3 tangent_normal, vec3 n, vec3 p, vec2 uv)
 }
 #endif
 
-// Normals that turn within a pixel of the picture blur the highlight by their variance, or it would sparkle: between pixels
+// Normals that vary within a pixel of the picture blur the highlight by their variance, so that it does not sparkle: between pixels
 // by Tokuyoshi & Kaplanyan 2019 ("Improved geometric specular antialiasing", section 3.1, sigma² = 1/4, kappa = 0.18), within
-// a texel of the normal map by how much averaging has shortened its normal (Toksvig 2005, "Mipmapping normal maps").
+// a texel of the normal map by the length of its averaged normal (Toksvig 2005, "Mipmapping normal maps").
 float filtered_roughness(float roughness, vec3 n, float shortening)
 {
     vec3 dx = dFdx(n) * picture_px, dy = dFdy(n) * picture_px;
@@ -139,7 +139,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     specular = lookup_color(material.lookups[LOOKUP_SPECULAR], specular_map, uv).rgb;
 #endif
 #ifdef HAS_OPACITY
-    Lookup cut_out = material.lookups[LOOKUP_OPACITY];  // keeps its edges
+    Lookup cut_out = material.lookups[LOOKUP_OPACITY];  // cut-outs keep their edges
     s.opacity = lookup(cut_out, opacity_map, uv, -log2(detail))[int(cut_out.rows[0].w)];
 #endif
 #ifdef HAS_OCCLUSION
@@ -158,7 +158,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
         s.metallic = clamp(s.metallic, 0.0, 1.0);
         s.f0 = mix(vec3(r * r), s.base_color, s.metallic);
     }
-    // a normal of no length, as a flattened instance has it, gives way to the triangle's own
+    // a normal of length 0, as of a flattened instance, is replaced by the triangle's own
     vec3 facet = cross(dFdx(position), dFdy(position));
     facet = dot(facet, position) > 0.0 ? -facet : facet;
     vec3 n = dot(normal, normal) > 1e-20 ? normalize(normal) : (front ? 1.0 : -1.0) * facet * inversesqrt(max(dot(facet, facet), 1e-30));
@@ -170,7 +170,7 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
     if (dot(tangent, tangent) > 1e-12)
         s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
 #endif
-    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // 0 would have highlights of no size
+    s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // highlights of roughness 0 have no size
     s.clearcoat_roughness = filtered_roughness(clamp(s.clearcoat_roughness, 0.03, 1.0), s.normal, shortening);
     return s;
 }

@@ -1,10 +1,10 @@
 #version 450 core
 // Moving surfaces in each 4x4 block of each layer, and the range of inverse depth that they sweep while the shutter is
 // open.
-// in:  w of the layers, four in a texture, and how their surfaces move (surface.frag)
-// out: `movers`: for each layer, the fastest and the slowest thing that moves in the block, in the first half of the time and in the
-//      second: how far (motion_in_half) and its w; 0 where nothing does
-//      `swept`: for each block, the range of w (as bits, which order as the numbers do) of all that ever is there
+// in:  w of the layers, four in a texture, and the motion of their surfaces (surface.frag)
+// out: `movers`: for each layer, the fastest and the slowest moving surface of the block, in the first and in the second half of
+//      the exposure: its motion (motion_in_half) and its w; 0 where none moves
+//      `swept`: for each block, the range of w (as bits, which sort like the numbers) of all surfaces that pass through it
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) writeonly uniform image2DArray movers;     // slices: layer, fastest or slowest, half
@@ -12,7 +12,7 @@ layout(rgba32f, binding = 0) writeonly uniform image2DArray movers;     // slice
 #include "layers/carried.glsl"
 
 uniform sampler2D near_w;   // layers 0 to 3
-uniform sampler2D far_w;    // layers 4 to 7, where there are so many
+uniform sampler2D far_w;    // layers 4 to 7, if any
 uniform usampler2DArray motion;
 uniform ivec2 blocks;       // across and down
 uniform int layers;

@@ -1,6 +1,6 @@
-// The outline of a blur's shape.
+// Outline of a blur shape.
 
-uniform sampler2D outline;      // reach up and down over columns from -1 to 1
+uniform sampler2D outline;      // extent up and down over columns from -1 to 1
 
 // Extent of the shape with this radius up and down, `dx` pixels to the right of its middle.
 vec2 reach_at(int dx, float radius)

@@ -21,7 +21,7 @@ float shadow_visibility(Light light, vec3 p, vec3 n, vec3 l)
     int map = int(light.shadow.x);
     bool distant = light.position_kind.w < 0.5;
     float distance_m = distant ? 1.0 : length(light.position_kind.xyz - p);
-    // push the point off its surface by the texel it falls in, more where light grazes
+    // offset the point from its surface by the size of its texel, more at grazing light
     float texel_m = light.shadow.w * distance_m;
     p += n * texel_m * (1.0 + 2.0 * (1.0 - clamp(dot(n, l), 0.0, 1.0))) + l * light.shadow.z;
     if (light.shadow.y > 1.5) map += cube_face(mat3(lighting.world_from_camera) * (p - light.position_kind.xyz));

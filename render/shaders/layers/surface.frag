@@ -1,9 +1,9 @@
 #version 450 core
-// Shades the surfaces that layers/depth.frag found: radiance, inverse depth and ids of one peeled layer.
+// Colour pass of a peel: radiance, inverse depth and ids of the surfaces that layers/depth.frag found.
 // in:  surface.vert's outputs
 // out: radiance (scene-linear, not premultiplied) and opacity; inverse depth w = 1/z in 1/m, negative where the surface
-//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl); where MOTION is defined, how the surface moves
-//      while the shutter is open (carried.glsl)
+//      is partly transparent; (object + 1, triangle); the slope of w (slopes.glsl); where MOTION is defined, the surface's
+//      motion while the shutter is open (carried.glsl)
 // Shading: UsdPreviewSurface 2.6, without its opacityMode: opacity fades the whole surface, its highlights too.
 
 #include "layers/material.glsl"
@@ -17,31 +17,31 @@ in vec4 frag_color;
 flat in uint frag_instance;
 
 layout(location = 0) out vec4 out_radiance;
-layout(location = 1) out vec4 out_w;     // in every channel; the layer's own is kept
+layout(location = 1) out vec4 out_w;     // in every channel; the colour mask keeps the layer's own
 layout(location = 2) out uvec2 out_id;
-layout(location = 3) out uvec4 out_slope; // in every channel, as w
+layout(location = 3) out uvec4 out_slope; // in every channel, like w
 #ifdef MOTION
 #include "layers/drifting.glsl"
 layout(location = 4) out uvec4 out_motion;
 #endif
 
-uniform vec3 eye;                // where this view looks from, camera space, m
+uniform vec3 eye;                // eye of this view, camera space, m
 uniform uint first_object;       // object number of the batch's first instance
-uniform uint first_triangle;     // of those that are drawn
+uniform uint first_triangle;     // first triangle of the draw
 
 void main()
 {
-    vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) / gl_FragCoord.w;  // before any pixel is discarded
+    vec2 slope = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w)) / gl_FragCoord.w;  // before any discard
     Surface s = evaluate_material(frag_uv, frag_color, frag_position, frag_normal, gl_FrontFacing);
 #ifdef MAY_BE_TRANSPARENT
-    if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with a surface that is there
+    if (s.opacity < LEAST_OPACITY) discard;  // it may share its depth with an opaque surface
 #endif
 #ifdef UNLIT
     vec3 radiance = s.base_color;
 #else
     vec3 radiance = s.emissive + shade(s, frag_position, normalize(eye - frag_position));
 #endif
-    if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // light that cannot be is none
+    if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);  // invalid light counts as none
     out_radiance = vec4(min(radiance, vec3(MAX_HALF)), s.opacity);
     out_w = vec4(s.opacity >= OPAQUE ? gl_FragCoord.w : -gl_FragCoord.w);
     out_slope = uvec4(packed_slope(slope));

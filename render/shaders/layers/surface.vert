@@ -1,8 +1,8 @@
 #version 450 core
-// Vertices of a batch, into camera space.
+// Transform the vertices of a batch into camera space.
 // in:  positions (m), normals, texture coordinates, display colour; one pose for each instance (pyrender's attributes)
-// out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number; where MOVES is defined, how far
-//      the vertex moves in both halves of the time that the shutter is open (m: x right, y down, z away from the eye)
+// out: camera-space position (m) and normal, texture coordinates, colour, and the instance's number; where MOVES is defined,
+//      the vertex's motion in both halves of the exposure (m: x right, y down, z away from the eye)
 
 layout(location = 0) in vec3 position;
 layout(location = NORMAL_LOC) in vec3 normal;
@@ -15,9 +15,9 @@ layout(location = COLOR_0_LOC) in vec4 color_0;
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 #ifdef MOVES
-layout(std430, binding = 9) readonly buffer Poses { mat4 poses[]; };            // camera from geometry: of each instance, at both ends and between
+layout(std430, binding = 9) readonly buffer Poses { mat4 poses[]; };            // camera from geometry, for each instance: opening, middle, closing
 #ifdef BENDS
-layout(std430, binding = 10) readonly buffer EndPositions { float end_positions[]; }; // of each vertex, at both ends
+layout(std430, binding = 10) readonly buffer EndPositions { float end_positions[]; }; // of each vertex: opening, closing
 #endif
 out vec3 frag_first;
 out vec3 frag_second;
@@ -25,7 +25,7 @@ out vec3 frag_second;
 
 uniform mat4 camera_from_node;
 uniform mat4 clip_from_camera;
-uniform int first_instance;     // of those that are drawn
+uniform int first_instance;     // first instance of the draw
 
 out vec3 frag_position;
 out vec3 frag_normal;
@@ -33,7 +33,7 @@ out vec2 frag_uv;
 out vec4 frag_color;
 flat out uint frag_instance;
 
-invariant gl_Position;  // every peeling pass must find the very same depth at a pixel
+invariant gl_Position;  // every peeling pass must get the same depth at a pixel
 
 // Normals transform by the cofactor matrix: the inverse transpose times the determinant, whose sign a mirror flips.
 mat3 cofactor(mat3 m)

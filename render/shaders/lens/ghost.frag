@@ -1,8 +1,8 @@
 #version 430
 // Share of a ghost's light that the iris and the rims pass, at each crossing.
 
-uniform sampler2D iris;  // over the square around the unit circle, row 0 at the top, and a dark edge
-uniform float inner;     // share of it without the edge
+uniform sampler2D iris;  // transmission over the square around the unit circle with a dark edge, row 0 at the top
+uniform float inner;     // share of the texture without the edge
 
 in vec2 on_first;
 in vec2 on_second;

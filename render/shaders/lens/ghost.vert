@@ -1,5 +1,5 @@
 #version 430
-// A ghost's sheet of rays, over the picture.
+// Vertices of a ghost's sheet of rays over the picture.
 
 uniform vec2 picture;  // pixels
 

@@ -1,11 +1,11 @@
-// The lens table's row of a pixel: polynomials over the pupil, in the plane of the pixel and the axis.
+// Row of the lens table for a pixel: polynomials over the pupil, in the plane of the pixel and the axis.
 // in:  rows of ROW_VEC4 vec4 each in `lens_rows`, one for each field height, evenly from the axis to `last_slope`
 // x is the tangential pupil coordinate (toward the pixel), y the sagittal one, both on the unit disc that bounds the open pupil
-// (render/trace/lens_fit.py says what the row holds and in what order)
+// (the layout of a row is in render/trace/lens_fit.py)
 
 layout(std430, binding = 5) readonly buffer LensRows { vec4 lens_rows[]; };
 
-uniform int first_row;          // of this wavelength
+uniform int first_row;          // first row of this wavelength
 uniform int row_count;
 uniform float last_slope;       // field of the last row, slope in object space
 
@@ -33,7 +33,7 @@ float horner(int first, int degree, float x)
 }
 
 // Polynomials that are even in y; those odd in y are y times an even one of a degree less. A row has room for the highest degree
-// (7 for slopes, 5 for pupil points); where a lower one holds the lens, the terms above it are not there to be added.
+// (7 for slopes, 5 for pupil points); where a lower degree suffices, the terms above it are left out.
 float even2(int i, float x, float y2) { return horner(i, 2, x) + y2 * row[i + 3]; }
 float even4(int i, float x, float y2) { return horner(i, 4, x) + y2 * (horner(i + 5, 2, x) + y2 * row[i + 8]); }
 

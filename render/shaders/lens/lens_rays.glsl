@@ -1,51 +1,51 @@
-// The rays of a pixel: pattern, iris and lens table in; lines in (layer pixel, inverse depth) out.
-// All vectors are in the picture's frame: x right, y down; slopes in object space (m of x to a m of depth).
+// Rays of a pixel: pattern, iris and lens table in; lines in (layer pixel, inverse depth) out.
+// Vectors are in the picture's frame: x right, y down; slopes are of object space (m of x per m of depth).
 
 #ifdef POLYNOMIAL_LENS
 #include "lens/lens_polynomial.glsl"
 #endif
 
 struct BaseRay {
-    vec4 pupil;     // squared radius, cosine and sine of the turn
+    vec4 pupil;     // squared radius, cosine and sine of the azimuth
     vec4 pixel;     // xy on the sensor, in the unit square
 };
 layout(std430, binding = 4) readonly buffer BaseRays { BaseRay base_rays[]; };
-layout(std430, binding = 6) readonly buffer Shifts { vec4 pattern_shifts[]; };  // squared radius, turn, sensor x and y
+layout(std430, binding = 6) readonly buffer Shifts { vec4 pattern_shifts[]; };  // squared radius, azimuth, sensor x and y
 layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
 #ifdef SHAPED_IRIS
-layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // of each pattern in turn, y down
-uniform sampler2D iris_image;   // transmission over the square around the stop, over its mean on the disc
+layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // pattern after pattern, y down
+uniform sampler2D iris_image;   // transmission over the square around the stop, relative to its mean on the disc
 #endif
 #ifdef GRID_LENS
 uniform sampler2DArray grid_rays;    // slope error and pupil point (m) over pupil x and y; a slice for each field point
 uniform sampler2DArray grid_light;   // weight, clearance (below 0 open)
 uniform ivec2 grid_fields;           // field points across and down
-uniform vec2 grid_slope;             // field of the outermost of them
+uniform vec2 grid_slope;             // field of the outermost points
 #endif
 
 uniform int pattern_rays;       // rays in one pattern
 uniform float spread;           // 1, or 0 for a single ray through the centres
-uniform int jitters;            // whether pixels have patterns of their own
-uniform vec2 axis;              // where the view axis meets them
-uniform vec2 focal_px;          // of the layers, or of the camera of this moment at their resolution
-uniform vec2 pupil_m;           // half axes of a lens without a table
-uniform vec2 narrowing;         // of a table's rays: 1 over the anamorphic squeeze, and 1
-uniform float scale;            // layer pixels to a picture pixel
+uniform int jitters;            // 1 where neighbouring pixels have different patterns
+uniform vec2 axis;              // layer pixel on the view axis
+uniform vec2 focal_px;          // focal length of the layers, or of this moment's camera at their resolution
+uniform vec2 pupil_m;           // half axes of the pupil of a lens without a table
+uniform vec2 narrowing;         // factors on a table's rays: 1 over the anamorphic squeeze, and 1
+uniform float scale;            // layer pixels per picture pixel
 #ifdef CARRIED_CAMERA
 #include "layers/carried.glsl"
-uniform mat3 camera_turn;       // to the axes that the layers were peeled in, from those of this moment: x right, y down, z ahead
-uniform vec3 camera_move;       // where the pupil's centre is, in those, m
+uniform mat3 camera_turn;       // rotation from this moment's axes to those of the layers: x right, y down, z ahead
+uniform vec3 camera_move;       // position of the pupil's centre in the layers' axes, m
 #endif
 
 struct PixelRays {
     vec2 centre;        // in layer pixels
-    vec2 slope;         // of the ideal chief ray
+    vec2 slope;         // slope of the ideal chief ray
     vec2 outward;       // unit vector from the axis to the pixel
     float w_f;
-    float pupil;        // its radius over the lens's own
+    float pupil;        // radius of the pupil relative to the lens's own
     int pattern;
     vec4 shift;
-    vec2 turn;          // cosine and sine of the pattern's turn
+    vec2 turn;          // cosine and sine of the pattern's rotation
 };
 
 struct LensRay { vec2 a; vec2 b; float weight; };
@@ -65,14 +65,14 @@ PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupi
     rays.turn = vec2(cos(angle), sin(angle));
 #ifdef POLYNOMIAL_LENS
     load_row(height);
-    // from here on the pattern stands in the plane of the pixel and the axis
+    // from here on the pattern is relative to the plane of the pixel and the axis
     rays.turn = vec2(rays.turn.x * rays.outward.x - rays.turn.y * rays.outward.y,
                      rays.turn.x * rays.outward.y + rays.turn.y * rays.outward.x);
 #endif
     return rays;
 }
 
-// A point of the pattern on the disc; the pattern turns counter-clockwise, and y is down.
+// Point of the pattern on the disc; the pattern rotates counter-clockwise, and y is down.
 vec2 disc_point(PixelRays rays, BaseRay ray)
 {
     float radius = spread * sqrt(fract(ray.pupil.x + rays.shift.x));
@@ -86,7 +86,7 @@ LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 {
     LensRay ray;
     vec2 along = rays.outward, across = vec2(-along.y, along.x);
-    bool clipped = row[REGION + 3] > 0.0;  // by a rim other than the stop's
+    bool clipped = row[REGION + 3] > 0.0;  // clipped by a rim other than the stop's
     if (!clipped) disc = stop;
     float x = disc.x, y = disc.y, y2 = y * y;
     ray.weight = even2(WEIGHT, x, y2);
@@ -105,8 +105,8 @@ LensRay through_lens(PixelRays rays, vec2 stop, vec2 disc)
 #endif
 
 #ifdef GRID_LENS
-// Between field points a ray is the blend of those of the four around that pass; whether it passes says their blended clearance,
-// which is at most 0 only where one of them passes.
+// Between field points a ray is the blend of the passing rays of the four points around. It passes where their blended clearance is
+// at most 0, which is so only where one of them passes.
 LensRay through_lens(PixelRays rays, vec2 stop)
 {
     vec2 last = vec2(grid_fields - 1);
@@ -136,12 +136,12 @@ LensRay through_lens(PixelRays rays, vec2 stop)
 #endif
 
 #ifdef CARRIED_CAMERA
-// The ray of a camera that has turned and moved since the layers were peeled, as a ray of those layers: straight lines stay lines.
+// Transform a ray of a camera that has moved since the layers were peeled into the layers' frame: straight lines stay lines.
 LensRay from_where_the_camera_is(LensRay ray)
 {
     vec3 along = camera_turn * vec3((ray.a - axis) / focal_px, 1.0);
     vec3 origin = camera_turn * vec3(ray.b / focal_px, 0.0) + camera_move;
-    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it turned away: it sees the layers' edge
+    if (along.z < 1e-4) return LensRay(vec2(-1e6), vec2(0.0), ray.weight);  // it points backward: use the layers' edge
     vec2 slope = along.xy / along.z;
     return LensRay(layer_axis + layer_focal * slope, layer_focal * (origin.xy - origin.z * slope), ray.weight);
 }

@@ -1,10 +1,10 @@
-// Surfaces of a lens: where a ray meets one, and how it goes on.
+// Surfaces of a lens: intersection and refraction of rays.
 // Lengths in mm; z along the axis from the scene to the film, 0 at the surface's vertex. Rays here go from the film to the scene.
 
 struct LensSurface {
     vec4 shape;         // curvature (1/mm), half clear diameter (negative at the stop), conic constant, distance to the next vertex or the film
     vec4 aspheric[3];   // coefficients of r^4, r^6, ... r^26
-    vec4 kind;          // number of aspheric coefficients, 1 + its height map (0 for none), lowest and highest height
+    vec4 kind;          // number of aspheric coefficients, 1 + index of its height map (0 for none), lowest and highest height
 };
 layout(std430, binding = 0) readonly buffer LensSurfaces { LensSurface surfaces[]; };
 
@@ -72,8 +72,8 @@ float behind(LensSurface s, vec3 p)
 }
 
 #ifdef HEIGHT_FIELD
-// March through the slab that holds the surface, then halve the step in which the ray goes through it. The sag at the rim is known
-// together with the height there, which lies between the lowest and the highest.
+// March through the slab that contains the surface, then bisect the step in which the ray crosses it. The slab follows from the sag
+// at the rim and the lowest and highest height.
 bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
 {
     float rim = behind(s, vec3(abs(s.shape.y), 0.0, 0.0));
@@ -97,7 +97,7 @@ bool meet_heights(LensSurface s, vec3 o, vec3 d, out float t)
 }
 #endif
 
-// Distance to the surface: closed form for a conic, then Newton's method for what is added to it.
+// Distance to the surface: closed form for the conic, then Newton's method for its aspheric terms and heights.
 bool meet(LensSurface s, vec3 o, vec3 d, out float t)
 {
 #ifdef HEIGHT_FIELD
@@ -115,7 +115,7 @@ bool meet(LensSurface s, vec3 o, vec3 d, out float t)
     return true;
 }
 
-// Through one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1.
+// Refract a ray at one surface: `o` moves onto it, `d` is refracted (Snell), `clearance` grows to (r / half diameter)² - 1.
 bool refract_at(LensSurface s, float from_index, float to_index, inout vec3 o, inout vec3 d, inout float clearance)
 {
     float t, sag;

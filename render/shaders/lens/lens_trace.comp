@@ -1,11 +1,11 @@
 #version 450 core
-// Traces rays from the film through chosen points of the stop and out into the scene, surface by surface.
+// Trace rays from the film through chosen points of the stop and out into the scene, surface by surface.
 // in:  film and stop points (mm); the lens's surfaces (lens_surface.glsl); refractive indices, before the first surface and behind
 //      each, for each wavelength
-// out: slope in object space (x to depth) and where the ray passes the entrance pupil's plane (mm); clearances before and behind
-//      the stop (above 0 blocked); weight, d(direction cosines on the film) / d(stop point), 1/mm²; 1 where the ray gets through
+// out: slope in object space (x per depth) and the ray's point in the entrance pupil's plane (mm); clearances before and behind
+//      the stop (above 0 blocked); weight, d(direction cosines on the film) / d(stop point), 1/mm²; 1 where the ray passes
 // Kolb, Mitchell & Hanrahan 1995, section 3.1, with rays aimed at the stop; the weight is the projected solid angle of a stop
-// element seen from the film, from which the law of cos⁴ comes out by itself, once.
+// element seen from the film, which includes the cos⁴ law, once.
 
 layout(local_size_x = 64) in;
 
@@ -19,7 +19,7 @@ layout(std430, binding = 3) writeonly buffer Results { Traced results[]; };
 uniform int query_count;
 uniform int surface_count;
 uniform int stop_index;
-uniform float entrance_mm;      // from the front vertex to the entrance pupil
+uniform float entrance_mm;      // distance from the front vertex to the entrance pupil
 uniform float stop_mm;          // radius of the stop
 uniform vec2 to_stop[MAX_WAVELENGTHS];  // near the axis, stop point = x · film point + y · slope
 
@@ -37,7 +37,7 @@ bool through(int first, int last, int wavelength, inout Path path)
     return true;
 }
 
-// From the film up to the stop; `at` is where the ray meets the plane of the stop's vertex.
+// Trace from the film to the stop; `at` is the ray's point in the plane of the stop's vertex.
 bool reach_stop(vec2 film, vec2 slope, int wavelength, out Path path, out vec2 at)
 {
     path = Path(vec3(film, 0.0), normalize(vec3(slope, -1.0)), -1.0);

@@ -1,9 +1,9 @@
 #version 450 core
-// Composites one pinhole view front to back, four layers at a time, and adds it to an accumulation image.
-// in:  the layers' w (1/m; 0 empty, negative partly transparent), radiance and background; what is seen in front of them
-//      in `seen`; the view's weight
+// Composite one pinhole view front to back, four layers at a time, and add it to an accumulation image.
+// in:  the layers' w (1/m; 0 empty, negative partly transparent), radiance and background; the picture of the layers in
+//      front of them in `seen`; the view's weight
 // out: with the last layers, radiance premultiplied by coverage (with the background behind) and coverage, added to `sum`;
-//      else what is seen now in `seen`
+//      before that, the picture so far in `seen`
 // Haeberli & Akeley 1990.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -13,7 +13,7 @@ layout(rgba32f, binding = 1) uniform image2D seen;
 uniform sampler2D packed_w;
 uniform sampler2DArray radiance;
 uniform sampler2D background;
-uniform int slice_of_first;  // of radiance
+uniform int slice_of_first;  // slice of `radiance` of the first layer
 uniform int count;
 uniform bool is_first;
 uniform bool is_last;

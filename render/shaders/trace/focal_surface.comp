@@ -1,19 +1,19 @@
 #version 450 core
-// Where each pixel is focused, and how large the pupil is there: `render.focus.surface` on the device, term by term.
-// in:  plane, control points, half lenses, drawn curvature of field (focal_surface.py); what the lens's chief rays see
-// out: w_f (1/m) and the pupil's radius over the lens's own, in `focal_map`
+// Focal surface: the inverse depth in focus and the pupil's radius at each pixel, as in `render.focus.surface`, term by term.
+// in:  plane, control points, half lenses, drawn curvature of field (focal_surface.py); the lens's chief rays
+// out: w_f (1/m) and the pupil's radius relative to the lens's own, in `focal_map`
 // Lee, Eisemann & Seidel 2010, section 5.2. Slopes are of object space, x right and y up.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rg32f, binding = 1) uniform writeonly image2D focal_map;  // the tracer keeps its sum at 0
 
 struct Control {
-    vec4 at;        // place (slopes), weight, falloff (slopes)
+    vec4 at;        // position (slopes), weight, falloff (slopes)
     vec4 what;      // two values
 };
 layout(std430, binding = 0) readonly buffer Points { Control points[]; };   // w and logarithm of the extent
 layout(std430, binding = 1) readonly buffer Bends { Control bends[]; };     // change of w
-layout(std430, binding = 2) readonly buffer Stretch { float stretch[]; };   // slope seen over slope of the place, over its height
+layout(std430, binding = 2) readonly buffer Stretch { float stretch[]; };   // ratio of seen slope to picture slope, over the height
 
 uniform vec2 centre;            // where the view axis meets the picture
 uniform vec2 focal_px;
@@ -27,7 +27,7 @@ uniform int half_count;
 uniform vec4 half_edges[2];     // direction, offset, width
 uniform float half_w[2];
 uniform int stretch_count;      // 0: chief rays go straight
-uniform float last_height;      // of the place that the last of them is of
+uniform float last_height;      // height of the last ratio
 uniform float squeeze;
 
 const float LEAST_D2 = 1e-14;
@@ -42,7 +42,7 @@ vec2 seen_at(vec2 slope)
     return slope * vec2(1.0 + (ratio - 1.0) / squeeze, ratio);
 }
 
-// Shepard's mean: the sums over all points, of shares relative to the nearest's.
+// Shepard's mean: sums over the points, with shares relative to the nearest point's.
 void add(Control control, vec2 slope, float exponent, inout float nearest, inout float total, inout vec2 sum, inout float missed)
 {
     if (control.at.z <= 0.0) return;
@@ -52,7 +52,7 @@ void add(Control control, vec2 slope, float exponent, inout float nearest, inout
     float reach = inside * inside;
     missed *= 1.0 - reach;
     if (reach == 0.0) return;
-    if (d2 < nearest) {     // what is summed so far was relative to one farther away
+    if (d2 < nearest) {     // the sums so far are relative to a farther point
         float fade = nearest > 1e29 ? 0.0 : pow(d2 / nearest, 0.5 * exponent);
         total *= fade;
         sum *= fade;

@@ -3,16 +3,16 @@
 
 uniform sampler2DArray ranges;  // N-buffers
 uniform usampler2DArray bins;
-uniform int last_level;         // of the N-buffers
+uniform int last_level;         // last level of the N-buffers
 
 #include "layers/bins.glsl"
 
 const int BLOCK = 4;
-const int MAX_RUNS = 8;         // stretches of w with surfaces that a pixel's rays look into; more are joined
+const int MAX_INTERVALS = 8;         // intervals of w with surfaces that a pixel's rays search; further ones are merged
 
 struct Corners { ivec2 a; ivec2 c; int level; };
 
-// The four overlapping squares of an N-buffer that cover the layer pixels from `low` to `high`.
+// Four overlapping squares of an N-buffer that cover the layer pixels from `low` to `high`.
 Corners corners_over(ivec2 low, ivec2 high)
 {
     ivec2 last = textureSize(ranges, 0).xy - 1;
@@ -46,25 +46,25 @@ vec2 range_of_all()
     return texelFetch(ranges, ivec3(0, 0, last_level), 0).xy;
 }
 
-// The stretches of w, near to far, that a pixel's rays look into.
-vec2 runs[MAX_RUNS];
-int run_count;
+// Intervals of w, near to far, that a pixel's rays search.
+vec2 intervals[MAX_INTERVALS];
+int interval_count;
 
-// Runs of filled bins within `range`.
-void find_runs(uvec2 held, vec2 range)
+// Intervals of consecutive occupied bins within `range`.
+void find_intervals(uvec2 occupied, vec2 range)
 {
     vec2 all = range_of_all();
     float width = (all.y - all.x) / float(BINS);
-    run_count = 0;
+    interval_count = 0;
     int above = BINS;  // bins from here on are done
     while (true) {
-        uvec2 left = above > 0 ? held & bits_between(0, above - 1) : uvec2(0u);
+        uvec2 left = above > 0 ? occupied & bits_between(0, above - 1) : uvec2(0u);
         int top = left.y != 0u ? 32 + findMSB(left.y) : findMSB(left.x);
         if (top < 0) break;
-        uvec2 empty = top > 0 ? ~held & bits_between(0, top - 1) : uvec2(0u);
+        uvec2 empty = top > 0 ? ~occupied & bits_between(0, top - 1) : uvec2(0u);
         above = 1 + (empty.y != 0u ? 32 + findMSB(empty.y) : findMSB(empty.x));
-        vec2 run = vec2(max(all.x + float(above) * width, range.x), min(all.x + float(top + 1) * width, range.y));
-        if (run_count < MAX_RUNS) runs[run_count++] = run;
-        else runs[MAX_RUNS - 1].x = run.x;
+        vec2 interval = vec2(max(all.x + float(above) * width, range.x), min(all.x + float(top + 1) * width, range.y));
+        if (interval_count < MAX_INTERVALS) intervals[interval_count++] = interval;
+        else intervals[MAX_INTERVALS - 1].x = interval.x;
     }
 }

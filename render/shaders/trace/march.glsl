@@ -1,12 +1,12 @@
-// Where lens rays meet peeled layers: the walk along a ray.
+// Intersection of lens rays with peeled layers, by a walk along the ray.
 // A ray is a line in (pixel, inverse depth): s(w) = a + b·w, in layer pixels, px·m and 1/m. A pixel's surface is a plane, which is
-// one in (pixel, inverse depth) too, so that ray and surface meet at a point and silhouettes are as wide as they are.
+// a plane in (pixel, inverse depth) too, so that ray and surface meet at a point and silhouettes keep their width.
 // Lee, Eisemann & Seidel 2010, section 3.1.
 
-uniform sampler2D packed_w;     // of layers 0 to 3, near to far: 1/m; 0 empty, negative partly transparent
-uniform usampler2D slopes;      // of these
+uniform sampler2D packed_w;     // w of layers 0 to 3, near to far: 1/m; 0 empty, negative partly transparent
+uniform usampler2D slopes;      // slopes of w of these layers
 #ifdef EIGHT_LAYERS
-uniform sampler2D packed_w_far; // of layers 4 to 7
+uniform sampler2D packed_w_far; // w of layers 4 to 7
 uniform usampler2D slopes_far;
 #endif
 uniform sampler2DArray radiance;
@@ -17,9 +17,9 @@ uniform sampler2D background;
 
 #ifdef MOVERS
 #include "layers/carried.glsl"
-uniform usampler2DArray motion; // how surfaces move while the shutter is open (surface.frag)
-uniform sampler2DArray movers;  // what moves in each block (movers.comp)
-layout(std430, binding = 10) readonly buffer Arrivals { uvec4 arrivals[]; };  // what lands in it (arrivals.comp)
+uniform usampler2DArray motion; // motion of surfaces while the shutter is open (surface.frag)
+uniform sampler2DArray movers;  // moving surfaces of each block (movers.comp)
+layout(std430, binding = 10) readonly buffer Arrivals { uvec4 arrivals[]; };  // movers that arrive in each block (arrivals.comp)
 
 // Surfaces that may move into a pixel at this moment; none where the third number is 0.
 uvec4 arrivals_at(ivec2 pixel)
@@ -28,30 +28,30 @@ uvec4 arrivals_at(ivec2 pixel)
 }
 #endif
 
-const int MAX_STEPS = 160;      // a ray that crosses more pixels strides over some; where it lands is looked at again
-const float OVERLAP = 0.05;     // share of a step by which it looks into its neighbours, lest rays slip through cracks
+const int MAX_STEPS = 160;      // a ray that crosses more pixels skips some; the pixel of a hit is read again
+const float OVERLAP = 0.05;     // share of a step by which steps overlap, so that rays do not slip through cracks
 const float LEAST_PAD = 1e-5;   // share of w: rounding
-const float UNLIKE = 0.003;     // share of w by which pixels of one surface differ at most beyond what slopes say
+const float UNLIKE = 0.003;     // relative difference of w between pixels of one surface, beyond their slopes
 
-// A surface that a ray meets; `reach`: how far its w changes within a pixel, 1/m.
+// A surface that a ray meets; `reach`: greatest change of its w within a pixel, 1/m.
 struct Hit { float w; int layer; bool opaque; float reach; };
 
-// A stretch of a ray in w, the layer pixel under its middle, and what is stored there of the first four layers.
-struct Stretch { float low; float high; ivec2 pixel; vec4 stored; };
+// A segment of a ray in w, the layer pixel under its middle, and the stored w of its first four layers.
+struct Segment { float low; float high; ivec2 pixel; vec4 stored; };
 
-// A walk along a ray: near to far through the pixel's runs of w, about a layer pixel a step.
-struct Walk { vec2 a; vec2 b; float rate; int run; int steps; int step; float top; float dw; };
+// A walk along a ray: near to far through the pixel's intervals of w, about a layer pixel a step.
+struct Walk { vec2 a; vec2 b; float rate; int interval; int steps; int step; float top; float dw; };
 
-// Whether each of four surfaces, met at `w`, is one that is there, within the stretch and in front of `limit`.
-bvec4 met_within(vec4 w, vec4 stored, Stretch at, float limit)
+// Whether each of four surfaces, met at `w`, exists, is within the segment and in front of `limit`.
+bvec4 met_within(vec4 w, vec4 stored, Segment at, float limit)
 {
     vec4 there = vec4(notEqual(stored, vec4(0.0)));
     return notEqual(there * step(at.low, w) * step(w, vec4(at.high)) * vec4(lessThan(w, vec4(limit))), vec4(0.0));
 }
 
-// The nearest of four surfaces of a pixel that a ray meets within the stretch, in front of `limit`. Each is followed as a plane, as
-// far as the centres of the pixels around.
-Hit nearest_of_four(vec4 stored, uvec4 held, vec2 a, vec2 b, Stretch at, float limit)
+// Nearest of four surfaces of a pixel that a ray meets within the segment, in front of `limit`. Each is extended as a plane as far
+// as the centres of the neighbouring pixels.
+Hit nearest_of_four(vec4 stored, uvec4 held, vec2 a, vec2 b, Segment at, float limit)
 {
     vec4 w = abs(stored), gx = w * unpacked_slopes(held), gy = w * unpacked_slopes(held >> 8);
     vec4 along = 1.0 - gx * b.x - gy * b.y, reach = min(abs(gx) + abs(gy), 2.0 * LONGEST_REACH * w);
@@ -68,8 +68,8 @@ Hit nearest_of_four(vec4 stored, uvec4 held, vec2 a, vec2 b, Stretch at, float l
 }
 
 #ifdef EIGHT_LAYERS
-// The second four are looked at only where the first are all there: once a pixel is empty, it stays empty.
-Hit nearest_in(vec2 a, vec2 b, Stretch at, float limit)
+// The second four layers are read only where the first four are all filled: after an empty layer, all are empty.
+Hit nearest_in(vec2 a, vec2 b, Segment at, float limit)
 {
     Hit hit = nearest_of_four(at.stored, texelFetch(slopes, at.pixel, 0), a, b, at, limit);
     if (hit.layer >= 0 || at.stored.w == 0.0) return hit;
@@ -83,8 +83,8 @@ float stored_w(ivec2 pixel, int layer)
     return layer < 4 ? texelFetch(packed_w, pixel, 0)[layer] : texelFetch(packed_w_far, pixel, 0)[layer - 4];
 }
 
-// Whether a surface may be met in the stretch; the second four are behind the fourth.
-bool may_meet(Stretch at)
+// Whether the segment may meet a surface; the second four layers are behind the fourth.
+bool may_meet(Segment at)
 {
     float behind = abs(at.stored.w) * (1.0 + 2.0 * LONGEST_REACH);
     vec4 w = abs(at.stored), room = 2.0 * LONGEST_REACH * w;
@@ -92,7 +92,7 @@ bool may_meet(Stretch at)
     return any(near) || (at.stored.w != 0.0 && at.low <= behind);
 }
 #else
-Hit nearest_in(vec2 a, vec2 b, Stretch at, float limit)
+Hit nearest_in(vec2 a, vec2 b, Segment at, float limit)
 {
     return nearest_of_four(at.stored, texelFetch(slopes, at.pixel, 0), a, b, at, limit);
 }
@@ -102,22 +102,22 @@ float stored_w(ivec2 pixel, int layer)
     return texelFetch(packed_w, pixel, 0)[layer];
 }
 
-// Whether a surface may be met in the stretch.
-bool may_meet(Stretch at)
+// Whether the segment may meet a surface.
+bool may_meet(Segment at)
 {
     vec4 w = abs(at.stored), room = 2.0 * LONGEST_REACH * w;
     return any(notEqual(step(at.low, w + room) * step(w - room, vec4(at.high)), vec4(0.0)));
 }
 #endif
 
-// Walk on to a stretch with a surface near the ray; false where there is none any more. That test is as cheap as can be, and the
-// one that follows it is not: apart, rays beside each other wait for each other less.
-bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
+// Advance to the next segment with a surface near the ray; false at the end. This cheap test is kept apart from the expensive one
+// that follows, so that neighbouring rays wait less for each other.
+bool walk_on(inout Walk walk, ivec2 last, out Segment at)
 {
     while (true) {
         if (walk.step == walk.steps) {
-            if (walk.run == run_count) return false;
-            vec2 range = runs[walk.run++];
+            if (walk.interval == interval_count) return false;
+            vec2 range = intervals[walk.interval++];
             walk.steps = clamp(int(ceil(walk.rate * (range.y - range.x))), 1, MAX_STEPS);
             walk.dw = (range.y - range.x) / float(walk.steps);
             walk.top = range.y;
@@ -135,8 +135,8 @@ bool walk_on(inout Walk walk, ivec2 last, out Stretch at)
     }
 }
 
-// Radiance and opacity of the surface that was met, in the pixel where the ray meets it: the step found it in the pixel under the
-// step's middle.
+// Radiance and opacity of a hit, read from the pixel where the ray meets it: the walk found it in the pixel under the segment's
+// middle.
 vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
 {
     ivec2 there = clamp(ivec2(floor(a + b * hit.w)), ivec2(0), last);
@@ -150,7 +150,7 @@ vec4 march(vec2 a, vec2 b)
 {
     ivec2 last = textureSize(packed_w, 0) - 1;
     Walk walk = Walk(a, b, max(max(abs(b.x), abs(b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
-    Stretch at;
+    Segment at;
     Hit hit = Hit(0.0, -1, false, 0.0);
     vec4 seen = vec4(0.0);
     float limit = 1e30;

@@ -1,22 +1,22 @@
-// Where lens rays meet peeled layers when some surfaces of them move: as trace/march.glsl, at one moment of the shutter's opening.
-// A surface that stands still is met where it was peeled. One that moves is looked for where a ray would meet it that had moved the
-// other way (carried.glsl): by the motion of what may land here at this moment, then by that of what it meets there, until both
-// are the same. Kyaw 2013 gathers along one velocity in the picture; here each layer has its own, and depth.
+// Intersection of lens rays with peeled layers that hold moving surfaces: trace/march.glsl at one moment of the exposure.
+// A still surface is met where it was peeled. A moving one is searched for by moving the ray the other way (carried.glsl): by the
+// motion of a surface that may arrive here at this moment, then by the motion of the surface it meets there, until both agree.
+// Kyaw 2013 gathers along one velocity in the picture; here each layer has its own velocity and depth.
 
-uniform int most_tries;         // more than enough; told from outside, so that no compiler writes the loops out
+uniform int most_tries;         // limit of the loops; a uniform, so that no compiler unrolls them
 const int ROUNDS_OF_MOTION = 4;
-const float SAME_PLACE = 0.8;   // px by which a surface may miss the ray that found it
+const float SAME_PLACE = 0.8;   // px by which a surface may miss the ray of its search
 // Kinds of surfaces searched for: still ones; the fastest and the nearest that may move into this pixel; moving ones
 // that were peeled in this pixel.
 const int STILL = 0, FASTEST = 1, NEAREST = 2, PASSED = 3;
 
-// A surface that is met: `hit.w` where it was peeled, `w` at the moment; `b` of the ray relative to it, and the pixel it was found in.
+// A hit: `hit.w` where it was peeled, `w` at the moment; `b` of the ray relative to it, and the pixel it was found in.
 struct Met { Hit hit; float w; vec2 b; ivec2 pixel; };
 
-// A look at what moves by `mover` (m) near where that is at its w; so many rounds of it have been made.
-struct Look { int sought; vec4 mover; int round; };
+// A search for surfaces that move by `mover` (xyz in m, its w); `round` counts its rounds.
+struct Search { int kind; vec4 mover; int round; };
 
-const Met NOTHING = Met(Hit(0.0, -1, false, 0.0), 0.0, vec2(0.0), ivec2(-9));
+const Met NO_HIT = Met(Hit(0.0, -1, false, 0.0), 0.0, vec2(0.0), ivec2(-9));
 
 // Motion of a layer's surface at this moment, and 1 where it moves.
 vec4 motion_at(ivec2 pixel, int layer)
@@ -31,12 +31,12 @@ vec4 mover_of(uint number)
     return texelFetch(movers, ivec3(i % across, i / across % down, i / (across * down)), 0);
 }
 
-// The stretch and the ray as what moves with a look's mover meets them.
-Stretch seen_moving(vec2 a, vec2 b, Stretch at, vec4 mover, ivec2 last, out vec2 own)
+// The segment and the ray relative to a surface that moves by `mover`.
+Segment segment_at_mover(vec2 a, vec2 b, Segment at, vec4 mover, ivec2 last, out vec2 own)
 {
     float away = shutter_time * mover.z;
     own = relative(a, b, shutter_time * mover.xyz);
-    Stretch there;
+    Segment there;
     there.low = in_the_middle(at.low, away);
     there.high = in_the_middle(at.high, away);
     there.pixel = ivec2(clamp(floor(a + own * clamp(mover.w, there.low, there.high)), vec2(0.0), vec2(last)));
@@ -45,45 +45,45 @@ Stretch seen_moving(vec2 a, vec2 b, Stretch at, vec4 mover, ivec2 last, out vec2
 }
 
 // Choose the next search when one has ended; false where none is left.
-bool next_look(inout Look look, uvec4 arrived, vec4 passed)
+bool next_search(inout Search search, uvec4 arrived, vec4 passed)
 {
-    look.round = 0;
-    ++look.sought;
-    if (look.sought == FASTEST && arrived.z == 0u) look.sought = PASSED;
-    if (look.sought == NEAREST && arrived.w == arrived.z) look.sought = PASSED;
-    if (look.sought == FASTEST) look.mover = mover_of(arrived.z);
-    if (look.sought == NEAREST) look.mover = mover_of(arrived.w);
-    if (look.sought == PASSED) look.mover = passed;
-    return look.sought < PASSED || look.sought == PASSED && passed.w > 0.0;
+    search.round = 0;
+    ++search.kind;
+    if (search.kind == FASTEST && arrived.z == 0u) search.kind = PASSED;
+    if (search.kind == NEAREST && arrived.w == arrived.z) search.kind = PASSED;
+    if (search.kind == FASTEST) search.mover = mover_of(arrived.z);
+    if (search.kind == NEAREST) search.mover = mover_of(arrived.w);
+    if (search.kind == PASSED) search.mover = passed;
+    return search.kind < PASSED || search.kind == PASSED && passed.w > 0.0;
 }
 
-// Whether this is what the ray has met and passed through just before, found again from elsewhere.
-bool is_met_again(Hit hit, ivec2 pixel, Met before)
+// Whether this is the transparent surface that the ray met just before, found again from another pixel.
+bool is_same_hit(Hit hit, ivec2 pixel, Met before)
 {
     ivec2 off = abs(pixel - before.pixel);
     float apart = abs(hit.w - before.hit.w);
     return hit.layer == before.hit.layer && max(off.x, off.y) <= 2 && apart <= 3.0 * before.hit.reach + UNLIKE * hit.w;
 }
 
-// The nearest surface that is met in a stretch, in front of `limit` and behind what was met before.
-Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
+// Nearest surface in a segment, in front of `limit` and behind the last hit.
+Met nearest_met(vec2 a, vec2 b, Segment at, float limit, Met before, ivec2 last)
 {
-    Met met = NOTHING;
-    Look look = Look(STILL, vec4(0.0), 0);
+    Met met = NO_HIT;
+    Search search = Search(STILL, vec4(0.0), 0);
     vec4 passed = vec4(0.0);
     uvec4 arrived = arrivals_at(at.pixel);
     vec2 own = b;
-    Stretch there = at;
+    Segment there = at;
     for (int i = 0; i < most_tries; ++i) {
-        float away = shutter_time * look.mover.z, behind = limit < 1e20 ? in_the_middle(limit, away) : limit;
+        float away = shutter_time * search.mover.z, behind = limit < 1e20 ? in_the_middle(limit, away) : limit;
         vec4 missed = vec4(0.0);
-        // in Mesa 22's llvmpipe a do-while here forgets what the pixels beside each other found that leave it first
+        // in Mesa 22's llvmpipe a do-while here loses the results of pixels that leave it first
         for (int k = 0; k < most_tries; ++k) {
             Hit hit = nearest_in(a, own, there, behind);
             if (hit.layer < 0) break;
             behind = hit.w;
             vec4 found = motion_at(there.pixel, hit.layer);
-            if (look.sought == STILL) {
+            if (search.kind == STILL) {
                 if (found.w == 0.0) {
                     met = Met(hit, hit.w, own, there.pixel);
                     break;
@@ -91,7 +91,7 @@ Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
                 if (passed.w == 0.0) passed = vec4(found.xyz, hit.w);
                 continue;
             }
-            if (found.w == 0.0 || is_met_again(hit, there.pixel, before)) continue;
+            if (found.w == 0.0 || is_same_hit(hit, there.pixel, before)) continue;
             vec2 its = relative(a, b, shutter_time * found.xyz), off = abs(a + its * hit.w - (vec2(there.pixel) + 0.5));
             if (max(off.x, off.y) <= SAME_PLACE) {
                 float w = at_the_moment(hit.w, shutter_time * found.z);
@@ -100,9 +100,9 @@ Met nearest_met(vec2 a, vec2 b, Stretch at, float limit, Met before, ivec2 last)
             }
             if (missed.w == 0.0) missed = vec4(found.xyz, hit.w);
         }
-        if (missed.w > 0.0 && ++look.round < ROUNDS_OF_MOTION) look.mover = missed;
-        else if (!next_look(look, arrived, passed)) break;
-        there = seen_moving(a, b, at, look.mover, last, own);
+        if (missed.w > 0.0 && ++search.round < ROUNDS_OF_MOTION) search.mover = missed;
+        else if (!next_search(search, arrived, passed)) break;
+        there = segment_at_mover(a, b, at, search.mover, last, own);
     }
     return met;
 }
@@ -112,8 +112,8 @@ vec4 march_moving(vec2 a, vec2 b)
 {
     ivec2 last = textureSize(packed_w, 0) - 1;
     Walk walk = Walk(a, b, max(max(abs(b.x), abs(b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
-    Stretch at;
-    Met before = NOTHING;
+    Segment at;
+    Met before = NO_HIT;
     vec4 seen = vec4(0.0), behind = vec4(texelFetch(background, ivec2(clamp(floor(a), vec2(0.0), vec2(last))), 0).rgb, 0.0);
     float limit = 1e30;
     bool on = true;

@@ -1,8 +1,8 @@
 // Slope of a surface's inverse depth over a layer pixel, relative to w, in 16 bits: eight along x and eight along y,
 // finer where the slope is small. w is linear over a plane's picture, so w and its slope define the plane.
 
-const float STEEPEST = 1.0;       // share of w per pixel; what is steeper lies on edge to the eye
-const float LONGEST_REACH = 0.05; // share of w by which a surface is followed from a pixel's centre to its corner at most
+const float STEEPEST = 1.0;       // relative change of w per pixel; steeper surfaces are seen edge-on
+const float LONGEST_REACH = 0.05; // greatest relative change of w by which a surface is extended from a pixel's centre to its corner
 
 uint packed_slope(vec2 slope)
 {

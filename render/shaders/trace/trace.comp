@@ -1,8 +1,8 @@
 #version 450 core
-// Traces lens rays through peeled layers and adds what they meet.
+// Trace lens rays through peeled layers and add up the radiance of the surfaces they meet.
 // in:  layers, their N-buffers and background (march.glsl); patterns, iris and lens (lens_rays.glsl)
-// out: sum of weighted radiance and coverage in `sum` (premultiplied), added to what is there
-// Lee, Eisemann & Seidel 2010, section 3.1. All pixels here are the layers', guard band included, where not said otherwise.
+// out: weighted radiance and coverage, added to `sum` (premultiplied)
+// Lee, Eisemann & Seidel 2010, section 3.1. Pixels are the layers', guard band included, unless stated otherwise.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = 0) uniform image2D sum;
@@ -13,21 +13,21 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 #endif
 #include "lens/lens_rays.glsl"
 
-uniform ivec2 first_pixel;      // of those that this dispatch works on
-uniform ivec2 end_pixel;        // behind the last of them
-uniform vec2 offset;            // of the picture's corner in the layers
+uniform ivec2 first_pixel;      // first pixel of this dispatch
+uniform ivec2 end_pixel;        // one past its last pixel
+uniform vec2 offset;            // position of the picture's corner in the layers
 #ifdef FOCAL_MAP
-uniform sampler2D focal_map;    // w_f and the pupil's radius over the lens's own, of the picture's pixels (focal_surface.comp)
+uniform sampler2D focal_map;    // w_f and the pupil's relative radius of the picture's pixels (focal_surface.comp)
 #else
 uniform vec3 focus;             // w_f at the picture's pixel (x, y) is focus.x + focus.y·x + focus.z·y
 #endif
 uniform int first_ray;
 uniform int ray_count;
-uniform vec4 light;             // of this wavelength in red, green, blue and coverage, over the number of rays
+uniform vec4 light;             // this wavelength's share in red, green, blue and coverage, over the number of rays
 
 const int ROUNDS = 3;
 #ifdef BOUND_BY_RAYS
-const int SLABS = 4;    // each asks every ray
+const int SLABS = 4;    // each slab evaluates every ray
 #else
 const int SLABS = 8;
 #endif
@@ -49,7 +49,7 @@ void footprint(PixelRays rays, float w, out vec2 centre, out vec2 radius)
 #endif
 
 #ifdef BOUND_BY_RAYS
-// The quad that holds where each of the pixel's rays is at both ends of a range of w.
+// Quad around the pixel's rays at both ends of a range of w.
 void rays_quad(PixelRays rays, vec2 range, inout vec2 low, inout vec2 high)
 {
     for (int i = 0; i < ray_count; ++i) {
@@ -61,7 +61,7 @@ void rays_quad(PixelRays rays, vec2 range, inout vec2 low, inout vec2 high)
 }
 #endif
 
-// Where the pixel's rays can be between two inverse depths: layer pixels, `reach` around them included.
+// Footprint of the pixel's rays between two inverse depths, in layer pixels, widened by `reach`.
 void footprint_between(PixelRays rays, vec2 range, float reach, out ivec2 from, out ivec2 to)
 {
     vec2 low = vec2(1e9), high = vec2(-1e9);
@@ -81,7 +81,7 @@ void footprint_between(PixelRays rays, vec2 range, float reach, out ivec2 from, 
     to = ivec2(floor(high));
 }
 
-// Narrow the range of w in which any ray of the pixel can meet a surface: the footprint of the range before bounds the next.
+// Narrow the range of w in which the pixel's rays can meet surfaces: each range's footprint bounds the next range.
 vec2 bound_footprint(PixelRays rays, float reach)
 {
     vec2 range = range_of_all();
@@ -93,27 +93,27 @@ vec2 bound_footprint(PixelRays rays, float reach)
     return range;
 }
 
-// Which bins within the range hold anything where the rays are at that depth: slab by slab, each with its own footprint.
+// Occupied bins within the range under the rays' footprint at their depth: slab by slab, each with its own footprint.
 uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
 {
     vec2 all = range_of_all();
     int last = bin_of(range.y, all), first = bin_of(range.x, all);
     int slab = max(1, (last - first + SLABS) / SLABS);
     float width = (all.y - all.x) / float(BINS);
-    uvec2 held = uvec2(0u);
+    uvec2 occupied = uvec2(0u);
     for (int low = first; low <= last; low += slab) {
         int high = min(low + slab - 1, last);
         ivec2 from, to;
         footprint_between(rays, all.x + width * vec2(low, high + 1), reach, from, to);
-        held |= bins_over(from, to) & bits_between(low, high);
+        occupied |= bins_over(from, to) & bits_between(low, high);
     }
-    return held;
+    return occupied;
 }
 
 // Share of the light that passes the lens for this pixel, from the lens table, which is more accurate than counting a
 // few rays that pass or are blocked: the radiance is scaled to it. Not where the iris is shaped and clipped, which the
 // table does not know.
-float known_light(float weights, float count)
+float light_correction(float weights, float count)
 {
 #ifdef POLYNOMIAL_LENS
 #ifdef SHAPED_IRIS
@@ -137,8 +137,8 @@ void main()
     PixelRays rays = begin_pixel(pixel, place * scale + offset, axis, focused.x, focused.y);
     float reach = 0.5 * scale + 1.0;
     vec2 range = bound_footprint(rays, reach);
-    run_count = 0;
-    if (range.y > 0.0) find_runs(reachable_bins(rays, range, reach), range);
+    interval_count = 0;
+    if (range.y > 0.0) find_intervals(reachable_bins(rays, range, reach), range);
     vec4 total = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < ray_count; ++i) {
@@ -151,6 +151,6 @@ void main()
         total += ray.weight * march(ray.a, ray.b);
 #endif
     }
-    total *= known_light(weights, float(ray_count));
+    total *= light_correction(weights, float(ray_count));
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);
 }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from render.cli import arguments as shared
 from render.cli.report import say
+from render.cli.setting_options import add_settings, seconds, typed_settings
 from render.errors import SettingsError
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -20,18 +21,14 @@ from render.output import format_of
 from render.shot import Shot
 from render.stage import read_camera
 from usd_schemas import LibraryBody, SchemaError, library_body
+from usd_schemas.settings.tables import EXPOSURE_SETTINGS, FILM_SETTINGS
 
 if TYPE_CHECKING:  # matplotlib takes a second, and few ask for guides
     from render.drawing.guides import Guide
 
 Viewed = Callable[[FloatArray, Camera], FloatArray]
 """A graded picture and the camera that took it, to the picture as it is looked at."""
-STOPS = ("exposure", "iris")
-METERING = ("manual", "center", "average", "spot")
-MAX_DENSITY = 12.0
-"""Of a filter: 40 stops."""
-MAX_SECONDS = 1e6
-"""That a shutter is open: twelve days."""
+METERING = EXPOSURE_SETTINGS["metering_mode"].choices
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ class AskedCamera:
         crop: width over height of the part of the gate that is exposed, in its middle; None is all of it.
         f_stop: of the iris; None keeps the shot's.
         shutter: how long it is open; None keeps the shot's.
-        settings: of its exposure, by the names that `EXPOSURE_SETTINGS` has.
+        settings: of exposure and film, by their names.
         compensation_stops: by how much brighter, than it is set to or than the meter says; None keeps the shot's.
         guides: drawn over graded pictures.
     """
@@ -98,8 +95,12 @@ class AskedCamera:
             shot.camera.set(camera, f_stop=self.f_stop)
         if self.shutter is not None:
             self._open_shutter(shot, camera, self.shutter)
-        if self.settings:
-            shot.exposure.set(camera, **self.settings)
+        exposure = {name: value for name, value in self.settings.items() if name in EXPOSURE_SETTINGS}
+        film = {name: value for name, value in self.settings.items() if name in FILM_SETTINGS}
+        if exposure:
+            shot.exposure.set(camera, **exposure)
+        if film:
+            shot.film.set(camera, **film)
         if self.compensation_stops is not None:
             is_metered = shot.exposure.settings(camera, shot.frame_range.start)["metering_mode"] != "manual"
             name = "metering_compensation_stops" if is_metered else "compensation_stops"
@@ -153,27 +154,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ANGLE|TIME",
         help="how long the shutter is open: 172.8deg, 1/50 or 0.02 seconds; a shot that sets exposure:time is exposed as long",
     )
-    group.add_argument("--exposure-time", metavar="TIME", help="seconds such as 0.02 or 1/50, for exposure:time")
-    group.add_argument(
-        "--exposure-stop", type=float, metavar="N", help="for exposure:fStop, which need not be the iris's"
-    )
-    group.add_argument("--iso", type=float, metavar="N", help="for exposure:iso")
+    add_settings(group)
     group.add_argument(
         "--compensation", type=float, metavar="STOPS", help="brighter by so much; with a meter, than it says"
-    )
-    group.add_argument("--filter", type=float, metavar="ND", help="neutral filter in front: 0.3 takes a stop")
-    group.add_argument(
-        "--expose-by",
-        choices=STOPS,
-        help="which stop exposes: exposure:fStop as USD has it, or the iris's, so that stopping down darkens the picture",
-    )
-    group.add_argument(
-        "--stops-are", choices=("f", "t"), help="f-numbers, or T-stops, which have in them what the glass takes"
-    )
-    group.add_argument(
-        "--natural-vignetting",
-        action="store_true",
-        help="have ideal lenses darken the corners by cos⁴, as real ones do",
     )
     group.add_argument(
         "--metering",
@@ -197,24 +180,14 @@ def asked_camera(arguments: argparse.Namespace) -> AskedCamera:
     Raises:
         SettingsError: the library has no such body, there is no such guide, or it cannot be drawn on such a file.
     """
-    asked = {
-        "exposure_time_s": None
-        if arguments.exposure_time is None
-        else _seconds("--exposure-time", arguments.exposure_time),
-        "exposure_f_stop": arguments.exposure_stop,
-        "iso": arguments.iso,
-        "neutral_density": shared.number_within("--filter", arguments.filter, 0.0, MAX_DENSITY, "a density"),
-        "exposure_stop": arguments.expose_by,
-        "stop_marking": arguments.stops_are,
-        "natural_vignetting": True if arguments.natural_vignetting else None,
-    }
+    asked = typed_settings(arguments)
     asked |= {} if arguments.metering is None else _metering(arguments.metering)
     return AskedCamera(
         body=_body(arguments.body),
         crop=None if arguments.crop is None else shape(arguments.crop),
         f_stop=arguments.stop,
         shutter=None if arguments.shutter is None else _opening(arguments.shutter),
-        settings={name: value for name, value in asked.items() if value is not None},
+        settings=asked,
         compensation_stops=shared.compensation(arguments.compensation),
         guides=_guides(arguments),
     )
@@ -261,7 +234,7 @@ def _opening(typed: str) -> ShutterTime:
     """An angle in degrees, or seconds."""
     number = typed.strip().removesuffix("°").removesuffix("deg")
     if number == typed.strip():
-        return ShutterTime(time_s=_seconds("--shutter", typed))
+        return ShutterTime(time_s=seconds("--shutter", typed))
     try:
         degrees = float(number)
     except ValueError:
@@ -269,16 +242,3 @@ def _opening(typed: str) -> ShutterTime:
     if not 0 < degrees <= 360:
         raise SettingsError(f"--shutter takes an angle above 0 and up to 360 degrees, got {typed!r}")
     return ShutterTime(angle_rad=math.radians(degrees))
-
-
-def _seconds(option: str, typed: str) -> float:
-    """Seconds, or a fraction of them."""
-    over, _, under = typed.partition("/")
-    try:
-        seconds = float(over) / float(under or 1)
-    except (ValueError, ZeroDivisionError):
-        seconds = math.nan
-    if not 0 < seconds <= MAX_SECONDS:
-        most = f", up to {MAX_SECONDS:g}" if seconds > MAX_SECONDS else ""
-        raise SettingsError(f"{option} takes seconds such as 0.02 or 1/50{most}, got {typed!r}")
-    return seconds

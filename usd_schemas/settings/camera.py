@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import Bounds, Setting, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Option, Setting, schema_group, setting
 
 
 @schema_group("Lens", rest="camera")
@@ -47,6 +47,7 @@ class ExposureData:
         unit="seconds",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
+        option=Option("--exposure-time", "TIME", is_time=True),
     )
     iso: float = setting(
         "exposure:iso",
@@ -56,6 +57,7 @@ class ExposureData:
         unit="ISO",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
+        option=Option("--iso"),
     )
     exposure_f_stop: float = setting(
         "exposure:fStop",
@@ -65,6 +67,7 @@ class ExposureData:
         unit="f-number",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
+        option=Option("--exposure-stop"),
     )
     compensation_stops: float = setting(
         "exposure",

@@ -9,7 +9,7 @@ from typing import Literal
 
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.prescription import HeightField, Prescription
-from usd_schemas.settings.setting import Bounds, Floats, Pair, group, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Range, group, schema_group, setting
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 
@@ -90,12 +90,13 @@ class LensData:
         soft=(None, 3),
         rest="exposure",
         bounds=Bounds(0, 20),
+        option=Option("--filter", "ND", Range(0, 12), "a density"),
     )
     stop_marking: Literal["f", "t"] = setting(
         "lens:stopMarking",
         "f",
         "Stop Marking",
-        "What the stops on the barrel are.",
+        "Stops on the barrel: f-numbers, or T-stops, which have in them what the glass takes.",
         "- f: f-numbers, as on lenses for photography: what lens:transmittance takes darkens the picture.\n"
         "- t: T-stops, as on lenses for the cinema: exposure:fStop, or fStop where film:exposure:stop is iris, is "
         "exposed for as a T-stop, which has the light that the glass takes in it already; filters still darken. The "
@@ -103,17 +104,19 @@ class LensData:
         unit="none, a token",
         keyable=False,
         rest="exposure",
+        option=Option("--stops-are"),
     )
     natural_vignetting: bool = setting(
         "lens:naturalVignetting",
         False,
         "Natural Vignetting",
-        "Whether a lens without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting) "
-        "falls off toward the corners by the fourth power of the cosine, to the power of "
-        "lens:aberration:vignetting.",
-        "False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.",
+        "Whether ideal lenses darken the corners by cos⁴, as real ones do.",
+        "It counts for lenses without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting), to "
+        "the power of lens:aberration:vignetting. Lenses with surfaces have it in their rays. False lights the picture "
+        "evenly, as other USD renderers do.",
         unit="none, a switch",
         rest="exposure",
+        option=Option("--natural-vignetting"),
     )
     squeeze: float = setting(
         "lens:squeeze",

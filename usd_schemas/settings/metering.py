@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Bounds, Floats, Pair, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, schema_group, setting
 
 
 @schema_group("Film:Shutter", rest="exposure")
@@ -63,12 +63,12 @@ class Exposing:
         "film:exposure:stop",
         "exposure",
         "Stop",
-        "Which stop the exposure is by.",
+        "Stop that exposes: exposure:fStop, or the iris's fStop, so that stopping down darkens the picture.",
         "- exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.\n"
-        "- iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps "
-        "exposure:fStop.",
+        "- iris: fStop, which also deepens the focus; a pinhole keeps exposure:fStop.",
         unit="none, a token",
         keyable=False,
+        option=Option("--expose-by"),
     )
 
 
@@ -77,17 +77,17 @@ class Exposing:
 class Metering:
     """What a meter looks at, by how many stops more than it says to expose, and over how many seconds it is smoothed."""
 
-    mode: Literal["manual", "spot", "center", "average"] = setting(
+    mode: Literal["manual", "center", "average", "spot"] = setting(
         "film:metering:mode",
         "manual",
         "Mode",
-        "What decides the compensation of the exposure.",
+        "Meter that decides the compensation of the exposure, if any.",
         "- manual: the attribute exposure, as it is authored.\n"
         "- spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.\n"
         "- center: a meter on the whole picture, its middle most.\n"
-        "- average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. "
-        "Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter "
-        "--key` writes such a layer.",
+        "- average: a meter on the whole picture alike.\n"
+        "The meter's reading takes the place of the attribute exposure. Tools that do not meter need it as keys of that "
+        "attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.",
         unit="none, a token",
         keyable=False,
     )

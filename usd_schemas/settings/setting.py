@@ -133,13 +133,17 @@ class Option:
 
     Attributes:
         flag: such as ``--iso``.
-        metavar: of its value; empty for an option of choices or a switch.
+        metavar: of its value; it does not matter where there are choices, or of a switch.
         range: numbers that it takes, where they are fewer than the setting's.
+        noun: names such a number in messages.
+        is_time: whether it also takes fractions, such as 1/50, as times are written.
     """
 
     flag: str
     metavar: str = "N"
     range: Range | None = None
+    noun: str = "a number"
+    is_time: bool = False
 
 
 @dataclass(frozen=True)

@@ -2318,9 +2318,9 @@ export interface components {
             readonly exposureFStop: number;
             /**
              * Exposurestop
-             * @description Which stop the exposure is by.
+             * @description Stop that exposes: exposure:fStop, or the iris's fStop, so that stopping down darkens the picture.
              *     - exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.
-             *     - iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps exposure:fStop.
+             *     - iris: fStop, which also deepens the focus; a pinhole keeps exposure:fStop.
              * @enum {string}
              */
             readonly exposureStop: "exposure" | "iris";
@@ -2363,14 +2363,15 @@ export interface components {
             readonly meteringFocusPoint: string;
             /**
              * Meteringmode
-             * @description What decides the compensation of the exposure.
+             * @description Meter that decides the compensation of the exposure, if any.
              *     - manual: the attribute exposure, as it is authored.
              *     - spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.
              *     - center: a meter on the whole picture, its middle most.
-             *     - average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
+             *     - average: a meter on the whole picture alike.
+             *     The meter's reading takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              * @enum {string}
              */
-            readonly meteringMode: "manual" | "spot" | "center" | "average";
+            readonly meteringMode: "manual" | "center" | "average" | "spot";
             /**
              * Meteringsmoothings
              * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
@@ -2386,7 +2387,7 @@ export interface components {
             ];
             /**
              * Naturalvignetting
-             * @description Whether a lens without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting) falls off toward the corners by the fourth power of the cosine, to the power of lens:aberration:vignetting. False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.
+             * @description Whether ideal lenses darken the corners by cos⁴, as real ones do. It counts for lenses without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting), to the power of lens:aberration:vignetting. Lenses with surfaces have it in their rays. False lights the picture evenly, as other USD renderers do.
              */
             readonly naturalVignetting: boolean;
             /**
@@ -2438,7 +2439,7 @@ export interface components {
             readonly shutterType: "global" | "rolling" | "focalPlane" | "leaf";
             /**
              * Stopmarking
-             * @description What the stops on the barrel are.
+             * @description Stops on the barrel: f-numbers, or T-stops, which have in them what the glass takes.
              *     - f: f-numbers, as on lenses for photography: what lens:transmittance takes darkens the picture.
              *     - t: T-stops, as on lenses for the cinema: exposure:fStop, or fStop where film:exposure:stop is iris, is exposed for as a T-stop, which has the light that the glass takes in it already; filters still darken. The size of the iris is fStop's either way.
              * @enum {string}
@@ -2483,9 +2484,9 @@ export interface components {
             readonly exposureFStop?: number | null;
             /**
              * Exposurestop
-             * @description Which stop the exposure is by.
+             * @description Stop that exposes: exposure:fStop, or the iris's fStop, so that stopping down darkens the picture.
              *     - exposure: exposure:fStop, a number of its own, as UsdGeomCamera computes its exposure.
-             *     - iris: fStop, so that stopping down darkens the picture as it deepens the focus; a pinhole keeps exposure:fStop.
+             *     - iris: fStop, which also deepens the focus; a pinhole keeps exposure:fStop.
              */
             readonly exposureStop?: ("exposure" | "iris") | null;
             /**
@@ -2520,13 +2521,14 @@ export interface components {
             readonly meteringFocusPoint?: string | null;
             /**
              * Meteringmode
-             * @description What decides the compensation of the exposure.
+             * @description Meter that decides the compensation of the exposure, if any.
              *     - manual: the attribute exposure, as it is authored.
              *     - spot: a meter on film:metering:focusPoint, or on the place film:metering:spot.
              *     - center: a meter on the whole picture, its middle most.
-             *     - average: a meter on the whole picture alike. A meter's word takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
+             *     - average: a meter on the whole picture alike.
+             *     The meter's reading takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              */
-            readonly meteringMode?: ("manual" | "spot" | "center" | "average") | null;
+            readonly meteringMode?: ("manual" | "center" | "average" | "spot") | null;
             /**
              * Meteringsmoothings
              * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
@@ -2542,7 +2544,7 @@ export interface components {
             ] | null;
             /**
              * Naturalvignetting
-             * @description Whether a lens without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting) falls off toward the corners by the fourth power of the cosine, to the power of lens:aberration:vignetting. False lights the picture evenly, as other USD renderers do. Lenses with surfaces have it in their rays.
+             * @description Whether ideal lenses darken the corners by cos⁴, as real ones do. It counts for lenses without surfaces (pinhole, thin, seidel, or a dataSheet without lens:table:vignetting), to the power of lens:aberration:vignetting. Lenses with surfaces have it in their rays. False lights the picture evenly, as other USD renderers do.
              */
             readonly naturalVignetting?: boolean | null;
             /**
@@ -2592,7 +2594,7 @@ export interface components {
             readonly shutterType?: ("global" | "rolling" | "focalPlane" | "leaf") | null;
             /**
              * Stopmarking
-             * @description What the stops on the barrel are.
+             * @description Stops on the barrel: f-numbers, or T-stops, which have in them what the glass takes.
              *     - f: f-numbers, as on lenses for photography: what lens:transmittance takes darkens the picture.
              *     - t: T-stops, as on lenses for the cinema: exposure:fStop, or fStop where film:exposure:stop is iris, is exposed for as a T-stop, which has the light that the glass takes in it already; filters still darken. The size of the iris is fStop's either way.
              */

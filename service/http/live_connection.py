@@ -9,19 +9,18 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
 from fastapi import WebSocket, WebSocketDisconnect
-from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
 from service.http.errors import ServiceError, answer_to
-from service.http.routes.frames import FrameQuery, PictureQuery, frame_request, tag_of_frame
+from service.http.routes.frames import frame_request, tag_of_frame
 from service.http.service import Service
 from service.models.base import Model, Problem
 from service.models.cameras import Readout
-from service.models.changes import MAX_CHANGES, Change
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop, LiveTiming
+from service.models.frames import FrameQuery, PictureQuery
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop, LiveTiming
 from service.models.picture_size import check_pixels
 from service.picture.calls import live, state
 from service.picture.requests import LivePicture
@@ -36,23 +35,6 @@ MAX_PROBLEMS = 32
 """Problems that may wait to be sent; a client that does not read them is not received from any more."""
 
 Value = TypeVar("Value")
-
-
-class LiveRequest(PictureQuery):
-    """Asks for a picture, in place of what was asked for before."""
-
-    id: int = Field(ge=0, le=2**53 - 1, description="Names the request in what comes of it.", examples=[3])
-    moving: bool = Field(
-        default=False,
-        description="While a hand moves: one picture, as good as comes in time. Else they get better until the final one.",
-        examples=[True],
-    )
-    budget_ms: float = Field(
-        default=100, ge=1, le=60_000, description="What the first picture may take.", examples=[100]
-    )
-    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = Field(
-        default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
-    )
 
 
 class LiveConnection:

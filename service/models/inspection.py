@@ -1,4 +1,4 @@
-"""What a shot holds, what of it is not honoured, and what is wrong with its cameras."""
+"""Inspection of a shot: its contents, unsupported features, and findings of the validators."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FINDING_EXAMPLE: JsonDict = {
 
 
 class Note(Model):
-    """Something that the shot asks for and that is not honoured."""
+    """A feature of the shot that is not honoured."""
 
     code: str = Field(description="Short stable word for programs.")
     path: str = Field(description="Prim path or file.")
@@ -34,17 +34,17 @@ class Note(Model):
 
 
 class ValidationFinding(Model):
-    """Something that a validator of the camera schemas found."""
+    """A finding of a validator of the camera schemas."""
 
     rule: str = Field(description="Name of the rule.")
     severity: Literal["error", "warning"]
     path: str = Field(description="The prim or property.")
     message: str = Field(description="One sentence.")
-    fix: str = Field(description="What would put it right, empty where nothing safe would.")
+    fix: str = Field(description="Safe fix, or empty.")
 
 
 class Inspection(Model):
-    """A look into a shot at its first frame."""
+    """Contents of a shot at its first frame."""
 
     model_config = shown_as(
         {
@@ -67,9 +67,9 @@ class Inspection(Model):
     meters_per_unit: float = Field(description="Length of a scene unit.")
     cameras: list[str] = Field(description="Prim paths.")
     default_camera: CameraChoice
-    readouts: list[Readout] = Field(description="The lens of each camera whose numbers make a picture.")
-    prim_count: int = Field(description="Prims with geometry that are drawn.")
-    triangle_count: int = Field(description="Drawn, instances counted.")
+    readouts: list[Readout] = Field(description="Lens readout of each camera whose numbers make a picture.")
+    prim_count: int = Field(description="Number of drawn prims with geometry.")
+    triangle_count: int = Field(description="Number of drawn triangles, instances included.")
     light_count: int
-    notes: list[Note] = Field(description="What the shot uses that is not honoured.")
-    validation: list[ValidationFinding] = Field(description="What the validators found.")
+    notes: list[Note] = Field(description="Features that are not honoured.")
+    validation: list[ValidationFinding] = Field(description="Findings of the validators.")

@@ -1,4 +1,4 @@
-"""Lenses: what the library has, and what a lens is made of."""
+"""The lens library."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ class LensSummary(Model):
 
     model_config = shown_as(SUMMARY_EXAMPLE)
 
-    name: str = Field(description="Names the lens in addresses, on the command line and in edits of a camera.")
-    title: str = Field(description="What is engraved on it; a camera's `lensName`.")
+    name: str = Field(description="Name of the lens in URLs, on the command line and in edits of a camera.")
+    title: str = Field(description="Engraving; the `lensName` of a camera that it is mounted on.")
     manufacturer: str
-    model: LensModel = Field(description="How light passes it.")
+    model: LensModel = Field(description="Kind of lens model.")
     focal_length_mm: float
-    f_stop: float = Field(description="f-number wide open; 0 for a pinhole.")
+    f_stop: float = Field(description="f-number wide open; 0 is a pinhole.")
     description: str = Field(description="One line.")
 
 
@@ -64,19 +64,21 @@ class LensGlass(Model):
     """An optical medium."""
 
     name: str = Field(description="Catalogue name; may be empty.")
-    index: float = Field(description="At the d line, 587.56 nm; 1 is air.")
+    index: float = Field(description="Refractive index at the d line, 587.56 nm; 1 is air.")
     abbe: float = Field(description="Abbe number V_d; 0 for no dispersion.")
-    sellmeier_b: tuple[float, float, float] | None = Field(description="Win over index and Abbe number.")
-    sellmeier_c: tuple[float, float, float] | None = Field(description="In square micrometres.")
+    sellmeier_b: tuple[float, float, float] | None = Field(description="Sellmeier B; replaces index and Abbe number.")
+    sellmeier_c: tuple[float, float, float] | None = Field(description="Sellmeier C, square micrometres.")
 
 
 class LensSurface(Model):
     """One surface of a lens, or its stop."""
 
     radius_mm: float = Field(description="Positive where the centre of curvature lies toward the film; 0 is a plane.")
-    thickness_mm: float = Field(description="To the next surface; of the last one to the film, 0 to be solved for.")
-    glass: LensGlass | None = Field(description="The medium behind it; null is air.")
-    clear_diameter_mm: float = Field(description="0 where it is unknown, to be solved for.")
+    thickness_mm: float = Field(
+        description="Distance to the next surface, or from the last one to the film; 0 is solved for."
+    )
+    glass: LensGlass | None = Field(description="Medium behind the surface; null is air.")
+    clear_diameter_mm: float = Field(description="Clear diameter; 0 where it is unknown and solved for.")
     conic: float
     aspheric: list[float] = Field(description="Coefficients of r⁴, r⁶, ... with r in millimetres.")
     is_stop: bool
@@ -90,41 +92,41 @@ class LensErrors(Model):
     w222: float = Field(description="Astigmatism.")
     w220: float = Field(description="Field curvature.")
     w311: float = Field(description="Distortion.")
-    axial_color: float = Field(description="Change of W020 from the C to the F line.")
-    lateral_color: float = Field(description="Change of W111 from the C to the F line.")
-    reference_f_stop: float = Field(description="At whose pupil's edge they hold.")
-    reference_height: float = Field(description="Image height for which they hold, mm.")
+    axial_color: float = Field(description="Axial colour: change of W020 from the C to the F line.")
+    lateral_color: float = Field(description="Lateral colour: change of W111 from the C to the F line.")
+    reference_f_stop: float = Field(description="f-number at whose pupil edge the errors hold.")
+    reference_height: float = Field(description="Image height at which the errors hold, mm.")
 
 
 class LensTables(Model):
-    """What was measured of a lens over the image height; a table that it does not have is empty."""
+    """Measurements of a lens over the image height; tables without measurements are empty."""
 
-    height: list[float] = Field(description="Image heights of the tables' entries, mm, from 0.")
-    distortion: list[float] = Field(description="Share by which the image is farther out than an ideal lens's.")
-    vignetting: list[float] = Field(description="Light over that on the axis.")
+    height: list[float] = Field(description="Image heights of the entries, mm, from 0.")
+    distortion: list[float] = Field(description="Distortion: image height over that of an ideal lens, minus 1.")
+    vignetting: list[float] = Field(description="Relative illumination: 1 on the axis.")
     sagittal_blur: list[float] = Field(description="Standard deviation of the blur across the radius, mm.")
     tangential_blur: list[float] = Field(description="Standard deviation of the blur along the radius, mm.")
     spherical_aberration: list[float] = Field(
-        description="Share of the blur, -1 to 1: positive gives discs behind the focus a bright edge."
+        description="Share of the blur, -1 to 1; positive values give discs behind the focus a bright edge."
     )
     coma: list[float] = Field(description="Length of the flare, mm, outward.")
-    field_curvature: list[float] = Field(description="How far before the film the sharp image lies, mm.")
-    lateral_color: list[float] = Field(description="How much farther out red (650 nm) lies than blue (475 nm), mm.")
-    axial_color: list[float] = Field(description="How far behind blue red focuses, mm.")
-    f_stop: float = Field(description="At which they hold.")
+    field_curvature: list[float] = Field(description="Distance of the sharp image in front of the film, mm.")
+    lateral_color: list[float] = Field(description="Image height of red (650 nm) minus that of blue (475 nm), mm.")
+    axial_color: list[float] = Field(description="Distance of the red focus behind the blue one, mm.")
+    f_stop: float = Field(description="f-number at which the tables hold.")
 
 
 class LensIris(Model):
-    """The lens's own iris."""
+    """Iris of a lens."""
 
-    blades: int = Field(description="0 is round.")
-    roundness: float = Field(description="0 straight blades to 1 round.")
+    blades: int = Field(description="Number of blades; 0 is round.")
+    roundness: float = Field(description="0 is straight blades, 1 is round.")
     rotation: float = Field(description="Degrees, counter-clockwise.")
     radial_weights: list[float] = Field(description="Transmission from centre to edge; empty for even.")
 
 
 class Lens(LensSummary):
-    """A lens of the library, and what it is made of."""
+    """A lens of the library with its optical data."""
 
     model_config = shown_as(
         SUMMARY_EXAMPLE
@@ -139,8 +141,8 @@ class Lens(LensSummary):
     )
 
     squeeze: float = Field(description="Anamorphic squeeze; 1 is spherical.")
-    surfaces: list[LensSurface] = Field(description="Front to rear; empty for a lens that is not said by its surfaces.")
+    surfaces: list[LensSurface] = Field(description="Front to rear; empty for a lens that has no prescription.")
     focus_group: tuple[int, int] | None = Field(description="Indices of the surfaces that move to focus; null for all.")
-    errors: LensErrors | None = Field(description="Of the model `seidel`.")
-    tables: LensTables | None = Field(description="Of the model `dataSheet`.")
-    iris: LensIris | None = Field(description="Null where the camera's own iris stays.")
+    errors: LensErrors | None = Field(description="Errors of the model `seidel`.")
+    tables: LensTables | None = Field(description="Tables of the model `dataSheet`.")
+    iris: LensIris | None = Field(description="Null where the camera's own iris is used.")

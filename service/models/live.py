@@ -1,4 +1,4 @@
-"""Live pictures: what travels over the WebSocket beside the pictures themselves."""
+"""Messages of live pictures on a WebSocket, other than the pictures themselves."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from pydantic.config import JsonDict
 
 from service.models.base import Model, Problem, shown_as
 from service.models.cameras import Readout
+from service.models.changes import MAX_CHANGES, Change
+from service.models.frames import PictureQuery
 
 TIMING_EXAMPLE: JsonDict = {
     "readMs": 9.1,
@@ -27,16 +29,36 @@ Milliseconds = Annotated[float, AfterValidator(lambda ms: round(ms, 1))]
 Stage = Literal["preview", "refining", "final"]
 
 
+class LiveRequest(PictureQuery):
+    """Requests pictures of a frame, in place of the request before."""
+
+    id: int = Field(
+        ge=0, le=2**53 - 1, description="Number of the request, which is repeated in its answers.", examples=[3]
+    )
+    moving: bool = Field(
+        default=False,
+        description="True while a pointer moves: one picture, the best in that time. Otherwise pictures get better up "
+        "to the final one.",
+        examples=[True],
+    )
+    budget_ms: float = Field(
+        default=100, ge=1, le=60_000, description="Time for the first picture, milliseconds.", examples=[100]
+    )
+    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = Field(
+        default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
+    )
+
+
 class LiveAck(Model):
-    """Says that a picture has arrived, and with it all before it."""
+    """Acknowledges a picture and all before it."""
 
     model_config = shown_as({"ack": 7})
 
-    ack: Annotated[int, Field(ge=0)] = Field(description="The `picture` of its head.")
+    ack: Annotated[int, Field(ge=0)] = Field(description="The `picture` in the head of the picture.")
 
 
 class LiveStop(Model):
-    """Says that nothing of what was asked for is wanted any more."""
+    """Cancels all requests."""
 
     model_config = shown_as({"stop": True})
 
@@ -44,26 +66,28 @@ class LiveStop(Model):
 
 
 class LiveTiming(Model):
-    """What a picture took, in milliseconds, and what went into it."""
+    """Times of a picture in milliseconds, and its quality."""
 
     model_config = shown_as(TIMING_EXAMPLE)
 
-    read_ms: Milliseconds = Field(description="To read the scene and focus the camera.")
-    peel_ms: Milliseconds = Field(description="To peel the layers; 0 where those of a picture before still held.")
-    blur_ms: Milliseconds = Field(description="To blur them, or to trace rays through them.")
-    finish_ms: Milliseconds = Field(description="To expose, develop and grade.")
-    total_ms: Milliseconds = Field(description="From when the work was begun to when this picture was there.")
-    encode_ms: Milliseconds = Field(description="To make a file of it.")
-    answered_ms: Milliseconds = Field(
-        description="From when the service had the request to when it had this picture to send."
+    read_ms: Milliseconds = Field(description="Time to read the scene and focus the camera.")
+    peel_ms: Milliseconds = Field(
+        description="Time to peel the layers; 0 where those of an earlier picture were reused."
     )
-    rays: int = Field(description="Lens rays for each pixel so far; 0 where a picture was blurred instead.")
-    scale: float = Field(description="Pixels of this picture for each that was asked for, along a side.")
-    share: float = Field(description="Of the final picture's work that is done.")
+    blur_ms: Milliseconds = Field(description="Time to blur the layers, or to trace rays through them.")
+    finish_ms: Milliseconds = Field(description="Time to expose, develop and grade.")
+    total_ms: Milliseconds = Field(description="Time from the begin of the work to this picture.")
+    encode_ms: Milliseconds = Field(description="Time to encode the picture.")
+    answered_ms: Milliseconds = Field(
+        description="Time from the arrival of the request to the moment when this picture could be sent."
+    )
+    rays: int = Field(description="Lens rays per pixel so far; 0 where the picture was blurred instead.")
+    scale: float = Field(description="Pixels of this picture per requested pixel, along one side.")
+    share: float = Field(description="Share of the final picture's work that is done.")
 
 
 class LivePictureHead(Model):
-    """What stands before a picture."""
+    """Head of a picture message."""
 
     model_config = shown_as(
         {
@@ -78,28 +102,30 @@ class LivePictureHead(Model):
         }
     )
 
-    id: int = Field(description="Of the request.")
-    picture: int = Field(description="Counts the pictures of this connection, for `ack`.")
+    id: int = Field(description="Number of the request.")
+    picture: int = Field(description="Number of the picture on this connection, for `ack`.")
     stage: Stage = Field(
-        description="`preview`: the best that could be had in time. `refining`: more rays than before. `final`: the whole of it."
+        description="`preview`: the best within the time. `refining`: more rays than before. `final`: the exact picture."
     )
-    final: bool = Field(description="Whether it is the last of its request: the one that `getFrame` and `record` give.")
-    format: Literal["jpeg", "png"] = Field(description="What follows; a final picture is lossless.")
-    width: int = Field(description="px; less than was asked for in a preview.")
+    final: bool = Field(
+        description="True for the last picture of its request, which is the one of `getFrame` and `record`."
+    )
+    format: Literal["jpeg", "png"] = Field(description="Format of the picture; a final one is lossless.")
+    width: int = Field(description="px; a preview may be smaller than requested.")
     height: int = Field(description="px")
     timing: LiveTiming
 
 
 class LiveReadout(Model):
-    """What the lens does in the picture of a request that had an edit with it."""
+    """Lens readout of a request with changes."""
 
-    id: int = Field(description="Of the request.")
+    id: int = Field(description="Number of the request.")
     readout: Readout
 
 
 class LiveProblem(Model):
-    """Why a request has no picture, or no further one."""
+    """Reason why a request has no picture, or no further one."""
 
-    id: int | None = Field(description="Of the request; null where what was sent is none.")
-    status: int = Field(description="The HTTP status that the same problem has elsewhere.")
+    id: int | None = Field(description="Number of the request; null where the message was no request.")
+    status: int = Field(description="HTTP status of the same problem.")
     problem: Problem

@@ -1,4 +1,4 @@
-"""A long exposure: how it is begun, and how far it is."""
+"""Long exposures: their request and their progress."""
 
 from __future__ import annotations
 
@@ -29,43 +29,43 @@ STATE_EXAMPLE: JsonDict = {
 
 
 class LongExposureBegin(Model):
-    """What is exposed, and how finely."""
+    """Interval and quality of a long exposure."""
 
     model_config = shown_as(BEGIN_EXAMPLE)
 
     camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
     first: TimeCode = Field(description="USD time code at which the shutter opens.")
-    last: TimeCode = Field(description="At which it closes, unless it is closed before.")
-    step: float = Field(default=1.0, gt=0, le=1e6, description="Frames that are exposed at once.")
+    last: TimeCode = Field(description="USD time code at which the shutter closes, unless it is closed earlier.")
+    step: float = Field(default=1.0, gt=0, le=1e6, description="Length of one interval, frames.")
     nd_stops: float | None = Field(
         default=None,
         ge=0,
         le=MAX_ND_STOPS,
-        description="Of a neutral density filter; one that keeps the exposure of a single frame when left out.",
+        description="Density of a neutral density filter; when left out, one that keeps the exposure of a single frame.",
     )
     width: int = Field(default=480, ge=1, le=8192, description="px")
     height: int | None = Field(
         default=None, ge=1, le=8192, description="px; from the camera's film gate when left out."
     )
     engine: EngineName = Field(default=FrameSettings.engine, description="As for a frame.")
-    rays: int = Field(default=16, ge=1, description="Lens rays for each pixel, in each interval.")
+    rays: int = Field(default=16, ge=1, description="Lens rays per pixel and interval.")
     layers: int = Field(default=4, ge=1, description="Layers peeled at most.")
     supersample: float = Field(default=2, ge=1, description="Layer pixels for each picture pixel.")
-    wavelengths: int = Field(default=3, ge=1, le=64, description="Of light, as for a frame.")
+    wavelengths: int = Field(default=3, ge=1, le=64, description="Wavelengths, as for a frame.")
     motion: int = Field(
         default=1,
         ge=1,
         le=MAX_MOTION,
-        description="Moments of each interval; 1 takes as many as it needs for trails without gaps.",
+        description="Moments of each interval; 1 takes as many as trails without gaps need.",
     )
     motion_by: Literal["moments", "velocities"] = Field(
         default="moments",
-        description="`moments` peels the scene at each of them, which is exact; `velocities` once an interval, which is quick.",
+        description="`moments` peels the scene at each moment, which is exact; `velocities` once an interval, which is quick.",
     )
     shading: Literal["lit", "unlit"] = Field(default="lit", description="`unlit`: base colour as radiance.")
-    seed: int = Field(default=0, ge=0, description="Of the sampling pattern.")
+    seed: int = Field(default=0, ge=0, description="Seed of the sampling pattern.")
     film: str | None = Field(
-        default=None, max_length=80, description="A stock of the film library; the shot's when left out."
+        default=None, max_length=80, description="Stock of the film library; the shot's own when left out."
     )
 
     @model_validator(mode="after")
@@ -78,17 +78,17 @@ class LongExposureBegin(Model):
 
 
 class LongExposureEdit(Model):
-    """The hand on the shutter."""
+    """Opens or closes the shutter."""
 
     model_config = shown_as({"shutter": "closed"})
 
     shutter: Literal["open", "closed"] = Field(
-        description="`closed` ends the exposure after the interval that is at work; `open` goes on where it was closed."
+        description="`closed` ends the exposure after the current interval; `open` continues where it was closed."
     )
 
 
 class LongExposureState(Model):
-    """How far it is."""
+    """Progress of a long exposure."""
 
     model_config = shown_as(STATE_EXAMPLE)
 
@@ -97,11 +97,11 @@ class LongExposureState(Model):
     )
     camera: PrimPath | None = Field(description="Prim path; null for the shot's default camera.")
     first: float = Field(description="USD time code at which the shutter opened.")
-    last: float = Field(description="At which it closes by itself.")
-    time: float = Field(description="To which the picture is exposed.")
-    intervals: int = Field(description="That are exposed.")
-    interval_count: int = Field(description="That there are till the last frame.")
-    open_frames: float = Field(description="For how long the shutter was open, in frames.")
-    open_seconds: float = Field(description="Likewise, in seconds.")
-    nd_stops: float = Field(description="Of the neutral density filter that the picture is exposed through.")
-    problem: str | None = Field(default=None, description="Why it failed, in one sentence.")
+    last: float = Field(description="USD time code at which it closes by itself.")
+    time: float = Field(description="USD time code up to which the picture is exposed.")
+    intervals: int = Field(description="Number of exposed intervals.")
+    interval_count: int = Field(description="Number of intervals up to the last frame.")
+    open_frames: float = Field(description="Time for which the shutter was open, frames.")
+    open_seconds: float = Field(description="Time for which the shutter was open, seconds.")
+    nd_stops: float = Field(description="Density of the neutral density filter.")
+    problem: str | None = Field(default=None, description="Reason of the failure, one sentence.")

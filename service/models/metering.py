@@ -1,13 +1,13 @@
-"""What an exposure is worth, and what a light meter says."""
+"""Exposure readouts and light meter readings."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Model, shown_as
+from service.models.base import Distance, Model, PointName, PrimPath, TimeCode, shown_as
 
 EQUIVALENT_EXAMPLE: JsonDict = {"fStop": 2.8, "exposureTimeS": 0.02083, "shutterAngleDeg": 180.0}
 READOUT_EXAMPLE: JsonDict = {
@@ -48,46 +48,81 @@ METER_EXAMPLE: JsonDict = {
 MeterMode = Literal["spot", "center", "average"]
 
 
+class MeterQuery(Model):
+    """Area that a light meter measures."""
+
+    camera: PrimPath | None = Field(
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+    )
+    time: TimeCode = Field(description="USD time code.", examples=[24])
+    mode: MeterMode | None = Field(
+        default=None,
+        description="Left out: the mode of the camera's meter, or `center` where it has none.",
+        examples=["center"],
+    )
+    point: PointName | None = Field(default=None, description="Meters a spot on a focus point.", examples=["driver"])
+    x: float | None = Field(
+        default=None,
+        ge=0,
+        le=1,
+        description="With `y`, meters a spot: from the picture's left edge (0).",
+        examples=[0.43],
+    )
+    y: float | None = Field(default=None, ge=0, le=1, description="From the picture's top edge (0).", examples=[0.55])
+    client: str | None = Field(
+        default=None,
+        max_length=64,
+        description="Name of a client, whose newer request to meter the same shot replaces those that still wait.",
+        examples=["viewer-1"],
+    )
+
+    @model_validator(mode="after")
+    def _one_spot(self) -> Self:
+        if (self.x is None) != (self.y is None) or (self.point is not None and self.x is not None):
+            raise ValueError("a spot is a focus point's name, or x and y")
+        if self.mode not in (None, "spot") and (self.point is not None or self.x is not None):
+            raise ValueError(f"a spot is metered, and not by the mode {self.mode}")
+        return self
+
+
 class EquivalentExposure(Model):
-    """Stop and time that make the picture as bright."""
+    """Stop and time with the same exposure."""
 
     model_config = shown_as(EQUIVALENT_EXAMPLE)
 
     f_stop: float
     exposure_time_s: float
-    shutter_angle_deg: float = Field(description="Of a rotating shutter that is open for as long.")
+    shutter_angle_deg: float = Field(description="Angle of a rotating shutter that is open for this time.")
 
 
 class ExposureReadout(Model):
-    """What a camera's exposure is worth at one time, without a look at the picture."""
+    """Exposure of a camera at one time, computed from its settings alone."""
 
     model_config = shown_as(READOUT_EXAMPLE)
 
     camera: str
     time: float
-    f_stop: float = Field(description="The stop that is exposed by.")
-    stop: Literal["exposure", "iris"] = Field(description="Whether that is `exposureFStop`, or the iris's `fStop`.")
+    f_stop: float = Field(description="Stop that sets the exposure.")
+    stop: Literal["exposure", "iris"] = Field(description="Whether the stop is `exposureFStop` or the iris's `fStop`.")
     is_t_stop: bool
-    t_stop: Distance = Field(
-        description="It as a T-stop, with what the glass takes; null where no light comes through."
-    )
-    effective_t_stop: Distance = Field(description="That with the bellows factor: what the lens is worth as focused.")
-    bellows_factor: float = Field(description="By how much longer the exposure has to be than at infinity.")
+    t_stop: Distance = Field(description="The stop with the transmittance of the glass; null where no light passes.")
+    effective_t_stop: Distance = Field(description="The T-stop with the bellows factor, as the lens is focused.")
+    bellows_factor: float = Field(description="Exposure time needed as the lens is focused, over that at infinity.")
     exposure_time_s: float
     iso: float
     compensation_stops: float
-    nd_stops: float = Field(description="What filters take.")
-    shutter_angle_deg: float = Field(description="Of the shutter that motion is seen through; 0 for a moment.")
-    shutter_time_s: float = Field(description="How long that one is open.")
-    ev100: float = Field(description="Exposure value at ISO 100 of stop, time and ISO.")
-    exposure_scale: float = Field(description="What the light that came through the lens is multiplied by.")
-    grey_nits: Distance = Field(description="Luminance that comes out as middle grey; null where no light passes.")
-    grey_lux: Distance = Field(description="Illuminance of the film by that.")
-    equivalents: list[EquivalentExposure] = Field(description="Whole stops away, widest first.")
+    nd_stops: float = Field(description="Density of the filters.")
+    shutter_angle_deg: float = Field(description="Angle of the shutter that blurs motion; 0 is a single moment.")
+    shutter_time_s: float = Field(description="Time for which that shutter is open.")
+    ev100: float = Field(description="Exposure value of stop, time and ISO, at ISO 100.")
+    exposure_scale: float = Field(description="Factor applied to the light that passed the lens.")
+    grey_nits: Distance = Field(description="Luminance that is rendered as middle grey; null where no light passes.")
+    grey_lux: Distance = Field(description="Illuminance of the film by that luminance.")
+    equivalents: list[EquivalentExposure] = Field(description="Equivalents whole stops apart, widest first.")
 
 
 class MeterReading(Model):
-    """What a light meter on a camera says at one time."""
+    """Reading of a light meter on a camera at one time."""
 
     model_config = shown_as(METER_EXAMPLE)
 
@@ -95,17 +130,17 @@ class MeterReading(Model):
     time: float
     mode: MeterMode
     place: tuple[float, float] | None = Field(
-        description="Of the spot in the picture, from its top left corner; null for the other modes, and outside."
+        description="Position of the spot, from the picture's top left corner; null for the other modes, and outside the picture."
     )
-    luminance_nits: float = Field(description="Mean of what it looks at; 0 for black.")
-    ev100: Distance = Field(description="Exposure value at ISO 100 of that light; null for black.")
-    incident_lux: float = Field(description="The light in which a matt grey of 18 % is as bright.")
-    film_lux: float = Field(description="Illuminance of the film by it.")
+    luminance_nits: float = Field(description="Mean luminance of the metered area; 0 for black.")
+    ev100: Distance = Field(description="Exposure value of that luminance at ISO 100; null for black.")
+    incident_lux: float = Field(description="Illuminance at which a matt 18 % grey has that luminance.")
+    film_lux: float = Field(description="Illuminance of the film by that luminance.")
     stops: Distance = Field(
-        description="By how much it comes out over (or, negative, under) middle grey as the exposure is set; null for black."
+        description="Stops over middle grey as the exposure is set; negative is under, null is black."
     )
     compensation_stops: Distance = Field(
-        description="In place of the camera's: what makes it middle grey, and as much brighter as is asked for, smoothed over "
-        "time where the meter decides; null for black."
+        description="Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, "
+        "smoothed over time where the meter decides; null for black."
     )
-    decides: bool = Field(description="Whether the camera is exposed by its meter, so that `stops` is made up for.")
+    decides: bool = Field(description="True where the camera is exposed by its meter, which makes up for `stops`.")

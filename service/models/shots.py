@@ -1,4 +1,4 @@
-"""Shots: what is stored, and what is found in it."""
+"""Shots, their frame range and cameras, and picks."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class ShotSummary(Model):
 
     model_config = shown_as(SUMMARY_EXAMPLE)
 
-    id: str = Field(description="Names the shot in every address.")
-    name: str = Field(description="For people: the name of the file that was sent.")
+    id: str = Field(description="Name of the shot in URLs.")
+    name: str = Field(description="Name of the uploaded file.")
     root: str = Field(description="The root layer, relative to the shot's folder.")
     created_at: datetime
-    size_bytes: int = Field(description="Of all files of the shot, unpacked.")
+    size_bytes: int = Field(description="Size of all files of the shot, unpacked.")
     file_count: int
 
 
@@ -48,7 +48,7 @@ class ShotList(Model):
 
 
 class FrameRange(Model):
-    """When a shot happens. Times are USD time codes; `start` and `end` are both in it."""
+    """Frame range of a shot, in USD time codes; `start` and `end` are both in it."""
 
     start: float
     end: float
@@ -56,25 +56,25 @@ class FrameRange(Model):
 
 
 class CameraChoice(Model):
-    """The camera that is taken when a request names none."""
+    """The camera used where a request names none."""
 
     path: str | None = Field(description="Prim path; null where the shot has no camera and one is made to frame it.")
-    reason: str = Field(description="Why this one.")
+    reason: str = Field(description="Reason for the choice.")
 
 
 class Shot(ShotSummary):
-    """A stored shot and what does not change while it is looked at."""
+    """A stored shot with its frame range and cameras."""
 
     model_config = shown_as(SHOT_EXAMPLE)
 
-    revision: str = Field(description="Of the edits: another one after every edit.")
+    revision: str = Field(description="Revision of the edits; changes with every edit.")
     frame_range: FrameRange
     cameras: list[str] = Field(description="Prim paths.")
     default_camera: CameraChoice
 
 
 class PickRequest(Model):
-    """Which pixel of which picture."""
+    """A pixel of a picture."""
 
     model_config = shown_as(
         {"camera": "/World/Camera", "time": 24, "width": 960, "height": 540, "x": 412.5, "y": 300.5}
@@ -82,7 +82,7 @@ class PickRequest(Model):
 
     camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
     time: TimeCode = Field(description="USD time code.")
-    width: int = Field(ge=1, le=8192, description="Of the picture, px.")
-    height: int = Field(ge=1, le=8192, description="Of the picture, px.")
+    width: int = Field(ge=1, le=8192, description="Width of the picture, px.")
+    height: int = Field(ge=1, le=8192, description="Height of the picture, px.")
     x: float = Field(ge=0, description="From the picture's left edge, px; a pixel's centre is at .5.")
     y: float = Field(ge=0, description="From the picture's top edge, px; a pixel's centre is at .5.")

@@ -8,8 +8,18 @@ from functools import lru_cache
 from render.errors import NotFoundError, SettingsError
 from render.film.report import film_report
 from render.optics.framing import ASPECTS, Gate, field_of_view, framing_guides
-from service.models.bodies import Body, BodyList, BodySummary, FieldOfView, FramingGuide, Shape
-from service.models.films import Film, FilmCurves, FilmList, FilmSummary
+from service.models.libraries import (
+    Body,
+    BodyList,
+    BodySummary,
+    FieldOfView,
+    Film,
+    FilmCurves,
+    FilmList,
+    FilmSummary,
+    FramingGuide,
+    Shape,
+)
 from service.stage.opened import OpenedShots, stage_function
 from usd_schemas import LibraryBody, LibraryFilm, SchemaError, library_bodies, library_body, library_film, library_films
 

@@ -7,10 +7,7 @@ from io import BytesIO
 import pytest
 from PIL import Image
 
-from service.models.bodies import SUMMARY_EXAMPLE as BODY_EXAMPLE
-from service.models.bodies import BodySummary
-from service.models.films import SUMMARY_EXAMPLE as FILM_EXAMPLE
-from service.models.films import FilmSummary
+from service.models.libraries import BODY_EXAMPLE, FILM_EXAMPLE, BodySummary, FilmSummary
 from usd_schemas import body_names, film_names
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 from fastapi import APIRouter, Query, Response
 from pydantic import Field, model_validator
 
-from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.models.base import Model, PointName, PrimPath, TimeCode
 from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
@@ -32,7 +32,7 @@ async def get_camera(
 ) -> CameraState:
     """One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside."""
     state = await service.call_stage(cameras.read_camera, service.store.get(shot), camera, time)
-    tagged(response, state.etag)
+    set_etag(response, state.etag)
     return state
 
 
@@ -48,7 +48,7 @@ async def edit_camera(
     """Set f-number, focal length or focus distance: for all time, or as a key at `time`."""
     change = SetCamera(values=edit)
     state = await service.call_stage(cameras.change_camera, service.store.get(shot), camera, change, edit.time, context)
-    tagged(response, state.etag)
+    set_etag(response, state.etag)
     return state
 
 

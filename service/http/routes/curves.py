@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, File, Query, Response, UploadFile
 
-from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import GapPolicy, ImportCurve
 from service.models.curve import CurveFileFormat, FocusCurve, ImportedCurve
@@ -103,5 +103,5 @@ async def import_focus_curve(
     imported = await service.call_stage(
         curves.import_curve, service.store.get(shot), camera, change, service.settings.max_curve_frames, context
     )
-    tagged(response, imported.camera.etag)
+    set_etag(response, imported.camera.etag)
     return imported

@@ -10,7 +10,7 @@ from render.model.edit_history import revision_of
 from service.edit_context import EditContext, edits_tag
 from service.http.errors import ServiceError
 from service.http.frame_cache import matches
-from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, tagged
+from service.http.routes.parameters import EditContextDep, IfMatch, ShotId, problems, set_etag
 from service.http.service import Service, ServiceDep
 from service.models.changes import PictureSpot, anchor_spots, picture_spots
 from service.models.edits import EditHistory, EditRequest, EditResult, Restore
@@ -62,7 +62,7 @@ async def edit(
     anchored = await _with_anchors(service, record, request)
     context = EditContext(if_match, request.gesture)
     result = await service.call_stage(edits.apply_edit, record, anchored, context, service.settings.max_curve_frames)
-    tagged(response, edits_tag(result.history.revision))
+    set_etag(response, edits_tag(result.history.revision))
     return result
 
 
@@ -86,7 +86,7 @@ async def restore_edits(
 ) -> Shot:
     """Take back every edit since a revision: the edits are then what they were. This can be undone."""
     restored = await service.call_stage(edits.restore_edits, service.store.get(shot), restore.revision, context)
-    tagged(response, edits_tag(restored.revision))
+    set_etag(response, edits_tag(restored.revision))
     return restored
 
 
@@ -94,7 +94,7 @@ async def restore_edits(
 async def get_edit_history(service: ServiceDep, response: Response, shot: ShotId) -> EditHistory:
     """The states that the edits have had, and what an undo and a redo would do."""
     history = await service.call_stage(edits.read_history, service.store.get(shot))
-    tagged(response, edits_tag(history.revision))
+    set_etag(response, edits_tag(history.revision))
     return history
 
 
@@ -102,7 +102,7 @@ async def get_edit_history(service: ServiceDep, response: Response, shot: ShotId
 async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Take back the last edit, whoever made it: with the revision in `If-Match`, only if nobody edited since."""
     history = await service.call_stage(edits.walk_history, service.store.get(shot), "undo", context)
-    tagged(response, edits_tag(history.revision))
+    set_etag(response, edits_tag(history.revision))
     return history
 
 
@@ -110,5 +110,5 @@ async def undo_edit(service: ServiceDep, response: Response, shot: ShotId, conte
 async def redo_edit(service: ServiceDep, response: Response, shot: ShotId, context: EditContextDep) -> EditHistory:
     """Do the edit again that was undone last; the next edit drops what was undone."""
     history = await service.call_stage(edits.walk_history, service.store.get(shot), "redo", context)
-    tagged(response, edits_tag(history.revision))
+    set_etag(response, edits_tag(history.revision))
     return history

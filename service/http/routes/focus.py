@@ -14,7 +14,7 @@ from service.http.routes.parameters import (
     ShotId,
     Time,
     problems,
-    tagged,
+    set_etag,
 )
 from service.http.service import ServiceDep
 from service.models.changes import AddPoint, AlterPoint, KeyPoint, RemovePoint, UnkeyPoint
@@ -45,7 +45,7 @@ async def list_focus_points(
 ) -> FocusPointList:
     """The focus points of a camera, and where they are in the picture at one time."""
     points = await service.call_stage(focus_points.list_focus_points, service.store.get(shot), camera, time, aspect)
-    tagged(response, points.etag)
+    set_etag(response, points.etag)
     return points
 
 
@@ -64,7 +64,7 @@ async def create_focus_point(
     added = await service.call_stage(
         focus_points.add_focus_point, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, added.etag)
+    set_etag(response, added.etag)
     return added
 
 
@@ -74,7 +74,7 @@ async def get_focus_point(
 ) -> FocusPoint:
     """One focus point at one time. Its `ETag` is made of what is edited on it."""
     point = await service.call_stage(focus_points.read_focus_point, service.store.get(shot), camera, time, name)
-    tagged(response, point.etag)
+    set_etag(response, point.etag)
     return point
 
 
@@ -94,7 +94,7 @@ async def edit_focus_point(
     point = await service.call_stage(
         focus_points.change_focus_point, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, point.etag)
+    set_etag(response, point.etag)
     return point
 
 
@@ -123,7 +123,7 @@ async def set_key(
     point = await service.call_stage(
         focus_points.change_focus_point, service.store.get(shot), camera, change, key.time, context
     )
-    tagged(response, point.etag)
+    set_etag(response, point.etag)
     return point
 
 
@@ -143,5 +143,5 @@ async def delete_key(
     point = await service.call_stage(
         focus_points.change_focus_point, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, point.etag)
+    set_etag(response, point.etag)
     return point

@@ -1,4 +1,4 @@
-"""Lenses: what the library has, and a lens file for a shot's camera."""
+"""Routes of the lens library, and the upload of a lens file for a camera."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Annotated
 from fastapi import APIRouter, File, Path, Response, UploadFile
 
 from service.http.routes.parameters import (
-    DRAWING_KEPT_S,
+    DRAWING_MAX_AGE_S,
     SHEET,
     CameraQuery,
     EditContextDep,
     ShotId,
     problems,
-    sheet,
-    tagged,
+    set_etag,
+    sheet_response,
 )
 from service.http.service import ServiceDep
 from service.http.upload import lens_file_name
@@ -32,13 +32,13 @@ LensName = Annotated[str, Path(alias="name", description="A lens's name.", examp
 
 @router.get("/lenses", operation_id="listLenses", responses=problems(503, 504))
 async def list_lenses(service: ServiceDep) -> LensList:
-    """The lens library; its names are what an edit of a camera takes as `lens`."""
+    """List the lens library. Its names are the values of `lens` in an edit of a camera."""
     return await service.call_stage(lenses.list_lenses)
 
 
 @router.get("/lenses/{name}", operation_id="getLens", responses=problems(404, 503, 504))
 async def get_lens(service: ServiceDep, name: LensName) -> Lens:
-    """A lens of the library, and what it is made of."""
+    """Read a lens of the library with its optical data."""
     return await service.call_stage(lenses.read_library_lens, name)
 
 
@@ -50,9 +50,9 @@ async def get_lens(service: ServiceDep, name: LensName) -> Lens:
     | {200: {"content": {SVG: {"schema": {"type": "string", "format": "binary"}}}, "description": "The picture."}},
 )
 async def get_lens_section(service: ServiceDep, name: LensName) -> Response:
-    """A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity."""
+    """Draw the section of a lens of the library with its rays, wide open and focused at infinity."""
     section = await service.call_stage(lenses.draw_lens_section, name)
-    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
+    return Response(section, media_type=SVG, headers={"Cache-Control": f"private, max-age={DRAWING_MAX_AGE_S}"})
 
 
 @router.get(
@@ -62,8 +62,8 @@ async def get_lens_section(service: ServiceDep, name: LensName) -> Response:
     responses=problems(404, 503, 504) | SHEET,
 )
 async def get_lens_sheet(service: ServiceDep, name: LensName) -> Response:
-    """All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
-    return sheet(await service.call_stage(lenses.draw_lens_sheet, name))
+    """Draw the data sheet of a lens: its section, its numbers, its errors over the field, and its bokeh."""
+    return sheet_response(await service.call_stage(lenses.draw_lens_sheet, name))
 
 
 @router.put(
@@ -83,9 +83,9 @@ async def mount_lens_file(
     context: EditContextDep,
     camera: CameraQuery = None,
 ) -> CameraState:
-    """Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has."""
+    """Mount the lens of a lens file: its glass and its focal length, with the f-number limited to the lens's own."""
     name = lens_file_name(file.filename)
     change = MountLensFile(file_name=name, content=await file.read())
     state = await service.call_stage(cameras.change_camera, service.store.get(shot), camera, change, None, context)
-    tagged(response, state.etag)
+    set_etag(response, state.etag)
     return state

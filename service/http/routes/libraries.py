@@ -1,4 +1,4 @@
-"""The libraries of films and of camera bodies."""
+"""Routes of the libraries of film stocks and camera bodies."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Response
 from pydantic import Field
 
-from service.http.routes.parameters import SHEET, problems, sheet
+from service.http.routes.parameters import SHEET, problems, sheet_response
 from service.http.service import ServiceDep
-from service.models.bodies import Body, BodyList
-from service.models.films import Film, FilmList
+from service.models.libraries import Body, BodyList, Film, FilmList
 from service.stage.calls import libraries
 
 router = APIRouter(tags=["libraries"])
@@ -23,13 +22,13 @@ BodyName = Annotated[str, Path(alias="name", description="A body's name.", examp
 
 @router.get("/films", operation_id="listFilms", responses=problems(503, 504))
 async def list_films(service: ServiceDep) -> FilmList:
-    """The film library; the names of its camera stocks are what an edit of a camera's film takes as `stock`."""
+    """List the film library. The names of its camera stocks are the values of `stock` in an edit of a camera's film."""
     return await service.call_stage(libraries.list_films)
 
 
 @router.get("/films/{name}", operation_id="getFilm", responses=problems(404, 503, 504))
 async def get_film(service: ServiceDep, name: FilmName) -> Film:
-    """A stock of the library, and what is known of it. A part of the name that no other has is enough."""
+    """Read a stock of the library with its data. An unambiguous part of the name is enough."""
     return await service.call_stage(libraries.read_film, name)
 
 
@@ -40,13 +39,13 @@ async def get_film(service: ServiceDep, name: FilmName) -> Film:
     responses=problems(404, 503, 504) | SHEET,
 )
 async def get_film_sheet(service: ServiceDep, name: FilmName) -> Response:
-    """All about a stock on one sheet: its curves, a ramp of greys, a colour chart, its grain, and a scene on it."""
-    return sheet(await service.call_stage(libraries.draw_film_sheet, name))
+    """Draw the data sheet of a stock: its curves, a grey ramp, a colour chart, its grain and a scene."""
+    return sheet_response(await service.call_stage(libraries.draw_film_sheet, name))
 
 
 @router.get("/bodies", operation_id="listBodies", responses=problems(503, 504))
 async def list_bodies(service: ServiceDep) -> BodyList:
-    """Camera bodies and film formats, whose names are what an edit of a camera takes as `body`; and shapes of pictures."""
+    """List camera bodies and film formats, whose names are the values of `body` in an edit of a camera, and aspect ratios."""
     return await service.call_stage(libraries.list_bodies)
 
 
@@ -59,10 +58,10 @@ async def get_body(
         Query(
             alias="focalLengthMm",
             max_length=50,
-            description="To tell fields of view for; usual ones when left out.",
+            description="Focal lengths of the fields of view; usual ones when left out.",
             examples=[[35]],
         ),
     ] = None,
 ) -> Body:
-    """A camera body, and what it shows: fields of view, and framing guides for usual shapes of pictures."""
+    """Read a camera body with its fields of view, and framing guides for the usual aspect ratios."""
     return await service.call_stage(libraries.read_body, name, tuple(focal_length_mm or USUAL_LENSES_MM))

@@ -1,4 +1,4 @@
-"""Live pictures over a WebSocket: for who drags a slider and wants to see at once what comes of it."""
+"""Route of live pictures over a WebSocket, for interactive edits."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.http.errors import RETRY_AFTER, ServiceError, problem
-from service.http.live_connection import LiveConnection, LiveRequest
+from service.http.live_connection import LiveConnection
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import ServiceDep
-from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveStop
+from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReadout, LiveRequest, LiveStop
 
 router = APIRouter(tags=["frames"])
 
@@ -33,31 +33,31 @@ an edit, and `LiveProblem`, why there is no picture.
 Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`."""
 
 
-_SENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
-_HEARD: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem)
+_FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)
+_TO_CLIENT: tuple[type[BaseModel], ...] = (LivePictureHead, LiveReadout, LiveProblem)
 
 
 def describe_messages(app: FastAPI) -> None:
-    """Add what travels over the WebSocket to the OpenAPI document, which by itself knows requests and their answers alone.
+    """Add the messages of the WebSocket to the OpenAPI document, which describes only HTTP by itself.
 
     Args:
-        app: whose document it is.
+        app: the application.
     """
     build = app.openapi
-    models = [*((model, "validation") for model in _SENT), *((model, "serialization") for model in _HEARD)]
-    _, said = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
+    models = [*((model, "validation") for model in _FROM_CLIENT), *((model, "serialization") for model in _TO_CLIENT)]
+    _, definitions = models_json_schema(models, ref_template="#/components/schemas/{model}")  # type: ignore[arg-type]
 
     def described() -> dict[str, Any]:
         document = build()
-        document["components"]["schemas"] = said["$defs"] | document["components"]["schemas"]
+        document["components"]["schemas"] = definitions["$defs"] | document["components"]["schemas"]
         return document
 
     app.openapi = described  # type: ignore[method-assign]
 
 
 @router.websocket("/shots/{shot}/live")
-async def watch(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
-    """Pictures as they are wanted; see `PROTOCOL`."""
+async def connect_live(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
+    """Stream pictures; see `PROTOCOL`."""
     if len(service.live_sockets) >= service.settings.max_viewers:
         detail = f"{len(service.live_sockets)} live connections are open already; try again later."
         await socket.send_denial_response(problem(503, "busy", detail, headers=RETRY_AFTER))
@@ -78,10 +78,10 @@ async def watch(socket: WebSocket, service: ServiceDep, shot: ShotId) -> None:
     status_code=101,
     response_model=None,
     description=PROTOCOL,
-    responses=problems(426, 503) | {101: {"description": "From here on it is a WebSocket."}},
+    responses=problems(426, 503) | {101: {"description": "The connection becomes a WebSocket."}},
 )
-async def watch_upgraded(shot: ShotId) -> None:
-    """Says to whoever comes without a WebSocket that this is one."""
+async def refuse_without_upgrade(shot: ShotId) -> None:
+    """Refuse a plain HTTP request: this address is a WebSocket."""
     raise ServiceError(
         426, "upgrade_required", "Live pictures come over a WebSocket.", path=shot, headers={"Upgrade": "websocket"}
     )

@@ -24,21 +24,21 @@ Format = Annotated[
     "/shots/{shot}/long-exposure", operation_id="beginLongExposure", status_code=201, responses=problems(404, 503, 504)
 )
 async def begin_long_exposure(service: ServiceDep, shot: ShotId, begin: LongExposureBegin) -> LongExposureState:
-    """Open the shutter, in place of the long exposure that the shot had. It is exposed with the edits as they are now, an
-    interval at a time between the pictures that others ask for, and kept for as long as the service runs."""
+    """Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
+    intervals are exposed between the pictures of other requests, and it is kept while the service runs."""
     check_pixels(begin.width, begin.height, service.settings.max_picture_px, "body.width")
     return await service.long_exposures.begin(service.store.get(shot), begin)
 
 
 @router.get("/shots/{shot}/long-exposure", operation_id="getLongExposure", responses=problems(404))
 async def get_long_exposure(service: ServiceDep, shot: ShotId) -> LongExposureState:
-    """How far it is."""
+    """Read the progress of a long exposure."""
     return service.long_exposures.state(service.store.get(shot).id)
 
 
 @router.patch("/shots/{shot}/long-exposure", operation_id="editLongExposure", responses=problems(404))
 async def edit_long_exposure(service: ServiceDep, shot: ShotId, edit: LongExposureEdit) -> LongExposureState:
-    """Close the shutter, or open it again and go on where it was closed: the picture is the same as in one go."""
+    """Close the shutter, or reopen it and continue. The picture is the same as without the pause."""
     return service.long_exposures.set_shutter(service.store.get(shot).id, is_open=edit.shutter == "open")
 
 
@@ -50,7 +50,7 @@ async def edit_long_exposure(service: ServiceDep, shot: ShotId, edit: LongExposu
     | {200: {"content": dict.fromkeys(MEDIA_TYPES.values(), BINARY), "description": "The picture so far."}},
 )
 async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: Format = "png") -> Response:
-    """What is on the film so far, as bright as a single frame; the exposure goes on."""
+    """Develop the exposure so far, as bright as a single frame. The exposure continues."""
     picture = await service.long_exposures.picture(service.store.get(shot).id, format)
     return Response(picture, media_type=MEDIA_TYPES[format], headers={"Cache-Control": "no-store"})
 
@@ -59,5 +59,5 @@ async def get_long_exposure_picture(service: ServiceDep, shot: ShotId, format: F
     "/shots/{shot}/long-exposure", operation_id="deleteLongExposure", status_code=204, responses=problems(404)
 )
 async def delete_long_exposure(service: ServiceDep, shot: ShotId) -> None:
-    """Close the shutter and throw the film away; none there is no error."""
+    """Discard a long exposure. It is no error if there is none."""
     service.long_exposures.discard(service.store.get(shot).id)

@@ -1,4 +1,4 @@
-"""Parameters and answers that several routes share."""
+"""Parameters, headers and documented errors that several routes share."""
 
 from __future__ import annotations
 
@@ -60,39 +60,39 @@ EditContextDep = Annotated[EditContext, Depends(_edit_context)]
 SHEET: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}, "description": "The sheet."}
 }
-"""OpenAPI's description of an answer by `sheet`."""
-DRAWING_KEPT_S = 3600
+"""OpenAPI description of an answer by `sheet_response`."""
+DRAWING_MAX_AGE_S = 3600
 
 
-def sheet(png: bytes) -> Response:
-    """A sheet about something of a library as an answer; browsers may keep it for a while."""
-    return Response(png, media_type="image/png", headers={"Cache-Control": f"private, max-age={DRAWING_KEPT_S}"})
+def sheet_response(png: bytes) -> Response:
+    """Return a data sheet as an answer that browsers may cache."""
+    return Response(png, media_type="image/png", headers={"Cache-Control": f"private, max-age={DRAWING_MAX_AGE_S}"})
 
 
-def tagged(response: Response, etag: str) -> None:
-    """Give an answer the entity tag of what it is about.
+def set_etag(response: Response, etag: str) -> None:
+    """Set the entity tag of an answer and forbid caching it.
 
-    What is solved may differ under the same tag (`service.edit_context`), so nobody may keep the answer.
+    Solved values may differ under the same tag (`service.edit_context`).
 
     Args:
-        response: FastAPI's, which the answer's headers come from.
-        etag: quotes included.
+        response: the response that FastAPI takes headers from.
+        etag: the tag, quotes included.
     """
     response.headers["ETag"] = etag
     response.headers["Cache-Control"] = "no-store"
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """OpenAPI's description of the errors that a route answers with, beside 422."""
-    said = {
+    """Return the OpenAPI description of the errors of a route, to which 422 is added."""
+    descriptions = {
         404: "There is no such shot, camera, lens, film, body, focus point, key or revision.",
-        409: "`superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`.",
-        412: "Somebody changed it since it was read: its `ETag` is not what `If-Match` says.",
-        413: "More was sent, or unpacked, than is taken.",
-        415: "What was sent is no file of the kinds that are taken.",
-        422: "The request, or the stage that it is about, cannot be used; says why.",
-        426: "Ask for it over a WebSocket.",
-        503: "Too many wait, or a worker died on this request; try again after `Retry-After`.",
-        504: "It took too long and was ended.",
+        409: "`superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`.",
+        412: "It was changed since it was read: its `ETag` is not in `If-Match`.",
+        413: "The upload, or what it unpacks to, is too large.",
+        415: "The file is of no supported kind.",
+        422: "The request or the stage is invalid; `detail` says why.",
+        426: "This address is a WebSocket.",
+        503: "Too many requests wait, or a worker died on this request; try again after `Retry-After`.",
+        504: "The request took too long and was ended.",
     }
-    return {status: {"model": Problem, "description": said[status]} for status in sorted({422, *statuses})}
+    return {status: {"model": Problem, "description": descriptions[status]} for status in sorted({422, *statuses})}

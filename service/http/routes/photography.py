@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, SetExposure, SetFilm, UnkeySetting
 from service.models.exposure import ExposureKeyed, ExposureSettings, ExposureSettingsEdit
@@ -28,7 +28,7 @@ async def get_exposure_settings(
 ) -> ExposureSettings:
     """How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's."""
     settings = await service.call_stage(photography.read_exposure_settings, service.store.get(shot), camera, time)
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -46,7 +46,7 @@ async def edit_exposure_settings(
     settings = await service.call_stage(
         photography.change_exposure_settings, service.store.get(shot), camera, change, edit.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -65,7 +65,7 @@ async def set_exposure_key(
     settings = await service.call_stage(
         photography.change_exposure_settings, service.store.get(shot), camera, change, key.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -84,7 +84,7 @@ async def delete_exposure_key(
     settings = await service.call_stage(
         photography.change_exposure_settings, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -94,7 +94,7 @@ async def get_film_settings(
 ) -> FilmSettings:
     """What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's."""
     settings = await service.call_stage(photography.read_film_settings, service.store.get(shot), camera, time)
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -112,7 +112,7 @@ async def edit_film_settings(
     settings = await service.call_stage(
         photography.change_film_settings, service.store.get(shot), camera, change, edit.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -131,7 +131,7 @@ async def set_film_key(
     settings = await service.call_stage(
         photography.change_film_settings, service.store.get(shot), camera, change, key.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -150,7 +150,7 @@ async def delete_film_key(
     settings = await service.call_stage(
         photography.change_film_settings, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 

@@ -21,7 +21,7 @@ router = APIRouter(tags=["shots"])
 
 @router.get("/shots", operation_id="listShots")
 async def list_shots(service: ServiceDep) -> ShotList:
-    """All stored shots, newest last."""
+    """List all stored shots, newest last."""
     return ShotList(shots=[ShotSummary.model_validate(record) for record in service.store.list()])
 
 
@@ -34,12 +34,12 @@ async def create_shot(
         str | None,
         Form(
             max_length=1000,
-            description="Which file of a zip is the root layer. Left out: the only stage in its topmost folder with any.",
+            description="Root layer within a zip. Left out: the only stage in its topmost folder that has any.",
             examples=["shots/night.usda"],
         ),
     ] = None,
 ) -> Shot:
-    """Send a shot. It may refer to nothing outside of what is sent; a refused one leaves nothing behind."""
+    """Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind."""
     name = upload_name(file.filename)
     begun = service.store.begin(name)
     try:
@@ -59,19 +59,19 @@ async def create_shot(
 
 @router.get("/shots/{shot}", operation_id="getShot", responses=problems(404, 503, 504))
 async def get_shot(service: ServiceDep, shot: ShotId) -> Shot:
-    """A shot, its frame range and its cameras."""
+    """Read a shot with its frame range and cameras."""
     return await service.call_stage(shots.describe_shot, service.store.get(shot))
 
 
 @router.get("/shots/{shot}/inspect", operation_id="inspectShot", responses=problems(404, 503, 504))
 async def inspect_shot(service: ServiceDep, shot: ShotId) -> Inspection:
-    """What a shot holds, what of it is not honoured, and what the validators say of its cameras."""
+    """Inspect a shot: its contents, features that are not honoured, and what the validators find in its cameras."""
     return await service.call_stage(shots.inspect_shot, service.store.get(shot))
 
 
 @router.delete("/shots/{shot}", operation_id="deleteShot", status_code=204, responses=problems(404))
 async def delete_shot(service: ServiceDep, shot: ShotId) -> None:
-    """Remove a shot and its edits. The demo shot is there again when the service next starts."""
+    """Delete a shot and its edits. The demo shot is written again when the service next starts."""
     record = service.store.get(shot)
     service.long_exposures.discard(record.id)
     await run_in_threadpool(service.store.remove, record)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, tagged
+from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import ServiceDep
 from service.models.changes import KeySetting, MakeRack, SetFocus, UnkeySetting
 from service.models.focus import KeyEdit
@@ -27,7 +27,7 @@ async def get_focus_settings(
 ) -> FocusSettings:
     """How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's."""
     settings = await service.call_stage(solving.read_focus_settings, service.store.get(shot), camera, time)
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -45,7 +45,7 @@ async def edit_focus_settings(
     settings = await service.call_stage(
         solving.change_focus_settings, service.store.get(shot), camera, change, edit.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -64,7 +64,7 @@ async def set_camera_key(
     settings = await service.call_stage(
         solving.change_focus_settings, service.store.get(shot), camera, change, key.time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -83,7 +83,7 @@ async def delete_camera_key(
     settings = await service.call_stage(
         solving.change_focus_settings, service.store.get(shot), camera, change, time, context
     )
-    tagged(response, settings.etag)
+    set_etag(response, settings.etag)
     return settings
 
 
@@ -101,5 +101,5 @@ async def create_rack(
     `If-Match` takes the tag of the list of focus points.
     """
     made = await service.call_stage(solving.make_rack, service.store.get(shot), camera, MakeRack(rack=rack), context)
-    tagged(response, made.etag)
+    set_etag(response, made.etag)
     return made

@@ -1,4 +1,4 @@
-"""Is it alive, can it work, how is it doing, and which one is it."""
+"""Routes of liveness, readiness, metrics and version."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ READY_WITHIN_S = 10.0
 
 
 class Health(Model):
-    """An answer that says yes."""
+    """Answer of a service that is alive or ready."""
 
     model_config = shown_as({"status": "ok"})
 
@@ -27,7 +27,7 @@ class Health(Model):
 
 
 class Version(Model):
-    """Which program this is."""
+    """Name and version of the program."""
 
     model_config = shown_as({"name": "pullfocus", "version": "0.1.0"})
 
@@ -37,13 +37,13 @@ class Version(Model):
 
 @router.get("/livez", operation_id="livez")
 async def livez() -> Health:
-    """The process answers."""
+    """Answer while the HTTP process runs."""
     return Health()
 
 
 @router.get("/readyz", operation_id="readyz", responses=problems(503))
 async def readyz(service: ServiceDep) -> Health:
-    """The process that owns GL has a context, and answers or is at work."""
+    """Answer once the picture process has a GL context and is idle or busy."""
     if service.picture_queue.busy and service.picture_queue.worker.proven:
         return Health()
     try:
@@ -71,18 +71,18 @@ async def readyz(service: ServiceDep) -> Health:
     },
 )
 async def metrics(service: ServiceDep) -> Response:
-    """Counters in Prometheus' text format."""
+    """Report counters in Prometheus' text format."""
     return Response(service.metrics.text(), media_type="text/plain; version=0.0.4; charset=utf-8")
 
 
 @router.get("/version", operation_id="version")
 async def get_version() -> Version:
-    """Which program this is."""
+    """Report the version of the program."""
     return Version(name="pullfocus", version=program_version())
 
 
 def program_version() -> str:
-    """The version of the installed distribution."""
+    """Return the version of the installed distribution."""
     try:
         return version("pullfocus")
     except PackageNotFoundError:

@@ -13,7 +13,7 @@ export interface paths {
         };
         /**
          * Livez
-         * @description The process answers.
+         * @description Answer while the HTTP process runs.
          */
         readonly get: operations["livez"];
         readonly put?: never;
@@ -33,7 +33,7 @@ export interface paths {
         };
         /**
          * Metrics
-         * @description Counters in Prometheus' text format.
+         * @description Report counters in Prometheus' text format.
          */
         readonly get: operations["metrics"];
         readonly put?: never;
@@ -53,7 +53,7 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description The process that owns GL has a context, and answers or is at work.
+         * @description Answer once the picture process has a GL context and is idle or busy.
          */
         readonly get: operations["readyz"];
         readonly put?: never;
@@ -73,7 +73,7 @@ export interface paths {
         };
         /**
          * List Bodies
-         * @description Camera bodies and film formats, whose names are what an edit of a camera takes as `body`; and shapes of pictures.
+         * @description List camera bodies and film formats, whose names are the values of `body` in an edit of a camera, and aspect ratios.
          */
         readonly get: operations["listBodies"];
         readonly put?: never;
@@ -93,7 +93,7 @@ export interface paths {
         };
         /**
          * Get Body
-         * @description A camera body, and what it shows: fields of view, and framing guides for usual shapes of pictures.
+         * @description Read a camera body with its fields of view, and framing guides for the usual aspect ratios.
          */
         readonly get: operations["getBody"];
         readonly put?: never;
@@ -113,7 +113,7 @@ export interface paths {
         };
         /**
          * List Films
-         * @description The film library; the names of its camera stocks are what an edit of a camera's film takes as `stock`.
+         * @description List the film library. The names of its camera stocks are the values of `stock` in an edit of a camera's film.
          */
         readonly get: operations["listFilms"];
         readonly put?: never;
@@ -133,7 +133,7 @@ export interface paths {
         };
         /**
          * Get Film
-         * @description A stock of the library, and what is known of it. A part of the name that no other has is enough.
+         * @description Read a stock of the library with its data. An unambiguous part of the name is enough.
          */
         readonly get: operations["getFilm"];
         readonly put?: never;
@@ -153,7 +153,7 @@ export interface paths {
         };
         /**
          * Get Film Sheet
-         * @description All about a stock on one sheet: its curves, a ramp of greys, a colour chart, its grain, and a scene on it.
+         * @description Draw the data sheet of a stock: its curves, a grey ramp, a colour chart, its grain and a scene.
          */
         readonly get: operations["getFilmSheet"];
         readonly put?: never;
@@ -173,7 +173,7 @@ export interface paths {
         };
         /**
          * List Lenses
-         * @description The lens library; its names are what an edit of a camera takes as `lens`.
+         * @description List the lens library. Its names are the values of `lens` in an edit of a camera.
          */
         readonly get: operations["listLenses"];
         readonly put?: never;
@@ -193,7 +193,7 @@ export interface paths {
         };
         /**
          * Get Lens
-         * @description A lens of the library, and what it is made of.
+         * @description Read a lens of the library with its optical data.
          */
         readonly get: operations["getLens"];
         readonly put?: never;
@@ -213,7 +213,7 @@ export interface paths {
         };
         /**
          * Get Lens Section
-         * @description A small picture of a lens of the library, cut along its axis, with its rays; wide open and focused at infinity.
+         * @description Draw the section of a lens of the library with its rays, wide open and focused at infinity.
          */
         readonly get: operations["getLensSection"];
         readonly put?: never;
@@ -233,7 +233,7 @@ export interface paths {
         };
         /**
          * Get Lens Sheet
-         * @description All about a lens on one sheet: its section, its numbers, its errors over the field, and its bokeh.
+         * @description Draw the data sheet of a lens: its section, its numbers, its errors over the field, and its bokeh.
          */
         readonly get: operations["getLensSheet"];
         readonly put?: never;
@@ -253,13 +253,13 @@ export interface paths {
         };
         /**
          * List Shots
-         * @description All stored shots, newest last.
+         * @description List all stored shots, newest last.
          */
         readonly get: operations["listShots"];
         readonly put?: never;
         /**
          * Create Shot
-         * @description Send a shot. It may refer to nothing outside of what is sent; a refused one leaves nothing behind.
+         * @description Upload a shot. It may not refer to files outside the upload; a refused upload leaves nothing behind.
          */
         readonly post: operations["createShot"];
         readonly delete?: never;
@@ -277,14 +277,14 @@ export interface paths {
         };
         /**
          * Get Shot
-         * @description A shot, its frame range and its cameras.
+         * @description Read a shot with its frame range and cameras.
          */
         readonly get: operations["getShot"];
         readonly put?: never;
         readonly post?: never;
         /**
          * Delete Shot
-         * @description Remove a shot and its edits. The demo shot is there again when the service next starts.
+         * @description Delete a shot and its edits. The demo shot is written again when the service next starts.
          */
         readonly delete: operations["deleteShot"];
         readonly options?: never;
@@ -490,7 +490,7 @@ export interface paths {
         readonly get?: never;
         /**
          * Mount Lens File
-         * @description Mount the lens of a lens file: its glass, its focal length, and no wider an f-number than it has.
+         * @description Mount the lens of a lens file: its glass and its focal length, with the f-number limited to the lens's own.
          */
         readonly put: operations["mountLensFile"];
         readonly post?: never;
@@ -721,7 +721,7 @@ export interface paths {
         };
         /**
          * Get Frame
-         * @description One frame. Its `ETag` is made of everything that it depends on: same tag, same pixels.
+         * @description Render one frame. Its `ETag` is a hash of everything that the picture depends on: same tag, same pixels.
          */
         readonly get: operations["getFrame"];
         readonly put?: never;
@@ -741,7 +741,7 @@ export interface paths {
         };
         /**
          * Inspect Shot
-         * @description What a shot holds, what of it is not honoured, and what the validators say of its cameras.
+         * @description Inspect a shot: its contents, features that are not honoured, and what the validators find in its cameras.
          */
         readonly get: operations["inspectShot"];
         readonly put?: never;
@@ -760,7 +760,7 @@ export interface paths {
             readonly cookie?: never;
         };
         /**
-         * Watch Upgraded
+         * Refuse Without Upgrade
          * @description A WebSocket at this address streams pictures that get better and better, until the exact one.
          *
          *     **You send** text. A `LiveRequest` asks for a picture; it takes the place of the request before, whose further pictures are not
@@ -795,26 +795,26 @@ export interface paths {
         };
         /**
          * Get Long Exposure
-         * @description How far it is.
+         * @description Read the progress of a long exposure.
          */
         readonly get: operations["getLongExposure"];
         readonly put?: never;
         /**
          * Begin Long Exposure
-         * @description Open the shutter, in place of the long exposure that the shot had. It is exposed with the edits as they are now, an
-         *     interval at a time between the pictures that others ask for, and kept for as long as the service runs.
+         * @description Begin a long exposure with the shutter open, in place of the one that the shot had. It uses the edits as they are now. Its
+         *     intervals are exposed between the pictures of other requests, and it is kept while the service runs.
          */
         readonly post: operations["beginLongExposure"];
         /**
          * Delete Long Exposure
-         * @description Close the shutter and throw the film away; none there is no error.
+         * @description Discard a long exposure. It is no error if there is none.
          */
         readonly delete: operations["deleteLongExposure"];
         readonly options?: never;
         readonly head?: never;
         /**
          * Edit Long Exposure
-         * @description Close the shutter, or open it again and go on where it was closed: the picture is the same as in one go.
+         * @description Close the shutter, or reopen it and continue. The picture is the same as without the pause.
          */
         readonly patch: operations["editLongExposure"];
         readonly trace?: never;
@@ -828,7 +828,7 @@ export interface paths {
         };
         /**
          * Get Long Exposure Picture
-         * @description What is on the film so far, as bright as a single frame; the exposure goes on.
+         * @description Develop the exposure so far, as bright as a single frame. The exposure continues.
          */
         readonly get: operations["getLongExposurePicture"];
         readonly put?: never;
@@ -848,7 +848,7 @@ export interface paths {
         };
         /**
          * Meter
-         * @description What a light meter on the camera says at one time: EV, lux, and stops over or under.
+         * @description Meter the light on a camera at one time: EV, lux, and stops over or under middle grey.
          */
         readonly get: operations["meter"];
         readonly put?: never;
@@ -870,7 +870,7 @@ export interface paths {
         readonly put?: never;
         /**
          * Pick
-         * @description The surface under a pixel. Its `anchor` is what a focus point is made of.
+         * @description Find the surface under a pixel. Its `anchor` places a focus point on it.
          */
         readonly post: operations["pick"];
         readonly delete?: never;
@@ -930,7 +930,7 @@ export interface paths {
         };
         /**
          * Get Exposure Readout
-         * @description EV, T-stop, bellows factor and equivalents of a camera's exposure at one time, and the light that it is right for.
+         * @description Compute EV, T-stop, bellows factor and equivalents of a camera's exposure at one time, and the luminance of middle grey.
          */
         readonly get: operations["getExposureReadout"];
         readonly put?: never;
@@ -970,7 +970,7 @@ export interface paths {
         };
         /**
          * Get Version
-         * @description Which program this is.
+         * @description Report the version of the program.
          */
         readonly get: operations["version"];
         readonly put?: never;
@@ -1089,7 +1089,7 @@ export interface components {
         };
         /**
          * Body
-         * @description A camera body, and what it shows.
+         * @description A camera body with its fields of view and framing guides.
          * @example {
          *       "aspect": 1.3339,
          *       "cropFactor": 1.391,
@@ -1130,12 +1130,12 @@ export interface components {
         readonly Body: {
             /**
              * Aspect
-             * @description Width over height of the picture as it is seen.
+             * @description Width over height of the desqueezed picture.
              */
             readonly aspect: number;
             /**
              * Cropfactor
-             * @description How many times as long a lens shows the same corner to corner on full frame.
+             * @description Focal length that has the same diagonal field of view on full frame, over the lens's own.
              */
             readonly cropFactor: number;
             /**
@@ -1149,7 +1149,7 @@ export interface components {
             readonly framingGuides: readonly components["schemas"]["FramingGuide"][];
             /**
              * Gatemm
-             * @description Width and height of what is exposed.
+             * @description Width and height of the exposed area.
              */
             readonly gateMm: readonly [
                 number,
@@ -1157,13 +1157,13 @@ export interface components {
             ];
             /**
              * Kind
-             * @description What is behind the gate.
+             * @description Whether film or a sensor is behind the gate.
              * @enum {string}
              */
             readonly kind: "film" | "digital";
             /**
              * Name
-             * @description Names the body in addresses, on the command line and in edits of a camera.
+             * @description Name of the body in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
@@ -1176,12 +1176,12 @@ export interface components {
             ] | null;
             /**
              * Squeeze
-             * @description Of the anamorphic lenses that it is made for; 1 is spherical.
+             * @description Squeeze of the anamorphic lenses that it is made for; 1 is spherical.
              */
             readonly squeeze: number;
             /**
              * Title
-             * @description What people call it.
+             * @description Usual name.
              */
             readonly title: string;
         };
@@ -1194,7 +1194,7 @@ export interface components {
             readonly file: string;
             /**
              * Root
-             * @description Which file of a zip is the root layer. Left out: the only stage in its topmost folder with any.
+             * @description Root layer within a zip. Left out: the only stage in its topmost folder that has any.
              * @example shots/night.usda
              */
             readonly root?: string | null;
@@ -1217,7 +1217,7 @@ export interface components {
         };
         /**
          * BodyList
-         * @description The library of bodies, and the shapes that pictures are framed for.
+         * @description The library of bodies, and the aspect ratios that pictures are framed for.
          * @example {
          *       "bodies": [
          *         {
@@ -1271,12 +1271,12 @@ export interface components {
         readonly BodySummary: {
             /**
              * Aspect
-             * @description Width over height of the picture as it is seen.
+             * @description Width over height of the desqueezed picture.
              */
             readonly aspect: number;
             /**
              * Cropfactor
-             * @description How many times as long a lens shows the same corner to corner on full frame.
+             * @description Focal length that has the same diagonal field of view on full frame, over the lens's own.
              */
             readonly cropFactor: number;
             /**
@@ -1286,7 +1286,7 @@ export interface components {
             readonly description: string;
             /**
              * Gatemm
-             * @description Width and height of what is exposed.
+             * @description Width and height of the exposed area.
              */
             readonly gateMm: readonly [
                 number,
@@ -1294,13 +1294,13 @@ export interface components {
             ];
             /**
              * Kind
-             * @description What is behind the gate.
+             * @description Whether film or a sensor is behind the gate.
              * @enum {string}
              */
             readonly kind: "film" | "digital";
             /**
              * Name
-             * @description Names the body in addresses, on the command line and in edits of a camera.
+             * @description Name of the body in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
@@ -1313,18 +1313,18 @@ export interface components {
             ] | null;
             /**
              * Squeeze
-             * @description Of the anamorphic lenses that it is made for; 1 is spherical.
+             * @description Squeeze of the anamorphic lenses that it is made for; 1 is spherical.
              */
             readonly squeeze: number;
             /**
              * Title
-             * @description What people call it.
+             * @description Usual name.
              */
             readonly title: string;
         };
         /**
          * CameraChoice
-         * @description The camera that is taken when a request names none.
+         * @description The camera used where a request names none.
          */
         readonly CameraChoice: {
             /**
@@ -1334,7 +1334,7 @@ export interface components {
             readonly path: string | null;
             /**
              * Reason
-             * @description Why this one.
+             * @description Reason for the choice.
              */
             readonly reason: string;
         };
@@ -2115,7 +2115,7 @@ export interface components {
         };
         /**
          * EquivalentExposure
-         * @description Stop and time that make the picture as bright.
+         * @description Stop and time with the same exposure.
          * @example {
          *       "exposureTimeS": 0.02083,
          *       "fStop": 2.8,
@@ -2129,13 +2129,13 @@ export interface components {
             readonly fStop: number;
             /**
              * Shutterangledeg
-             * @description Of a rotating shutter that is open for as long.
+             * @description Angle of a rotating shutter that is open for this time.
              */
             readonly shutterAngleDeg: number;
         };
         /**
          * ExposureReadout
-         * @description What a camera's exposure is worth at one time, without a look at the picture.
+         * @description Exposure of a camera at one time, computed from its settings alone.
          * @example {
          *       "bellowsFactor": 1.04,
          *       "camera": "/World/Camera",
@@ -2167,7 +2167,7 @@ export interface components {
         readonly ExposureReadout: {
             /**
              * Bellowsfactor
-             * @description By how much longer the exposure has to be than at infinity.
+             * @description Exposure time needed as the lens is focused, over that at infinity.
              */
             readonly bellowsFactor: number;
             /** Camera */
@@ -2176,39 +2176,39 @@ export interface components {
             readonly compensationStops: number;
             /**
              * Effectivetstop
-             * @description That with the bellows factor: what the lens is worth as focused.
+             * @description The T-stop with the bellows factor, as the lens is focused.
              */
             readonly effectiveTStop: number | null;
             /**
              * Equivalents
-             * @description Whole stops away, widest first.
+             * @description Equivalents whole stops apart, widest first.
              */
             readonly equivalents: readonly components["schemas"]["EquivalentExposure"][];
             /**
              * Ev100
-             * @description Exposure value at ISO 100 of stop, time and ISO.
+             * @description Exposure value of stop, time and ISO, at ISO 100.
              */
             readonly ev100: number;
             /**
              * Exposurescale
-             * @description What the light that came through the lens is multiplied by.
+             * @description Factor applied to the light that passed the lens.
              */
             readonly exposureScale: number;
             /** Exposuretimes */
             readonly exposureTimeS: number;
             /**
              * Fstop
-             * @description The stop that is exposed by.
+             * @description Stop that sets the exposure.
              */
             readonly fStop: number;
             /**
              * Greylux
-             * @description Illuminance of the film by that.
+             * @description Illuminance of the film by that luminance.
              */
             readonly greyLux: number | null;
             /**
              * Greynits
-             * @description Luminance that comes out as middle grey; null where no light passes.
+             * @description Luminance that is rendered as middle grey; null where no light passes.
              */
             readonly greyNits: number | null;
             /** Iso */
@@ -2217,22 +2217,22 @@ export interface components {
             readonly isTStop: boolean;
             /**
              * Ndstops
-             * @description What filters take.
+             * @description Density of the filters.
              */
             readonly ndStops: number;
             /**
              * Shutterangledeg
-             * @description Of the shutter that motion is seen through; 0 for a moment.
+             * @description Angle of the shutter that blurs motion; 0 is a single moment.
              */
             readonly shutterAngleDeg: number;
             /**
              * Shuttertimes
-             * @description How long that one is open.
+             * @description Time for which that shutter is open.
              */
             readonly shutterTimeS: number;
             /**
              * Stop
-             * @description Whether that is `exposureFStop`, or the iris's `fStop`.
+             * @description Whether the stop is `exposureFStop` or the iris's `fStop`.
              * @enum {string}
              */
             readonly stop: "exposure" | "iris";
@@ -2240,7 +2240,7 @@ export interface components {
             readonly time: number;
             /**
              * Tstop
-             * @description It as a T-stop, with what the glass takes; null where no light comes through.
+             * @description The stop with the transmittance of the glass; null where no light passes.
              */
             readonly tStop: number | null;
         };
@@ -2612,7 +2612,7 @@ export interface components {
         };
         /**
          * FieldOfView
-         * @description What is seen through a lens without distortion that is focused at infinity.
+         * @description Field of view of a lens without distortion, focused at infinity.
          * @example {
          *       "diagonalDeg": 47.9,
          *       "focalLengthMm": 35,
@@ -2628,7 +2628,7 @@ export interface components {
             readonly focalLengthMm: number;
             /**
              * Fullframemm
-             * @description The focal length that shows as much on full frame.
+             * @description Focal length with the same diagonal field of view on full frame.
              */
             readonly fullFrameMm: number;
             /** Horizontaldeg */
@@ -2638,7 +2638,7 @@ export interface components {
         };
         /**
          * Film
-         * @description A stock of the library, and what is known of it.
+         * @description A stock of the library with its data.
          * @example {
          *       "balanceK": 3200,
          *       "curves": {
@@ -2689,13 +2689,13 @@ export interface components {
         readonly Film: {
             /**
              * Balancek
-             * @description Colour temperature of the light it is made for; null where none is.
+             * @description Colour temperature of the light that it is balanced for; null for none.
              */
             readonly balanceK: number | null;
             readonly curves: components["schemas"]["FilmCurves"];
             /**
              * Densitometry
-             * @description How density was measured.
+             * @description Densitometry of the measured densities.
              */
             readonly densitometry: string;
             /**
@@ -2705,7 +2705,7 @@ export interface components {
             readonly description: string;
             /**
              * Granularity
-             * @description By channel: density, and its standard deviation through a round 48 µm aperture; empty where unknown.
+             * @description Density and its standard deviation through a round 48 µm aperture, by channel; empty where unknown.
              */
             readonly granularity: {
                 readonly [key: string]: readonly (readonly [
@@ -2715,28 +2715,28 @@ export interface components {
             };
             /**
              * Granularityfrombase
-             * @description Whether the densities of `granularity` count from the base.
+             * @description True where the densities of `granularity` are relative to the base.
              */
             readonly granularityFromBase: boolean;
             /**
              * Kind
-             * @description Whether it goes in a camera, or negatives are printed on it.
+             * @description Exposed in a camera, or a print stock for negatives.
              * @enum {string}
              */
             readonly kind: "camera" | "print";
             /**
              * Middlegray
-             * @description Log exposure where a metered 18 % grey lands; null for print stocks.
+             * @description Log exposure of a metered 18 % grey; null for print stocks.
              */
             readonly middleGray: number | null;
             /**
              * Name
-             * @description Names the stock in addresses, on the command line and in edits of a camera.
+             * @description Name of the stock in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
              * Printstock
-             * @description What it is printed on unless a shot says otherwise; null for none.
+             * @description Print stock used unless a shot sets another; null for none.
              */
             readonly printStock: string | null;
             /**
@@ -2746,7 +2746,7 @@ export interface components {
             readonly process: "none" | "negative" | "reversal" | "monochrome" | "digital";
             /**
              * Relativeexposure
-             * @description Whether log exposures are relative; else they are of lux-seconds.
+             * @description True where log exposures are relative; false where they are of lux-seconds.
              */
             readonly relativeExposure: boolean;
             /**
@@ -2756,18 +2756,18 @@ export interface components {
             readonly speed: number | null;
             /**
              * Title
-             * @description What stands on the box.
+             * @description Name on the box.
              */
             readonly title: string;
             /**
              * Year
-             * @description Of the data sheet.
+             * @description Year of the data sheet.
              */
             readonly year: number;
         };
         /**
          * FilmCurves
-         * @description Knots (log10 exposure, density) of each record; of black and white the green one alone.
+         * @description Knots (log10 exposure, density) of each record. A black-and-white stock has the green record only.
          * @example {
          *       "blue": [],
          *       "green": [
@@ -3483,7 +3483,7 @@ export interface components {
         readonly FilmSummary: {
             /**
              * Balancek
-             * @description Colour temperature of the light it is made for; null where none is.
+             * @description Colour temperature of the light that it is balanced for; null for none.
              */
             readonly balanceK: number | null;
             /**
@@ -3493,13 +3493,13 @@ export interface components {
             readonly description: string;
             /**
              * Kind
-             * @description Whether it goes in a camera, or negatives are printed on it.
+             * @description Exposed in a camera, or a print stock for negatives.
              * @enum {string}
              */
             readonly kind: "camera" | "print";
             /**
              * Name
-             * @description Names the stock in addresses, on the command line and in edits of a camera.
+             * @description Name of the stock in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
@@ -3514,12 +3514,12 @@ export interface components {
             readonly speed: number | null;
             /**
              * Title
-             * @description What stands on the box.
+             * @description Name on the box.
              */
             readonly title: string;
             /**
              * Year
-             * @description Of the data sheet.
+             * @description Year of the data sheet.
              */
             readonly year: number;
         };
@@ -4282,7 +4282,7 @@ export interface components {
         };
         /**
          * FrameRange
-         * @description When a shot happens. Times are USD time codes; `start` and `end` are both in it.
+         * @description Frame range of a shot, in USD time codes; `start` and `end` are both in it.
          */
         readonly FrameRange: {
             /** End */
@@ -4294,7 +4294,7 @@ export interface components {
         };
         /**
          * FramingGuide
-         * @description The largest picture of a shape within the gate, in its middle.
+         * @description The largest centred picture of an aspect ratio within the gate.
          * @example {
          *       "aspect": 2.39,
          *       "gateMm": [
@@ -4323,7 +4323,7 @@ export interface components {
             readonly name: string;
             /**
              * Resolution
-             * @description Photosites within it; null for film.
+             * @description Photosites of the picture; null for film.
              */
             readonly resolution: readonly [
                 number,
@@ -4331,7 +4331,7 @@ export interface components {
             ] | null;
             /**
              * Shareofgate
-             * @description Of its width and of its height.
+             * @description Shares of the gate's width and height.
              */
             readonly shareOfGate: readonly [
                 number,
@@ -4368,7 +4368,7 @@ export interface components {
         };
         /**
          * Health
-         * @description An answer that says yes.
+         * @description Answer of a service that is alive or ready.
          * @example {
          *       "status": "ok"
          *     }
@@ -4510,7 +4510,7 @@ export interface components {
         };
         /**
          * Inspection
-         * @description A look into a shot at its first frame.
+         * @description Contents of a shot at its first frame.
          * @example {
          *       "cameras": [
          *         "/World/Camera"
@@ -4585,22 +4585,22 @@ export interface components {
             readonly metersPerUnit: number;
             /**
              * Notes
-             * @description What the shot uses that is not honoured.
+             * @description Features that are not honoured.
              */
             readonly notes: readonly components["schemas"]["Note"][];
             /**
              * Primcount
-             * @description Prims with geometry that are drawn.
+             * @description Number of drawn prims with geometry.
              */
             readonly primCount: number;
             /**
              * Readouts
-             * @description The lens of each camera whose numbers make a picture.
+             * @description Lens readout of each camera whose numbers make a picture.
              */
             readonly readouts: readonly components["schemas"]["Readout"][];
             /**
              * Trianglecount
-             * @description Drawn, instances counted.
+             * @description Number of drawn triangles, instances included.
              */
             readonly triangleCount: number;
             /**
@@ -4610,7 +4610,7 @@ export interface components {
             readonly upAxis: "Y" | "Z";
             /**
              * Validation
-             * @description What the validators found.
+             * @description Findings of the validators.
              */
             readonly validation: readonly components["schemas"]["ValidationFinding"][];
         };
@@ -4762,7 +4762,7 @@ export interface components {
         };
         /**
          * Lens
-         * @description A lens of the library, and what it is made of.
+         * @description A lens of the library with its optical data.
          * @example {
          *       "description": "One biconvex lens of BK7 glass: all the errors that lenses are corrected for.",
          *       "fStop": 2.8,
@@ -4813,7 +4813,7 @@ export interface components {
              * @description One line.
              */
             readonly description: string;
-            /** @description Of the model `seidel`. */
+            /** @description Errors of the model `seidel`. */
             readonly errors: components["schemas"]["LensErrors"] | null;
             /** Focallengthmm */
             readonly focalLengthMm: number;
@@ -4827,22 +4827,22 @@ export interface components {
             ] | null;
             /**
              * Fstop
-             * @description f-number wide open; 0 for a pinhole.
+             * @description f-number wide open; 0 is a pinhole.
              */
             readonly fStop: number;
-            /** @description Null where the camera's own iris stays. */
+            /** @description Null where the camera's own iris is used. */
             readonly iris: components["schemas"]["LensIris"] | null;
             /** Manufacturer */
             readonly manufacturer: string;
             /**
              * Model
-             * @description How light passes it.
+             * @description Kind of lens model.
              * @enum {string}
              */
             readonly model: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
             /**
              * Name
-             * @description Names the lens in addresses, on the command line and in edits of a camera.
+             * @description Name of the lens in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
@@ -4852,14 +4852,14 @@ export interface components {
             readonly squeeze: number;
             /**
              * Surfaces
-             * @description Front to rear; empty for a lens that is not said by its surfaces.
+             * @description Front to rear; empty for a lens that has no prescription.
              */
             readonly surfaces: readonly components["schemas"]["LensSurface"][];
-            /** @description Of the model `dataSheet`. */
+            /** @description Tables of the model `dataSheet`. */
             readonly tables: components["schemas"]["LensTables"] | null;
             /**
              * Title
-             * @description What is engraved on it; a camera's `lensName`.
+             * @description Engraving; the `lensName` of a camera that it is mounted on.
              */
             readonly title: string;
         };
@@ -4870,22 +4870,22 @@ export interface components {
         readonly LensErrors: {
             /**
              * Axialcolor
-             * @description Change of W020 from the C to the F line.
+             * @description Axial colour: change of W020 from the C to the F line.
              */
             readonly axialColor: number;
             /**
              * Lateralcolor
-             * @description Change of W111 from the C to the F line.
+             * @description Lateral colour: change of W111 from the C to the F line.
              */
             readonly lateralColor: number;
             /**
              * Referencefstop
-             * @description At whose pupil's edge they hold.
+             * @description f-number at whose pupil edge the errors hold.
              */
             readonly referenceFStop: number;
             /**
              * Referenceheight
-             * @description Image height for which they hold, mm.
+             * @description Image height at which the errors hold, mm.
              */
             readonly referenceHeight: number;
             /**
@@ -4926,7 +4926,7 @@ export interface components {
             readonly abbe: number;
             /**
              * Index
-             * @description At the d line, 587.56 nm; 1 is air.
+             * @description Refractive index at the d line, 587.56 nm; 1 is air.
              */
             readonly index: number;
             /**
@@ -4936,7 +4936,7 @@ export interface components {
             readonly name: string;
             /**
              * Sellmeierb
-             * @description Win over index and Abbe number.
+             * @description Sellmeier B; replaces index and Abbe number.
              */
             readonly sellmeierB: readonly [
                 number,
@@ -4945,7 +4945,7 @@ export interface components {
             ] | null;
             /**
              * Sellmeierc
-             * @description In square micrometres.
+             * @description Sellmeier C, square micrometres.
              */
             readonly sellmeierC: readonly [
                 number,
@@ -4955,12 +4955,12 @@ export interface components {
         };
         /**
          * LensIris
-         * @description The lens's own iris.
+         * @description Iris of a lens.
          */
         readonly LensIris: {
             /**
              * Blades
-             * @description 0 is round.
+             * @description Number of blades; 0 is round.
              */
             readonly blades: number;
             /**
@@ -4975,7 +4975,7 @@ export interface components {
             readonly rotation: number;
             /**
              * Roundness
-             * @description 0 straight blades to 1 round.
+             * @description 0 is straight blades, 1 is round.
              */
             readonly roundness: number;
         };
@@ -5023,25 +5023,25 @@ export interface components {
             readonly focalLengthMm: number;
             /**
              * Fstop
-             * @description f-number wide open; 0 for a pinhole.
+             * @description f-number wide open; 0 is a pinhole.
              */
             readonly fStop: number;
             /** Manufacturer */
             readonly manufacturer: string;
             /**
              * Model
-             * @description How light passes it.
+             * @description Kind of lens model.
              * @enum {string}
              */
             readonly model: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
             /**
              * Name
-             * @description Names the lens in addresses, on the command line and in edits of a camera.
+             * @description Name of the lens in URLs, on the command line and in edits of a camera.
              */
             readonly name: string;
             /**
              * Title
-             * @description What is engraved on it; a camera's `lensName`.
+             * @description Engraving; the `lensName` of a camera that it is mounted on.
              */
             readonly title: string;
         };
@@ -5057,12 +5057,12 @@ export interface components {
             readonly aspheric: readonly number[];
             /**
              * Cleardiametermm
-             * @description 0 where it is unknown, to be solved for.
+             * @description Clear diameter; 0 where it is unknown and solved for.
              */
             readonly clearDiameterMm: number;
             /** Conic */
             readonly conic: number;
-            /** @description The medium behind it; null is air. */
+            /** @description Medium behind the surface; null is air. */
             readonly glass: components["schemas"]["LensGlass"] | null;
             /** Isstop */
             readonly isStop: boolean;
@@ -5073,18 +5073,18 @@ export interface components {
             readonly radiusMm: number;
             /**
              * Thicknessmm
-             * @description To the next surface; of the last one to the film, 0 to be solved for.
+             * @description Distance to the next surface, or from the last one to the film; 0 is solved for.
              */
             readonly thicknessMm: number;
         };
         /**
          * LensTables
-         * @description What was measured of a lens over the image height; a table that it does not have is empty.
+         * @description Measurements of a lens over the image height; tables without measurements are empty.
          */
         readonly LensTables: {
             /**
              * Axialcolor
-             * @description How far behind blue red focuses, mm.
+             * @description Distance of the red focus behind the blue one, mm.
              */
             readonly axialColor: readonly number[];
             /**
@@ -5094,27 +5094,27 @@ export interface components {
             readonly coma: readonly number[];
             /**
              * Distortion
-             * @description Share by which the image is farther out than an ideal lens's.
+             * @description Distortion: image height over that of an ideal lens, minus 1.
              */
             readonly distortion: readonly number[];
             /**
              * Fieldcurvature
-             * @description How far before the film the sharp image lies, mm.
+             * @description Distance of the sharp image in front of the film, mm.
              */
             readonly fieldCurvature: readonly number[];
             /**
              * Fstop
-             * @description At which they hold.
+             * @description f-number at which the tables hold.
              */
             readonly fStop: number;
             /**
              * Height
-             * @description Image heights of the tables' entries, mm, from 0.
+             * @description Image heights of the entries, mm, from 0.
              */
             readonly height: readonly number[];
             /**
              * Lateralcolor
-             * @description How much farther out red (650 nm) lies than blue (475 nm), mm.
+             * @description Image height of red (650 nm) minus that of blue (475 nm), mm.
              */
             readonly lateralColor: readonly number[];
             /**
@@ -5124,7 +5124,7 @@ export interface components {
             readonly sagittalBlur: readonly number[];
             /**
              * Sphericalaberration
-             * @description Share of the blur, -1 to 1: positive gives discs behind the focus a bright edge.
+             * @description Share of the blur, -1 to 1; positive values give discs behind the focus a bright edge.
              */
             readonly sphericalAberration: readonly number[];
             /**
@@ -5134,13 +5134,13 @@ export interface components {
             readonly tangentialBlur: readonly number[];
             /**
              * Vignetting
-             * @description Light over that on the axis.
+             * @description Relative illumination: 1 on the axis.
              */
             readonly vignetting: readonly number[];
         };
         /**
          * LiveAck
-         * @description Says that a picture has arrived, and with it all before it.
+         * @description Acknowledges a picture and all before it.
          * @example {
          *       "ack": 7
          *     }
@@ -5148,13 +5148,13 @@ export interface components {
         readonly LiveAck: {
             /**
              * Ack
-             * @description The `picture` of its head.
+             * @description The `picture` in the head of the picture.
              */
             readonly ack: number;
         };
         /**
          * LivePictureHead
-         * @description What stands before a picture.
+         * @description Head of a picture message.
          * @example {
          *       "final": false,
          *       "format": "jpeg",
@@ -5180,12 +5180,12 @@ export interface components {
         readonly LivePictureHead: {
             /**
              * Final
-             * @description Whether it is the last of its request: the one that `getFrame` and `record` give.
+             * @description True for the last picture of its request, which is the one of `getFrame` and `record`.
              */
             readonly final: boolean;
             /**
              * Format
-             * @description What follows; a final picture is lossless.
+             * @description Format of the picture; a final one is lossless.
              * @enum {string}
              */
             readonly format: "jpeg" | "png";
@@ -5196,64 +5196,64 @@ export interface components {
             readonly height: number;
             /**
              * Id
-             * @description Of the request.
+             * @description Number of the request.
              */
             readonly id: number;
             /**
              * Picture
-             * @description Counts the pictures of this connection, for `ack`.
+             * @description Number of the picture on this connection, for `ack`.
              */
             readonly picture: number;
             /**
              * Stage
-             * @description `preview`: the best that could be had in time. `refining`: more rays than before. `final`: the whole of it.
+             * @description `preview`: the best within the time. `refining`: more rays than before. `final`: the exact picture.
              * @enum {string}
              */
             readonly stage: "preview" | "refining" | "final";
             readonly timing: components["schemas"]["LiveTiming"];
             /**
              * Width
-             * @description px; less than was asked for in a preview.
+             * @description px; a preview may be smaller than requested.
              */
             readonly width: number;
         };
         /**
          * LiveProblem
-         * @description Why a request has no picture, or no further one.
+         * @description Reason why a request has no picture, or no further one.
          */
         readonly LiveProblem: {
             /**
              * Id
-             * @description Of the request; null where what was sent is none.
+             * @description Number of the request; null where the message was no request.
              */
             readonly id: number | null;
             readonly problem: components["schemas"]["Problem"];
             /**
              * Status
-             * @description The HTTP status that the same problem has elsewhere.
+             * @description HTTP status of the same problem.
              */
             readonly status: number;
         };
         /**
          * LiveReadout
-         * @description What the lens does in the picture of a request that had an edit with it.
+         * @description Lens readout of a request with changes.
          */
         readonly LiveReadout: {
             /**
              * Id
-             * @description Of the request.
+             * @description Number of the request.
              */
             readonly id: number;
             readonly readout: components["schemas"]["Readout"];
         };
         /**
          * LiveRequest
-         * @description Asks for a picture, in place of what was asked for before.
+         * @description Requests pictures of a frame, in place of the request before.
          */
         readonly LiveRequest: {
             /**
              * Budgetms
-             * @description What the first picture may take.
+             * @description Time for the first picture, milliseconds.
              * @default 100
              * @example 100
              */
@@ -5273,7 +5273,7 @@ export interface components {
             readonly changes?: readonly (components["schemas"]["AddPoint"] | components["schemas"]["MovePoint"] | components["schemas"]["AlterPoint"] | components["schemas"]["RemovePoint"] | components["schemas"]["KeyPoint"] | components["schemas"]["UnkeyPoint"] | components["schemas"]["SetPointTangents"] | components["schemas"]["SetCamera"] | components["schemas"]["SetFocus"] | components["schemas"]["SetExposure"] | components["schemas"]["SetFilm"] | components["schemas"]["KeySetting"] | components["schemas"]["UnkeySetting"] | components["schemas"]["SetSettingTangents"] | components["schemas"]["KeyExposure"] | components["schemas"]["MakeRack"] | components["schemas"]["ImportCurve"] | components["schemas"]["MountLensFile"])[];
             /**
              * Display
-             * @description Of the OpenColorIO configuration, in place of the shot's.
+             * @description Display of the OpenColorIO configuration, in place of the shot's.
              * @default null
              * @example sRGB - Display
              */
@@ -5288,7 +5288,7 @@ export interface components {
             readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
             /**
              * Film
-             * @description Shoots it on this stock of the film library; what the shot says when left out.
+             * @description Stock of the film library; the shot's own when left out.
              * @default null
              * @example velvia_50
              */
@@ -5302,7 +5302,7 @@ export interface components {
             readonly height?: number | null;
             /**
              * Id
-             * @description Names the request in what comes of it.
+             * @description Number of the request, which is repeated in its answers.
              * @example 3
              */
             readonly id: number;
@@ -5315,21 +5315,21 @@ export interface components {
             readonly layers?: number;
             /**
              * Look
-             * @description Looks of the configuration with commas between, in place of the shot's; empty for none.
+             * @description Looks of the configuration, separated by commas, in place of the shot's; empty for none.
              * @default null
              * @example
              */
             readonly look?: string | null;
             /**
              * Motion
-             * @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion.
+             * @description Moments of the shutter's opening that the rays are spread over; 1 freezes motion.
              * @default 1
              * @example 1
              */
             readonly motion?: number;
             /**
              * Motionby
-             * @description `moments` draws the scene at each of them, which is exact; `velocities` draws it once, and things move straight on over the opening: much quicker.
+             * @description `moments` draws the scene at each moment, which is exact; `velocities` draws it once and moves it along straight lines, which is much quicker.
              * @default moments
              * @example velocities
              * @enum {string}
@@ -5337,7 +5337,7 @@ export interface components {
             readonly motionBy?: "moments" | "velocities";
             /**
              * Moving
-             * @description While a hand moves: one picture, as good as comes in time. Else they get better until the final one.
+             * @description True while a pointer moves: one picture, the best that is possible in time. Otherwise pictures get better up to the final one.
              * @default false
              * @example true
              */
@@ -5351,7 +5351,7 @@ export interface components {
             readonly rays?: number;
             /**
              * Seed
-             * @description Of the sampling pattern.
+             * @description Seed of the sampling pattern.
              * @default 0
              * @example 0
              */
@@ -5379,14 +5379,14 @@ export interface components {
             readonly time: number;
             /**
              * View
-             * @description Of the display, in place of the shot's.
+             * @description View of the display, in place of the shot's.
              * @default null
              * @example Raw
              */
             readonly view?: string | null;
             /**
              * Wavelengths
-             * @description Of light, traced through a lens that has colour errors: 3 is one for each channel, more a smoother spectrum, 1 leaves colour errors out.
+             * @description Wavelengths traced through a lens that has colour errors: 3 is one a channel, more a smoother spectrum, 1 leaves colour errors out.
              * @default 3
              * @example 3
              */
@@ -5401,7 +5401,7 @@ export interface components {
         };
         /**
          * LiveStop
-         * @description Says that nothing of what was asked for is wanted any more.
+         * @description Cancels all requests.
          * @example {
          *       "stop": true
          *     }
@@ -5415,7 +5415,7 @@ export interface components {
         };
         /**
          * LiveTiming
-         * @description What a picture took, in milliseconds, and what went into it.
+         * @description Times of a picture in milliseconds, and its quality.
          * @example {
          *       "answeredMs": 84.5,
          *       "blurMs": 24.2,
@@ -5432,58 +5432,58 @@ export interface components {
         readonly LiveTiming: {
             /**
              * Answeredms
-             * @description From when the service had the request to when it had this picture to send.
+             * @description Time from the arrival of the request to the moment when this picture could be sent.
              */
             readonly answeredMs: number;
             /**
              * Blurms
-             * @description To blur them, or to trace rays through them.
+             * @description Time to blur the layers, or to trace rays through them.
              */
             readonly blurMs: number;
             /**
              * Encodems
-             * @description To make a file of it.
+             * @description Time to encode the picture.
              */
             readonly encodeMs: number;
             /**
              * Finishms
-             * @description To expose, develop and grade.
+             * @description Time to expose, develop and grade.
              */
             readonly finishMs: number;
             /**
              * Peelms
-             * @description To peel the layers; 0 where those of a picture before still held.
+             * @description Time to peel the layers; 0 where those of an earlier picture were reused.
              */
             readonly peelMs: number;
             /**
              * Rays
-             * @description Lens rays for each pixel so far; 0 where a picture was blurred instead.
+             * @description Lens rays per pixel so far; 0 where the picture was blurred instead.
              */
             readonly rays: number;
             /**
              * Readms
-             * @description To read the scene and focus the camera.
+             * @description Time to read the scene and focus the camera.
              */
             readonly readMs: number;
             /**
              * Scale
-             * @description Pixels of this picture for each that was asked for, along a side.
+             * @description Pixels of this picture per requested pixel, along one side.
              */
             readonly scale: number;
             /**
              * Share
-             * @description Of the final picture's work that is done.
+             * @description Share of the final picture's work that is done.
              */
             readonly share: number;
             /**
              * Totalms
-             * @description From when the work was begun to when this picture was there.
+             * @description Time from the begin of the work to this picture.
              */
             readonly totalMs: number;
         };
         /**
          * LongExposureBegin
-         * @description What is exposed, and how finely.
+         * @description Interval and quality of a long exposure.
          * @example {
          *       "first": 40,
          *       "last": 88,
@@ -5507,7 +5507,7 @@ export interface components {
             readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
             /**
              * Film
-             * @description A stock of the film library; the shot's when left out.
+             * @description Stock of the film library; the shot's own when left out.
              */
             readonly film?: string | null;
             /**
@@ -5522,7 +5522,7 @@ export interface components {
             readonly height?: number | null;
             /**
              * Last
-             * @description At which it closes, unless it is closed before.
+             * @description USD time code at which the shutter closes, unless it is closed earlier.
              */
             readonly last: number;
             /**
@@ -5533,31 +5533,31 @@ export interface components {
             readonly layers?: number;
             /**
              * Motion
-             * @description Moments of each interval; 1 takes as many as it needs for trails without gaps.
+             * @description Moments of each interval; 1 takes as many as trails without gaps need.
              * @default 1
              */
             readonly motion?: number;
             /**
              * Motionby
-             * @description `moments` peels the scene at each of them, which is exact; `velocities` once an interval, which is quick.
+             * @description `moments` peels the scene at each moment, which is exact; `velocities` once an interval, which is quick.
              * @default moments
              * @enum {string}
              */
             readonly motionBy?: "moments" | "velocities";
             /**
              * Ndstops
-             * @description Of a neutral density filter; one that keeps the exposure of a single frame when left out.
+             * @description Density of a neutral density filter; when left out, one that keeps the exposure of a single frame.
              */
             readonly ndStops?: number | null;
             /**
              * Rays
-             * @description Lens rays for each pixel, in each interval.
+             * @description Lens rays per pixel and interval.
              * @default 16
              */
             readonly rays?: number;
             /**
              * Seed
-             * @description Of the sampling pattern.
+             * @description Seed of the sampling pattern.
              * @default 0
              */
             readonly seed?: number;
@@ -5570,7 +5570,7 @@ export interface components {
             readonly shading?: "lit" | "unlit";
             /**
              * Step
-             * @description Frames that are exposed at once.
+             * @description Length of one interval, frames.
              * @default 1
              */
             readonly step?: number;
@@ -5582,7 +5582,7 @@ export interface components {
             readonly supersample?: number;
             /**
              * Wavelengths
-             * @description Of light, as for a frame.
+             * @description Wavelengths, as for a frame.
              * @default 3
              */
             readonly wavelengths?: number;
@@ -5595,7 +5595,7 @@ export interface components {
         };
         /**
          * LongExposureEdit
-         * @description The hand on the shutter.
+         * @description Opens or closes the shutter.
          * @example {
          *       "shutter": "closed"
          *     }
@@ -5603,14 +5603,14 @@ export interface components {
         readonly LongExposureEdit: {
             /**
              * Shutter
-             * @description `closed` ends the exposure after the interval that is at work; `open` goes on where it was closed.
+             * @description `closed` ends the exposure after the current interval; `open` continues where it was closed.
              * @enum {string}
              */
             readonly shutter: "open" | "closed";
         };
         /**
          * LongExposureState
-         * @description How far it is.
+         * @description Progress of a long exposure.
          * @example {
          *       "camera": "/World/Camera",
          *       "first": 40,
@@ -5637,37 +5637,37 @@ export interface components {
             readonly first: number;
             /**
              * Intervalcount
-             * @description That there are till the last frame.
+             * @description Number of intervals up to the last frame.
              */
             readonly intervalCount: number;
             /**
              * Intervals
-             * @description That are exposed.
+             * @description Number of exposed intervals.
              */
             readonly intervals: number;
             /**
              * Last
-             * @description At which it closes by itself.
+             * @description USD time code at which it closes by itself.
              */
             readonly last: number;
             /**
              * Ndstops
-             * @description Of the neutral density filter that the picture is exposed through.
+             * @description Density of the neutral density filter.
              */
             readonly ndStops: number;
             /**
              * Openframes
-             * @description For how long the shutter was open, in frames.
+             * @description Time for which the shutter was open, frames.
              */
             readonly openFrames: number;
             /**
              * Openseconds
-             * @description Likewise, in seconds.
+             * @description Time for which the shutter was open, seconds.
              */
             readonly openSeconds: number;
             /**
              * Problem
-             * @description Why it failed, in one sentence.
+             * @description Reason of the failure, one sentence.
              */
             readonly problem?: string | null;
             /**
@@ -5678,7 +5678,7 @@ export interface components {
             readonly shutter: "open" | "closed" | "done" | "failed";
             /**
              * Time
-             * @description To which the picture is exposed.
+             * @description USD time code up to which the picture is exposed.
              */
             readonly time: number;
         };
@@ -5722,7 +5722,7 @@ export interface components {
         };
         /**
          * MeterReading
-         * @description What a light meter on a camera says at one time.
+         * @description Reading of a light meter on a camera at one time.
          * @example {
          *       "camera": "/World/Camera",
          *       "compensationStops": -1,
@@ -5745,32 +5745,32 @@ export interface components {
             readonly camera: string;
             /**
              * Compensationstops
-             * @description In place of the camera's: what makes it middle grey, and as much brighter as is asked for, smoothed over time where the meter decides; null for black.
+             * @description Exposure compensation that renders the metered area as middle grey plus the meter's own compensation, smoothed over time where the meter decides; null for black.
              */
             readonly compensationStops: number | null;
             /**
              * Decides
-             * @description Whether the camera is exposed by its meter, so that `stops` is made up for.
+             * @description True where the camera is exposed by its meter, which makes up for `stops`.
              */
             readonly decides: boolean;
             /**
              * Ev100
-             * @description Exposure value at ISO 100 of that light; null for black.
+             * @description Exposure value of that luminance at ISO 100; null for black.
              */
             readonly ev100: number | null;
             /**
              * Filmlux
-             * @description Illuminance of the film by it.
+             * @description Illuminance of the film by that luminance.
              */
             readonly filmLux: number;
             /**
              * Incidentlux
-             * @description The light in which a matt grey of 18 % is as bright.
+             * @description Illuminance at which a matt 18 % grey has that luminance.
              */
             readonly incidentLux: number;
             /**
              * Luminancenits
-             * @description Mean of what it looks at; 0 for black.
+             * @description Mean luminance of the metered area; 0 for black.
              */
             readonly luminanceNits: number;
             /**
@@ -5780,7 +5780,7 @@ export interface components {
             readonly mode: "spot" | "center" | "average";
             /**
              * Place
-             * @description Of the spot in the picture, from its top left corner; null for the other modes, and outside.
+             * @description Position of the spot, from the picture's top left corner; null for the other modes, and outside the picture.
              */
             readonly place: readonly [
                 number,
@@ -5788,7 +5788,7 @@ export interface components {
             ] | null;
             /**
              * Stops
-             * @description By how much it comes out over (or, negative, under) middle grey as the exposure is set; null for black.
+             * @description Stops over middle grey as the exposure is set; negative is under, null is black.
              */
             readonly stops: number | null;
             /** Time */
@@ -5863,7 +5863,7 @@ export interface components {
         };
         /**
          * Note
-         * @description Something that the shot asks for and that is not honoured.
+         * @description A feature of the shot that is not honoured.
          */
         readonly Note: {
             /**
@@ -5932,7 +5932,7 @@ export interface components {
         };
         /**
          * PickRequest
-         * @description Which pixel of which picture.
+         * @description A pixel of a picture.
          * @example {
          *       "camera": "/World/Camera",
          *       "height": 540,
@@ -5950,7 +5950,7 @@ export interface components {
             readonly camera?: string | null;
             /**
              * Height
-             * @description Of the picture, px.
+             * @description Height of the picture, px.
              */
             readonly height: number;
             /**
@@ -5960,7 +5960,7 @@ export interface components {
             readonly time: number;
             /**
              * Width
-             * @description Of the picture, px.
+             * @description Width of the picture, px.
              */
             readonly width: number;
             /**
@@ -6463,7 +6463,7 @@ export interface components {
         };
         /**
          * Shape
-         * @description A shape that pictures are delivered in.
+         * @description An aspect ratio that pictures are delivered in.
          * @example {
          *       "aspect": 2.39,
          *       "name": "2.39:1"
@@ -6480,7 +6480,7 @@ export interface components {
         };
         /**
          * Shot
-         * @description A stored shot and what does not change while it is looked at.
+         * @description A stored shot with its frame range and cameras.
          * @example {
          *       "cameras": [
          *         "/World/Camera"
@@ -6520,17 +6520,17 @@ export interface components {
             readonly frameRange: components["schemas"]["FrameRange"];
             /**
              * Id
-             * @description Names the shot in every address.
+             * @description Name of the shot in URLs.
              */
             readonly id: string;
             /**
              * Name
-             * @description For people: the name of the file that was sent.
+             * @description Name of the uploaded file.
              */
             readonly name: string;
             /**
              * Revision
-             * @description Of the edits: another one after every edit.
+             * @description Revision of the edits; changes with every edit.
              */
             readonly revision: string;
             /**
@@ -6540,7 +6540,7 @@ export interface components {
             readonly root: string;
             /**
              * Sizebytes
-             * @description Of all files of the shot, unpacked.
+             * @description Size of all files of the shot, unpacked.
              */
             readonly sizeBytes: number;
         };
@@ -6586,12 +6586,12 @@ export interface components {
             readonly fileCount: number;
             /**
              * Id
-             * @description Names the shot in every address.
+             * @description Name of the shot in URLs.
              */
             readonly id: string;
             /**
              * Name
-             * @description For people: the name of the file that was sent.
+             * @description Name of the uploaded file.
              */
             readonly name: string;
             /**
@@ -6601,7 +6601,7 @@ export interface components {
             readonly root: string;
             /**
              * Sizebytes
-             * @description Of all files of the shot, unpacked.
+             * @description Size of all files of the shot, unpacked.
              */
             readonly sizeBytes: number;
         };
@@ -6751,12 +6751,12 @@ export interface components {
         };
         /**
          * ValidationFinding
-         * @description Something that a validator of the camera schemas found.
+         * @description A finding of a validator of the camera schemas.
          */
         readonly ValidationFinding: {
             /**
              * Fix
-             * @description What would put it right, empty where nothing safe would.
+             * @description Safe fix, or empty.
              */
             readonly fix: string;
             /**
@@ -6782,7 +6782,7 @@ export interface components {
         };
         /**
          * Version
-         * @description Which program this is.
+         * @description Name and version of the program.
          * @example {
          *       "name": "pullfocus",
          *       "version": "0.1.0"
@@ -6862,7 +6862,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Health"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6871,7 +6871,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6900,7 +6900,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["BodyList"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6909,7 +6909,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6918,7 +6918,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6932,7 +6932,7 @@ export interface operations {
     readonly getBody: {
         readonly parameters: {
             readonly query?: {
-                /** @description To tell fields of view for; usual ones when left out. */
+                /** @description Focal lengths of the fields of view; usual ones when left out. */
                 readonly focalLengthMm?: readonly number[] | null;
             };
             readonly header?: never;
@@ -6962,7 +6962,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6971,7 +6971,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -6980,7 +6980,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7009,7 +7009,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["FilmList"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7018,7 +7018,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7027,7 +7027,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7068,7 +7068,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7077,7 +7077,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7086,7 +7086,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7127,7 +7127,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7136,7 +7136,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7145,7 +7145,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7174,7 +7174,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["LensList"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7183,7 +7183,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7192,7 +7192,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7233,7 +7233,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7242,7 +7242,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7251,7 +7251,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7292,7 +7292,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7301,7 +7301,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7310,7 +7310,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7351,7 +7351,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7360,7 +7360,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7369,7 +7369,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7422,7 +7422,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Shot"];
                 };
             };
-            /** @description More was sent, or unpacked, than is taken. */
+            /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7431,7 +7431,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description What was sent is no file of the kinds that are taken. */
+            /** @description The file is of no supported kind. */
             readonly 415: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7440,7 +7440,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7449,7 +7449,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7458,7 +7458,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7499,7 +7499,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7508,7 +7508,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7517,7 +7517,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7556,7 +7556,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7602,7 +7602,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7611,7 +7611,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7620,7 +7620,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7673,7 +7673,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7682,7 +7682,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7691,7 +7691,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7700,7 +7700,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7746,7 +7746,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7755,7 +7755,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7764,7 +7764,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7817,7 +7817,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7826,7 +7826,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7835,7 +7835,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7844,7 +7844,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7899,7 +7899,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7908,7 +7908,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7917,7 +7917,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7926,7 +7926,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7979,7 +7979,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7988,7 +7988,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -7997,7 +7997,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8006,7 +8006,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8052,7 +8052,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8061,7 +8061,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8070,7 +8070,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8123,7 +8123,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8132,7 +8132,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8141,7 +8141,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8150,7 +8150,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8205,7 +8205,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8214,7 +8214,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8223,7 +8223,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8232,7 +8232,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8285,7 +8285,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8294,7 +8294,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8303,7 +8303,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8312,7 +8312,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8358,7 +8358,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8367,7 +8367,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8376,7 +8376,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8429,7 +8429,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8438,7 +8438,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8447,7 +8447,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8456,7 +8456,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8502,7 +8502,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8511,7 +8511,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8520,7 +8520,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8575,7 +8575,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8584,7 +8584,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8593,7 +8593,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8602,7 +8602,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8655,7 +8655,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8664,7 +8664,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8673,7 +8673,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8682,7 +8682,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8735,7 +8735,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8744,7 +8744,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description More was sent, or unpacked, than is taken. */
+            /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8753,7 +8753,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description What was sent is no file of the kinds that are taken. */
+            /** @description The file is of no supported kind. */
             readonly 415: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8762,7 +8762,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8771,7 +8771,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8780,7 +8780,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8824,7 +8824,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8833,7 +8833,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8842,7 +8842,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8893,7 +8893,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8944,7 +8944,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8953,7 +8953,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8962,7 +8962,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -8971,7 +8971,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9019,7 +9019,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9028,7 +9028,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description More was sent, or unpacked, than is taken. */
+            /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9037,7 +9037,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9046,7 +9046,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9055,7 +9055,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9096,7 +9096,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9105,7 +9105,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9114,7 +9114,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9161,7 +9161,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9170,7 +9170,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9179,7 +9179,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9188,7 +9188,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9197,7 +9197,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9244,7 +9244,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9253,7 +9253,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9262,7 +9262,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9271,7 +9271,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9280,7 +9280,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9334,7 +9334,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9343,7 +9343,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9352,7 +9352,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9411,7 +9411,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9420,7 +9420,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description More was sent, or unpacked, than is taken. */
+            /** @description The upload, or what it unpacks to, is too large. */
             readonly 413: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9429,7 +9429,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9438,7 +9438,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9447,7 +9447,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9495,7 +9495,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9504,7 +9504,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9513,7 +9513,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9568,7 +9568,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9577,7 +9577,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9586,7 +9586,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9595,7 +9595,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9643,7 +9643,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9652,7 +9652,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9661,7 +9661,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9710,7 +9710,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9719,7 +9719,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9728,7 +9728,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9737,7 +9737,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9794,7 +9794,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9803,7 +9803,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9812,7 +9812,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9821,7 +9821,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9878,7 +9878,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9887,7 +9887,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9896,7 +9896,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9905,7 +9905,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9960,7 +9960,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9969,7 +9969,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9978,7 +9978,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -9987,7 +9987,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10003,13 +10003,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one viewer. A newer frame request of the same viewer for the same shot takes the place of those that still wait, which are answered 409 `superseded`. Left out: nothing is superseded. */
+                /** @description Name of a client. A newer frame request of the same client for the same shot replaces those that still wait, which are answered 409 `superseded`. Left out: nothing is superseded. */
                 readonly client?: string | null;
-                /** @description Of the OpenColorIO configuration, in place of the shot's. */
+                /** @description Display of the OpenColorIO configuration, in place of the shot's. */
                 readonly display?: string | null;
                 /** @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed shutter_time the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp. */
                 readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
-                /** @description Shoots it on this stock of the film library; what the shot says when left out. */
+                /** @description Stock of the film library; the shot's own when left out. */
                 readonly film?: string | null;
                 /** @description `exr` is scene-linear light, the others the graded picture. */
                 readonly format?: "png" | "jpeg" | "exr";
@@ -10017,17 +10017,17 @@ export interface operations {
                 readonly height?: number | null;
                 /** @description Layers peeled at most. */
                 readonly layers?: number;
-                /** @description Film and grade on the graphics device: quicker, for somebody who waits for the picture. It may be one of 256 levels away from the file's; without it a picture is the one that the command line writes. */
+                /** @description Computes film and grade on the graphics device, which is quicker and may differ by one of 256 levels. Without it the picture is the one that the command line writes. */
                 readonly live?: boolean;
-                /** @description Looks of the configuration with commas between, in place of the shot's; empty for none. */
+                /** @description Looks of the configuration, separated by commas, in place of the shot's; empty for none. */
                 readonly look?: string | null;
-                /** @description Moments of the shutter's opening to look at, over which the rays are spread; 1 stops all motion. */
+                /** @description Moments of the shutter's opening that the rays are spread over; 1 freezes motion. */
                 readonly motion?: number;
-                /** @description `moments` draws the scene at each of them, which is exact; `velocities` draws it once, and things move straight on over the opening: much quicker. */
+                /** @description `moments` draws the scene at each moment, which is exact; `velocities` draws it once and moves it along straight lines, which is much quicker. */
                 readonly motionBy?: "moments" | "velocities";
                 /** @description Lens rays for each pixel. */
                 readonly rays?: number;
-                /** @description Of the sampling pattern. */
+                /** @description Seed of the sampling pattern. */
                 readonly seed?: number;
                 /** @description `unlit`: base colour as radiance. */
                 readonly shading?: "lit" | "unlit";
@@ -10035,9 +10035,9 @@ export interface operations {
                 readonly supersample?: number;
                 /** @description USD time code. */
                 readonly time: number;
-                /** @description Of the display, in place of the shot's. */
+                /** @description View of the display, in place of the shot's. */
                 readonly view?: string | null;
-                /** @description Of light, traced through a lens that has colour errors: 3 is one for each channel, more a smoother spectrum, 1 leaves colour errors out. */
+                /** @description Wavelengths traced through a lens that has colour errors: 3 is one a channel, more a smoother spectrum, 1 leaves colour errors out. */
                 readonly wavelengths?: number;
                 /** @description px */
                 readonly width?: number;
@@ -10080,7 +10080,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10089,7 +10089,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10098,7 +10098,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10107,7 +10107,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10148,7 +10148,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10157,7 +10157,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10166,7 +10166,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10189,14 +10189,14 @@ export interface operations {
         };
         readonly requestBody?: never;
         readonly responses: {
-            /** @description From here on it is a WebSocket. */
+            /** @description The connection becomes a WebSocket. */
             readonly 101: {
                 headers: {
                     readonly [name: string]: unknown;
                 };
                 content?: never;
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10205,7 +10205,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Ask for it over a WebSocket. */
+            /** @description This address is a WebSocket. */
             readonly 426: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10214,7 +10214,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10255,7 +10255,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10300,7 +10300,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10309,7 +10309,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10318,7 +10318,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10357,7 +10357,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10402,7 +10402,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10448,7 +10448,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10457,7 +10457,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10466,7 +10466,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10482,9 +10482,9 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one viewer, whose newer request to meter the same shot takes the place of those that still wait. */
+                /** @description Name of a client, whose newer request to meter the same shot replaces those that still wait. */
                 readonly client?: string | null;
-                /** @description Left out: what the camera's meter looks at, or the middle most where it has none. */
+                /** @description Left out: the mode of the camera's meter, or `center` where it has none. */
                 readonly mode?: ("spot" | "center" | "average") | null;
                 /** @description Meters a spot on a focus point. */
                 readonly point?: string | null;
@@ -10522,7 +10522,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description `superseded`: a newer request of the same client took this one's place. `nothing_to_undo`, `nothing_to_redo`. */
+            /** @description `superseded`: a newer request of the same client replaced this one. `nothing_to_undo`, `nothing_to_redo`. */
             readonly 409: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10531,7 +10531,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10540,7 +10540,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10549,7 +10549,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10594,7 +10594,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10603,7 +10603,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10612,7 +10612,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10665,7 +10665,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Somebody changed it since it was read: its `ETag` is not what `If-Match` says. */
+            /** @description It was changed since it was read: its `ETag` is not in `If-Match`. */
             readonly 412: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10674,7 +10674,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10683,7 +10683,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10692,7 +10692,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10738,7 +10738,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10747,7 +10747,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10756,7 +10756,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10802,7 +10802,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10811,7 +10811,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10820,7 +10820,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10876,7 +10876,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request, or the stage that it is about, cannot be used; says why. */
+            /** @description The request or the stage is invalid; `detail` says why. */
             readonly 422: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10885,7 +10885,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wait, or a worker died on this request; try again after `Retry-After`. */
+            /** @description Too many requests wait, or a worker died on this request; try again after `Retry-After`. */
             readonly 503: {
                 headers: {
                     readonly [name: string]: unknown;
@@ -10894,7 +10894,7 @@ export interface operations {
                     readonly "application/json": components["schemas"]["Problem"];
                 };
             };
-            /** @description It took too long and was ended. */
+            /** @description The request took too long and was ended. */
             readonly 504: {
                 headers: {
                     readonly [name: string]: unknown;

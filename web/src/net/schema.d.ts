@@ -5337,7 +5337,7 @@ export interface components {
             readonly motionBy?: "moments" | "velocities";
             /**
              * Moving
-             * @description True while a pointer moves: one picture, the best that is possible in time. Otherwise pictures get better up to the final one.
+             * @description True while a pointer moves: one picture, the best in that time. Otherwise pictures get better up to the final one.
              * @default false
              * @example true
              */

@@ -222,6 +222,14 @@ def test_files_ride_in_a_change(client, shot):
     assert (imported["frames"], imported["findings"][0]["code"]) == (4, "gap")
 
 
+def test_an_edit_may_bring_a_large_file_and_not_one_without_end(client, shot):
+    rows = "".join(f"{n},2.{'0' * 60}\n" for n in range(1, 20_001))
+    content = base64.b64encode(f"frame,focus_distance_m\n{rows}".encode()).decode()
+    assert len(content) > 1 << 20
+    assert edited(client, shot, {"type": "importCurve", "content": content})["imported"]["frames"] == 20_000
+    assert edit(client, shot, {"type": "importCurve", "content": "x" * (33 << 20)}).status_code == 413
+
+
 def test_a_part_of_the_state_that_cannot_be_read_is_null_and_the_edit_is_made(client, room_file):
     # More frames than a focus curve may have at once.
     long = room_file.read_text().replace("endTimeCode = 24", "endTimeCode = 30000")

@@ -764,16 +764,16 @@ export interface paths {
          * @description A WebSocket at this address streams pictures that get better and better, until the exact one.
          *
          *     **You send** text. A `LiveRequest` asks for a picture; it takes the place of the request before, whose further pictures are not
-         *     made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly; without,
-         *     further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. An `edit` is tried in
-         *     these pictures and not kept: while a slider is dragged send the value along, and edit once it is let go. A `LiveAck` says that
-         *     a picture has arrived: at most two are on their way, and of those that wait for an ack the newest alone is kept. A `LiveStop`
-         *     says that nothing of what was asked for is wanted any more, say since a picture from before is shown again; a picture that is on
-         *     its way then still comes.
+         *     made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly;
+         *     without, further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. The
+         *     `changes`, those that an edit takes, are tried in these pictures and not kept: while a slider is dragged send them along, and
+         *     edit once it is let go. A `LiveAck` says that a picture has arrived: at most two are on their way, and of those that wait for an
+         *     ack the newest alone is kept. A `LiveStop` says that nothing of what was asked for is wanted any more, say since a picture from
+         *     before is shown again; a picture that is on its way then still comes.
          *
          *     **You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
-         *     JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in the pictures of
-         *     an edit, and `LiveProblem`, why there is no picture.
+         *     JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in pictures that try
+         *     changes, and `LiveProblem`, why there is no picture.
          *
          *     Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`.
          */

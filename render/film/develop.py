@@ -39,7 +39,7 @@ def develop(radiance: FloatArray, exposure_scale: float, grade: Grade) -> FloatA
     if radiance.ndim != 3 or radiance.shape[2] < 3:
         raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
     check_exposure(exposure_scale)
-    return _displayed(expose(radiance[..., :3], exposure_scale), grade.cpu_processor())
+    return _apply_processor(expose(radiance[..., :3], exposure_scale), grade.cpu_processor())
 
 
 def project(print_light: FloatArray, grade: Grade, space: str) -> FloatArray:
@@ -58,10 +58,10 @@ def project(print_light: FloatArray, grade: Grade, space: str) -> FloatArray:
     """
     if print_light.ndim != 3 or print_light.shape[2] != 3:
         raise SettingsError(f"print light must be (height, width, 3), got {print_light.shape}")
-    return _displayed(expose(print_light, 1.0), grade.cpu_processor(space))
+    return _apply_processor(expose(print_light, 1.0), grade.cpu_processor(space))
 
 
-def _displayed(picture: FloatArray, processor: PyOpenColorIO.CPUProcessor) -> FloatArray:
+def _apply_processor(picture: FloatArray, processor: PyOpenColorIO.CPUProcessor) -> FloatArray:
     """Run a picture through OpenColorIO, in place."""
     bands = [picture[row : row + _ROWS_IN_A_BAND] for row in range(0, len(picture), _ROWS_IN_A_BAND)]
     with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:

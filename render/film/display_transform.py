@@ -21,7 +21,7 @@ _MEASURED = ocio.ROLE_INTERCHANGE_DISPLAY  # CIE XYZ of what a display emits; Y 
 _MEASURED_FROM_ACES = "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"  # white stays white
 
 
-class Way:
+class TransformChain:
     """Transforms in their order, parted where the CDL works: its numbers may change from frame to frame, and all else stays.
 
     Attributes:
@@ -40,7 +40,7 @@ class Way:
         for step in processor.createGroupTransform():
             self.append(step)
 
-    def part(self) -> None:
+    def start_part(self) -> None:
         """Start the part that comes after the CDL."""
         self.parts.append(ocio.GroupTransform())
 
@@ -54,13 +54,13 @@ class Way:
         return whole
 
 
-def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool) -> Way:
+def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool) -> TransformChain:
     """From the space that was rendered in to what the display is sent, by the view.
 
     That space is the working space of `render.colour.working_config`; where the grade is by another configuration, the two must
     have the role ``aces_interchange``.
     """
-    way, rendered = Way(), working_config()
+    way, rendered = TransformChain(), working_config()
     if config is not rendered:
         way.append_all(ocio.Config.GetProcessorFromConfigs(rendered, _WORKING, config, _WORKING))
     _append_grading(way, config, look, has_cdl)
@@ -68,7 +68,9 @@ def scene_to_display(config: ocio.Config, display: str, view: str, look: str | N
     return way
 
 
-def print_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool, light: str) -> Way:
+def print_to_display(
+    config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool, light: str
+) -> TransformChain:
     """From a print's light to what the display is sent, without the view's tone mapping.
 
     Args:
@@ -80,7 +82,7 @@ def print_to_display(config: ocio.Config, display: str, view: str, look: str | N
         has_cdl: whether there is a place for a CDL.
         light: name of a linear space, of the configuration that was rendered by or of OpenColorIO's default one.
     """
-    way, target = Way(), config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(display, view))
+    way, target = TransformChain(), config.getColorSpace(config.getResolvedDisplayViewColorSpaceName(display, view))
     if target is None or target.isData():
         return way
     way.append_all(_config_that_has(light).getProcessor(light, _ACES))
@@ -96,12 +98,12 @@ def print_to_display(config: ocio.Config, display: str, view: str, look: str | N
     return way
 
 
-def _append_grading(way: Way, config: ocio.Config, look: str | None, has_cdl: bool) -> None:
+def _append_grading(way: TransformChain, config: ocio.Config, look: str | None, has_cdl: bool) -> None:
     """The CDL's place and then the looks, from the working space to itself."""
     if has_cdl:
         timing = ocio.ROLE_COLOR_TIMING if config.hasRole(ocio.ROLE_COLOR_TIMING) else _WORKING
         way.append(ocio.ColorSpaceTransform(src=_WORKING, dst=timing))
-        way.part()
+        way.start_part()
         way.append(ocio.ColorSpaceTransform(src=timing, dst=_WORKING))
     if look:
         way.append(ocio.LookTransform(src=_WORKING, dst=_WORKING, looks=look))

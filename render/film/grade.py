@@ -13,7 +13,7 @@ import PyOpenColorIO
 from render.colour import OCIO_ERRORS, config_name, working_config
 from render.errors import SettingsError
 from render.film.cdl import NEUTRAL, Cdl, read_cdl
-from render.film.display_transform import Way, print_to_display, scene_to_display
+from render.film.display_transform import TransformChain, print_to_display, scene_to_display
 from render.film.grade_choice import GradeChoice
 from render.near_names import hint
 
@@ -122,25 +122,25 @@ class Grade:
             SettingsError: OpenColorIO cannot build the transform.
         """
         config = working_config(self.config)
-        with self._told(light):
+        with self._translate_errors(light):
             return config.getProcessor(self._way(light).with_cdl(self.cdl))
 
     def processors_around_cdl(self, light: str | None = None) -> list[PyOpenColorIO.Processor]:
         """As `processor`, but in two parts where there is a CDL, which works between them; they do not depend on its numbers."""
         config = working_config(self.config)
-        with self._told(light):
+        with self._translate_errors(light):
             return [config.getProcessor(part) for part in self._way(light).parts]
 
     def cpu_processor(self, light: str | None = None) -> PyOpenColorIO.CPUProcessor:
         """`processor` for arrays."""
         return self.processor(light).getDefaultCPUProcessor()
 
-    def _way(self, light: str | None) -> Way:
+    def _way(self, light: str | None) -> TransformChain:
         way = (working_config(self.config), self.display_name, self.view_name, self.look, not self.cdl.is_neutral)
         return scene_to_display(*way) if light is None else print_to_display(*way, light)
 
     @contextmanager
-    def _told(self, light: str | None) -> Iterator[None]:
+    def _translate_errors(self, light: str | None) -> Iterator[None]:
         """Tell OpenColorIO's errors as ours."""
         try:
             yield

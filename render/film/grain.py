@@ -56,7 +56,7 @@ def grain_field(
     rows = range(first_row - reach_y, first_row + height + reach_y)
     columns = range(first_column - reach_x, first_column + width + reach_x)
     noise = normal_noise(rows, columns, records, frame=frame, seed=seed)
-    noise = _convolved(_convolved(noise, down, 0), across, 1)
+    noise = _convolve(_convolve(noise, down, 0), across, 1)
     noise *= np.float32(grain_scale(pixel_um, size_um))
     return noise
 
@@ -121,7 +121,7 @@ def _kernel(sigma_px: float) -> DoubleArray:
     return kernel
 
 
-def _convolved(field: FloatArray, kernel: DoubleArray, axis: int) -> FloatArray:
+def _convolve(field: FloatArray, kernel: DoubleArray, axis: int) -> FloatArray:
     """The field without the kernel's reach at both ends of an axis."""
     size = field.shape[axis] - len(kernel) + 1
     if len(kernel) == 1:

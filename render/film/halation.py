@@ -56,7 +56,7 @@ def add_halation(
     result = light.copy()
     for channel, share in enumerate(shares):
         if share:
-            spread = _convolved(light[..., channel], kernel)
+            spread = _convolve(light[..., channel], kernel)
             result[..., channel] += np.float32(share) * (spread - light[..., channel])
     return result
 
@@ -103,11 +103,11 @@ def _pixels(radius_px: float, finer: int) -> DoubleArray:
     return ((np.arange((reach + 1) * finer) + 0.5) / finer - 0.5) / radius_px
 
 
-def _convolved(channel: FloatArray, kernel: DoubleArray) -> FloatArray:
+def _convolve(channel: FloatArray, kernel: DoubleArray) -> FloatArray:
     """A channel, mirrored at its edges, under the kernel, by way of its Fourier transform."""
     reach = [n // 2 for n in kernel.shape]
     padded = np.pad(channel, [(r, r) for r in reach], mode="symmetric")
-    shape = [_easy(n + 2 * r) for n, r in zip(padded.shape, reach, strict=True)]
+    shape = [_fast_size(n + 2 * r) for n, r in zip(padded.shape, reach, strict=True)]
     spectrum = np.fft.rfft2(padded, shape) * np.fft.rfft2(kernel.astype(np.float32), shape)
     whole = np.fft.irfft2(spectrum, shape)
     first_row, first_column = (2 * r for r in reach)
@@ -116,7 +116,7 @@ def _convolved(channel: FloatArray, kernel: DoubleArray) -> FloatArray:
     )
 
 
-def _easy(size: int) -> int:
+def _fast_size(size: int) -> int:
     """The least length from ``size`` up that has no prime factor above 5: those transform fast."""
     while True:
         rest = size

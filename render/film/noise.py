@@ -54,14 +54,14 @@ def normal_noise(rows: range, columns: range, channels: int, *, frame: int, seed
     def fill(first: int) -> None:
         band = rows[first : first + _ROWS_AT_ONCE]
         down = np.array(band, np.int64).astype(np.uint32)[:, None]
-        _fill(numbers[first : first + len(band)], _hashed(across, down, key))
+        _fill(numbers[first : first + len(band)], _hash(across, down, key))
 
     with ThreadPoolExecutor(min(_MAX_THREADS, os.cpu_count() or 1)) as threads:
         list(threads.map(fill, range(0, len(rows), _ROWS_AT_ONCE)))
     return numbers
 
 
-def _hashed(across: Words, down: Words, key: tuple[int, int]) -> list[Words]:
+def _hash(across: Words, down: Words, key: tuple[int, int]) -> list[Words]:
     """Four words for each place."""
     shape = np.broadcast_shapes(across.shape, down.shape)
     words = [np.broadcast_to(np.asarray(part, np.uint32), shape) for part in (across, down, *key)]

@@ -56,12 +56,12 @@ def develop_on_film(
         balanced = (exposed * gains.astype(np.float32)).astype(np.float32, copy=False)
         if film.process == "none":
             return balanced
-        return expose_sensor(balanced, balanced_sensor(film), frame=frame, seed=seed + film.grain.seed)
+        return expose_sensor(balanced, balance_sensor(film), frame=frame, seed=seed + film.grain.seed)
     density = densities(exposed, film, gate_mm=gate_mm)
-    return projected(with_grain(density, film, frame=frame, gate_mm=gate_mm, seed=seed), film)
+    return project_print(apply_grain(density, film, frame=frame, gate_mm=gate_mm, seed=seed), film)
 
 
-def balanced_sensor(film: FilmSettings) -> SensorSettings:
+def balance_sensor(film: FilmSettings) -> SensorSettings:
     """A film's sensor as it sees balanced light: a channel that is turned up had less light to count.
 
     Args:
@@ -109,10 +109,10 @@ def densities(exposed: FloatArray, film: FilmSettings, *, gate_mm: tuple[float, 
     Returns:
         ``(height, width, 3)``, or ``(height, width, 1)`` on a black-and-white stock; float32, base included.
     """
-    return _on_curves(log_exposures(exposed, film, gate_mm=gate_mm), _stock(film))
+    return _apply_curves(log_exposures(exposed, film, gate_mm=gate_mm), _stock(film))
 
 
-def with_grain(
+def apply_grain(
     density: FloatArray, film: FilmSettings, *, frame: int, gate_mm: tuple[float, float], seed: int = 0
 ) -> FloatArray:
     """Density of the camera stock with its grain.
@@ -156,10 +156,10 @@ def print_densities(density: FloatArray, film: FilmSettings) -> FloatArray:
     if printed is None:
         raise SettingsError(f"film process {film.process} has no print")
     lights = np.array(printed.middle_log_exposure) + np.array(stock.middle_density)
-    return _on_curves(lights.astype(np.float32) - density, printed)
+    return _apply_curves(lights.astype(np.float32) - density, printed)
 
 
-def projected(density: FloatArray, film: FilmSettings) -> FloatArray:
+def project_print(density: FloatArray, film: FilmSettings) -> FloatArray:
     """Light of the print or positive on the screen, 1 where it is clear.
 
     Args:
@@ -177,7 +177,7 @@ def projected(density: FloatArray, film: FilmSettings) -> FloatArray:
     return np.ascontiguousarray(np.broadcast_to(light, (*density.shape[:2], 3)))
 
 
-def _on_curves(log_exposure: FloatArray, stock: Stock) -> FloatArray:
+def _apply_curves(log_exposure: FloatArray, stock: Stock) -> FloatArray:
     density = np.empty_like(log_exposure)
     for record, curve in enumerate(stock.curves):
         density[..., record] = curve.densities(log_exposure[..., record])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.film.process import STOP, densities, print_densities, projected
+from render.film.process import STOP, densities, print_densities, project_print
 from render.film.settings import DEFAULT_PRINTS, FilmSettings, film_settings
 from render.film.stock import Stock, library_stock
 from render.film.targets import grey_wedge, wedge_stops
@@ -72,7 +72,7 @@ def film_report(name: str, *, push: float = 0.0, partner: str | None = None) -> 
         SettingsError: a stock is unknown, or they do not go together.
     """
     entry = library_stock(name)
-    film = film_settings(_tried(entry, push, partner))
+    film = film_settings(_trial_settings(entry, push, partner))
     stock = film.stock if entry.kind == "camera" else film.print_stock
     if stock is None:
         raise SettingsError(f"{entry.name} cannot be tried")
@@ -88,11 +88,11 @@ def film_report(name: str, *, push: float = 0.0, partner: str | None = None) -> 
         stops=wedge_stops(),
         camera_densities=camera[0].astype(np.float64),
         print_densities=printed,
-        light=projected(camera, film)[0].astype(np.float64),
+        light=project_print(camera, film)[0].astype(np.float64),
     )
 
 
-def _tried(entry: LibraryFilm, push: float, partner: str | None) -> FilmData:
+def _trial_settings(entry: LibraryFilm, push: float, partner: str | None) -> FilmData:
     process = entry.film.process
     if entry.kind == "print":
         return FilmData(process=process, stock=partner or TRIED_WITH[process], print_stock=entry.name, push=push)

@@ -10,7 +10,7 @@ from render.film.balance import balance_gains
 from render.film.halation import halation_shares
 from render.film.ranges import check_numbers
 from render.film.sensor import SensorSettings
-from render.film.stock import Stock, camera_stock, drawn_stock, library_stock, print_stock
+from render.film.stock import Stock, camera_stock, custom_stock, library_stock, print_stock
 from render.near_names import hint
 from usd_schemas.settings import FilmData, FilmProcess, Grain, Halation
 from usd_schemas.settings.tables import FILM_SETTINGS
@@ -164,7 +164,7 @@ def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) 
 def _stock(data: FilmData) -> Stock | None:
     if data.curve.source == "stock":
         return camera_stock(data.stock, data.speed, data.grain.rms) if data.stock else None
-    return drawn_stock(data.curve, data.process == "reversal", data.process == "monochrome", data.grain.rms)
+    return custom_stock(data.curve, data.process == "reversal", data.process == "monochrome", data.grain.rms)
 
 
 def _print(data: FilmData) -> Stock:

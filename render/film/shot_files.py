@@ -53,7 +53,7 @@ def _check_confined(config: ocio.Config, name: str, folder: Path) -> None:
     context = config.getCurrentContext()
     for transform in _file_transforms(config):
         file = str(context.resolveStringVar(transform.getSrc()))
-        if not all(is_inside(str(Path(found) / file), folder) for found in _searched(config, name)):
+        if not all(is_inside(str(Path(found) / file), folder) for found in _search(config, name)):
             raise InputError(
                 f"the OpenColorIO configuration {name} names {file}, which is outside of the shot's folder",
                 code="outside_reference",
@@ -61,7 +61,7 @@ def _check_confined(config: ocio.Config, name: str, folder: Path) -> None:
             )
 
 
-def _searched(config: ocio.Config, name: str) -> list[str]:
+def _search(config: ocio.Config, name: str) -> list[str]:
     """Folders in which relative names are looked for, absolute. An archive (.ocioz) counts as its folder."""
     base = Path(config.getWorkingDir() or Path(name).parent).absolute()
     context = config.getCurrentContext()

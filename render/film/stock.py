@@ -104,7 +104,7 @@ def camera_stock(name: str, speed: float = 0.0, rms: Sequence[float] = (0.0, 0.0
     return replace(stock, granularity=_granularity(entry, stock, wanted if len(curves) == 3 else wanted[1:2]))
 
 
-def drawn_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, rms: Sequence[float]) -> Stock:
+def custom_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, rms: Sequence[float]) -> Stock:
     """A stock that the shot itself draws, by knots or by toe, line and shoulder.
 
     Args:

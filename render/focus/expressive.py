@@ -6,7 +6,7 @@ A focus point comes and goes by its *fade*, from 1 (there) to 0 (not there): as 
 The surface changes continuously with it, everywhere at once, and for a fade of 0 it is the surface without the point. A smaller
 weight alone would not do that: at its place a point wins over all others whatever its weight, so that the others' surface would
 be left with a spike that grows thin but never low. So as a point fades its region shrinks with it, by its weight and its
-falloff, and its value is drawn back to what the stronger points say at its place (`_drawn_back`).
+falloff, and its value is drawn back to what the stronger points say at its place (`_relax_values`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from render.errors import SettingsError
-from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
+from render.focus.overlap import OVERLAP_FRAME_WIDTHS, overlap_shares
 from render.focus.surface import NEAREST_SLOPE, on_plane
 from render.model.arrays import BoolArray, DoubleArray, IndexArray
 from render.model.focal_surface import MAX_CONTROLS, Controls, FocalPlane
@@ -118,7 +118,7 @@ def focal_controls(
 ) -> Controls | None:
     """Control points of the focal surface that focus points ask for.
 
-    At the place of a point that is all there, the surface has the focus that the point wants (`wanted_w`) and its extent,
+    At the place of a point that is all there, the surface has the focus that the point wants (`target_w`) and its extent,
     exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`render.focus.overlap`), and
     points of hardly any weight (`FADING_WEIGHT`) with their weight. Of more points than a surface has room for (`MAX_CONTROLS`)
     the strongest are taken.
@@ -138,12 +138,12 @@ def focal_controls(
     Raises:
         SettingsError: the exponent is out of range.
     """
-    wanted = wanted_w(points, plane, coc_slope_mm_m, sides)
+    wanted = target_w(points, plane, coc_slope_mm_m, sides)
     is_placed = np.isfinite(wanted) & np.isfinite(points.slopes).all(-1) & (points.weights > 0)
     heaviest = np.max(points.weights, where=is_placed, initial=0.0)
     fades = np.where(is_placed, np.minimum(points.fades, 1.0), 0.0)
     fades = fades * np.minimum(points.weights / max(heaviest * FADING_WEIGHT, 1e-300), 1.0)
-    fades = fades * _beside_sharp(points, fades, frame_width)
+    fades = fades * _overlap_shares(points, fades, frame_width)
     order = np.argsort(-fades, kind="stable")
     order = order[fades[order] > _ABSENT]
     if len(order) == 0:
@@ -160,7 +160,7 @@ def focal_controls(
         _fading_falloffs(points.falloffs[order] * frame_width, fades, FADING_REACH_FRAME_WIDTHS * frame_width),
         exponent,
     )
-    return _drawn_back(controls, fades, base)
+    return _relax_values(controls, fades, base)
 
 
 def _prior_weights(points: SurfacePoints, order: IndexArray, near_priority: float) -> DoubleArray:
@@ -170,7 +170,7 @@ def _prior_weights(points: SurfacePoints, order: IndexArray, near_priority: floa
     return np.asarray(weights * np.maximum((near / max(near.max(), 1e-300)) ** near_priority, _LEAST_PRIORITY))
 
 
-def wanted_w(
+def target_w(
     points: SurfacePoints, plane: FocalPlane, coc_slope_mm_m: float, sides: DoubleArray | None = None
 ) -> DoubleArray:
     """Inverse depth at which each point wants the focus.
@@ -223,12 +223,12 @@ def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleA
         return np.where(goes_before | (w - off < 0).any(axis=0), 1.0, -1.0)
 
 
-def _beside_sharp(points: SurfacePoints, fades: DoubleArray, frame_width: float) -> DoubleArray:
+def _overlap_shares(points: SurfacePoints, fades: DoubleArray, frame_width: float) -> DoubleArray:
     """``(k,)`` what soft points keep of their influence beside sharp ones, as where one distance is solved for."""
     reaches = np.full((1, len(fades)), OVERLAP_FRAME_WIDTHS * frame_width)
     strengths = (points.weights * fades)[None]
     sharp = (strengths > 0) & ~points.soft
-    return np.asarray(kept_beside_sharp(points.slopes[None], reaches, strengths, points.soft, sharp)[0])
+    return np.asarray(overlap_shares(points.slopes[None], reaches, strengths, points.soft, sharp)[0])
 
 
 def _fading_falloffs(falloffs: DoubleArray, fades: DoubleArray, half_faded: float) -> DoubleArray:
@@ -237,7 +237,7 @@ def _fading_falloffs(falloffs: DoubleArray, fades: DoubleArray, half_faded: floa
     return np.where(falloffs > 0, falloffs * fades, everywhere)
 
 
-def _drawn_back(controls: Controls, fades: DoubleArray, base: DoubleArray) -> Controls:
+def _relax_values(controls: Controls, fades: DoubleArray, base: DoubleArray) -> Controls:
     """The control points with the values of those that fade drawn back to what stronger points say at their places.
 
     A point of fade ``g`` has its own value by the share ``g``, and else the surface of those that are more there than it: each

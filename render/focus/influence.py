@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-from render.focus.overlap import OVERLAP_FRAME_WIDTHS, kept_beside_sharp
+from render.focus.overlap import OVERLAP_FRAME_WIDTHS, overlap_shares
 from render.focus.points import NEAREST_DEPTH_M, FocusTargets
 from render.model.arrays import BoolArray, DoubleArray
 
@@ -63,7 +63,7 @@ def state_codes(
     return np.asarray(np.select(list(rules.values()), codes, np.int8(STATES.index("used"))), np.int8)
 
 
-def counts(
+def point_weights(
     targets: FocusTargets, used: BoolArray, near_priority: ArrayLike = 0.0, occluded: Occluded = "keep"
 ) -> DoubleArray:
     """Weight of each point in the focus. Computed in logarithms, so that no weight and no exponent overflows.
@@ -108,4 +108,4 @@ def strengths(targets: FocusTargets, used: BoolArray, occluded: Occluded = "keep
     weights = np.where(used, targets.weights * seen, 0.0)
     reaches = np.broadcast_to(OVERLAP_FRAME_WIDTHS * targets.frame_widths[:, None], weights.shape)
     soft = targets.is_soft
-    return np.asarray(weights * kept_beside_sharp(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft))
+    return np.asarray(weights * overlap_shares(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft))

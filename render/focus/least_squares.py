@@ -47,7 +47,7 @@ class BestFocus:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretches:
+class _Segments:
     """The energy of each stretch between points that want a circle: ``(n, j)``, and ``(n, 1)`` for whole frames."""
 
     low: DoubleArray
@@ -59,7 +59,7 @@ class _Stretches:
     rest: DoubleArray
 
     @classmethod
-    def of(cls, weights: DoubleArray, w: DoubleArray, circles: DoubleArray, law: LensLaw) -> _Stretches:
+    def from_points(cls, weights: DoubleArray, w: DoubleArray, circles: DoubleArray, law: LensLaw) -> _Segments:
         """For points ``(n, k)``; those of no weight count for nothing, whatever their w."""
         mean = (weights * w).sum(axis=1, keepdims=True)
         variance = (weights * (w - mean) ** 2).sum(axis=1, keepdims=True)
@@ -69,7 +69,7 @@ class _Stretches:
         order = np.argsort(bounds, axis=1)
         pulls = np.take_along_axis(np.where(wanting, weights * circles, 0.0)[:, some], order, axis=1)
         bounds = np.take_along_axis(bounds, order, axis=1)
-        passed, moment = _running(pulls), _running(pulls * np.where(np.isfinite(bounds), bounds, 0.0))
+        passed, moment = _prefix_sums(pulls), _prefix_sums(pulls * np.where(np.isfinite(bounds), bounds, 0.0))
         near, far = (np.broadcast_to(limit[:, None], mean.shape) for limit in (law.near_w, law.far_w))
         inner = np.clip(bounds, far, near)
         return cls(
@@ -82,7 +82,7 @@ class _Stretches:
             rest=(weights * circles**2).sum(axis=1, keepdims=True),
         )
 
-    def turning(self, start: DoubleArray, pitch: DoubleArray) -> DoubleArray:
+    def minimum(self, start: DoubleArray, pitch: DoubleArray) -> DoubleArray:
         """Where E would be least if the stretch had no ends, for ``1/s = start + pitch·x``: ``(n, j)``."""
         kappa = self.sigma * start - pitch * self.tau
         above = self.mean * start + pitch * (self.variance + self.mean**2) + start * kappa
@@ -112,11 +112,11 @@ def best_focus(
     """
     stopped = np.where(law.f_stops > 0, law.f_stops, 1.0)[:, None]
     circles = circles * stopped  # as they would be at f/1, where the law is given
-    stretches = _Stretches.of(weights, w, circles, law)
+    stretches = _Segments.from_points(weights, w, circles, law)
     x = np.clip(np.broadcast_to(stretches.mean, stretches.low.shape), stretches.low, stretches.high)
     wish = x
     for _ in range(1 if law.slopes_at_f1_mm_m.shape[1] == 2 else _ROUNDS):
-        wish = stretches.turning(*law.reciprocal_near(x))
+        wish = stretches.minimum(*law.reciprocal_near(x))
         x = np.clip(wish, stretches.low, stretches.high)
     slopes = law.slope_at_f1_mm_m(x)
     energies = np.where(stretches.high > stretches.low, stretches.energy(x, slopes), np.inf)
@@ -131,6 +131,6 @@ def best_focus(
     )
 
 
-def _running(values: DoubleArray) -> DoubleArray:
+def _prefix_sums(values: DoubleArray) -> DoubleArray:
     """``(n, b + 1)`` sums of the first 0, 1, ... b values of every row."""
     return np.concatenate([np.zeros((len(values), 1)), np.cumsum(values, axis=1)], axis=1)

@@ -32,7 +32,7 @@ _FAR_SLOPE = 1e3  # what lies beyond is sought as if it were here: no farther fr
 _ROUNDING = 1e-5
 
 
-def kept_beside_sharp(
+def overlap_shares(
     slopes: DoubleArray, reaches: DoubleArray, weights: DoubleArray, soft: BoolArray, sharp: BoolArray
 ) -> DoubleArray:
     """Share of their weight that soft points keep beside sharp ones.
@@ -60,7 +60,7 @@ def kept_beside_sharp(
     sharp_x, sharp_y, other = slopes[*sharps, 0][order], slopes[*sharps, 1][order], weights[sharps][order]
     first = np.searchsorted(keys[order], _key(frames, x - reach - _ROUNDING), side="left")
     last = np.searchsorted(keys[order], _key(frames, x + reach + _ROUNDING), side="right")
-    for part, near, owners in _in_parts(first, last):
+    for part, near, owners in _pair_blocks(first, last):
         d2 = (x[part][owners] - sharp_x[near]) ** 2 + (y[part][owners] - sharp_y[near]) ** 2
         inside = 1 - d2 / (reach[part] ** 2)[owners]
         close = np.flatnonzero(inside > 0)
@@ -77,7 +77,7 @@ def _key(frames: Indices, x: DoubleArray) -> DoubleArray:
     return np.asarray(frames * (4 * _FAR_SLOPE) + np.clip(x, -_FAR_SLOPE, _FAR_SLOPE))
 
 
-def _in_parts(first: Indices, last: Indices) -> Iterator[tuple[slice, Indices, Indices]]:
+def _pair_blocks(first: Indices, last: Indices) -> Iterator[tuple[slice, Indices, Indices]]:
     """Pairs of each of m owners with all from its ``first`` to before its ``last``, a part of the owners at a time.
 
     Yields:

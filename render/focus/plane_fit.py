@@ -179,11 +179,11 @@ def limit_planes(
     direction = planes[:, 1:] / np.where(steepness > 0, steepness, 1.0)[:, None]
     along = (s * direction[:, None]).sum(axis=-1)
     w0, tilt = _least_blur(along, w, weights, steepest)
-    limited = np.concatenate([w0[:, None], tilt[:, None] * direction], axis=1)
-    return np.where(changed[:, None], limited, planes), changed
+    limit_plane = np.concatenate([w0[:, None], tilt[:, None] * direction], axis=1)
+    return np.where(changed[:, None], limit_plane, planes), changed
 
 
-def limited(
+def limit_plane(
     plane: FocalPlane,
     focal_length_mm: float,
     max_angle_rad: float,

@@ -53,7 +53,7 @@ class Rack:
     def at(self, times_s: ArrayLike) -> DoubleArray:
         """Focus in 1/m at times of any shape."""
         through = (np.asarray(times_s, np.float64) - self.start_s) / (self.end_s - self.start_s)
-        share = eased(self.ease, through)
+        share = ease_progress(self.ease, through)
         return np.asarray(self.start_w * (1 - share) + self.end_w * share)
 
 
@@ -97,7 +97,7 @@ def rack(
     return Rack(start_s, max(end_s, start_s + needed_s), end_s, start_w, end_w, ease)
 
 
-def eased(ease: Ease, through: ArrayLike) -> DoubleArray:
+def ease_progress(ease: Ease, through: ArrayLike) -> DoubleArray:
     """Progress of a rack, 0 to 1, for the share of its time that has passed; constant before and after."""
     u = np.clip(np.asarray(through, np.float64), 0.0, 1.0)
     start, end = _END_SLOPES[ease]

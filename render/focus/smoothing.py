@@ -24,7 +24,7 @@ from render.model.arrays import DoubleArray
 _LEAST_NODES, _MOST_NODES = 16, 512
 
 
-def smoothed(times_s: ArrayLike, values: ArrayLike, time_s: ArrayLike, *, exact_at_s: ArrayLike = ()) -> DoubleArray:
+def smooth(times_s: ArrayLike, values: ArrayLike, time_s: ArrayLike, *, exact_at_s: ArrayLike = ()) -> DoubleArray:
     """Values smoothed over time (see the head of this module).
 
     Args:
@@ -40,12 +40,12 @@ def smoothed(times_s: ArrayLike, values: ArrayLike, time_s: ArrayLike, *, exact_
     Raises:
         SettingsError: times do not rise, values are not finite or not as many, or a width is negative.
     """
-    t, v = checked(times_s, values)
+    t, v = check_samples(times_s, values)
     stops = np.concatenate([t[[0, -1]], np.ravel(np.asarray(exact_at_s, np.float64))])
     return _mean_around(t, v, _half_widths(t, time_s, stops))
 
 
-def faded(
+def fade_weights(
     on: ArrayLike, times_s: ArrayLike, time_s: ArrayLike, *, usable: NDArray[np.bool_] | None = None
 ) -> DoubleArray:
     """Weights, 0 to 1, of points that are switched on and off over time, crossfaded so that no switch pops.
@@ -68,9 +68,9 @@ def faded(
         ``(n, k)``: 1 counts in full.
 
     Raises:
-        SettingsError: as `smoothed`, or a share is not from 0 to 1.
+        SettingsError: as `smooth`, or a share is not from 0 to 1.
     """
-    t, shares = checked(times_s, on)
+    t, shares = check_samples(times_s, on)
     if shares.size and not (shares.min() >= 0 and shares.max() <= 1):
         raise SettingsError("points are switched by shares from 0 to 1", code="bad_focus_point")
     if usable is not None:
@@ -83,7 +83,7 @@ def points_share(fades: DoubleArray) -> DoubleArray:
     """Share of the focus that the points hold; the camera's own focus holds the rest, so that the last point does not pop.
 
     Args:
-        fades: ``(n, k)`` of `faded`.
+        fades: ``(n, k)`` of `fade_weights`.
 
     Returns:
         ``(n,)``: the sum over the points, at most 1.
@@ -91,7 +91,7 @@ def points_share(fades: DoubleArray) -> DoubleArray:
     return np.asarray(np.minimum(fades.sum(axis=1), 1.0))
 
 
-def checked(times_s: ArrayLike, values: ArrayLike) -> tuple[DoubleArray, DoubleArray]:
+def check_samples(times_s: ArrayLike, values: ArrayLike) -> tuple[DoubleArray, DoubleArray]:
     """Times ``(n,)`` and values ``(n, ...)`` as arrays.
 
     Raises:

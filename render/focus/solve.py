@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from render.errors import SettingsError
-from render.focus.influence import STATES, Occluded, PointState, counts, state_codes
+from render.focus.influence import STATES, Occluded, PointState, point_weights, state_codes
 from render.focus.least_squares import BestFocus, best_focus
 from render.focus.points import FocusTarget, FocusTargets
 from render.model.arrays import BoolArray, DoubleArray
@@ -165,7 +165,7 @@ def solve_distances(
     own_w = np.where(own_m > 0, 1 / np.where(own_m > 0, own_m, 1.0), 0.0)
     codes = state_codes(targets, law.f_stops > 0, keep_outside=keep_outside, occluded=occluded)
     used = codes == STATES.index("used")
-    shares = counts(targets, used, _frames(near_priority, targets.frames, "near priorities"), occluded)
+    shares = point_weights(targets, used, _frames(near_priority, targets.frames, "near priorities"), occluded)
     decided = np.asarray(shares.any(axis=1))
     circles = np.where(used & targets.is_blurred, targets.blurs_mm, 0.0)
     best = best_focus(shares, np.where(used, targets.axis_w(tilts), 0.0), circles, law, own_w)
@@ -285,7 +285,7 @@ def why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
     if not names:
         return "there is no focus point, so the camera's own focus distance is kept"
     told = ", ".join(f"{name} ({s.replace('_', ' ')})" for name, s in zip(names, states, strict=True))
-    return f"no focus point counts, so the camera's own focus distance is kept: {told}"
+    return f"no focus point point_weights, so the camera's own focus distance is kept: {told}"
 
 
 def _at_the_end(limit: FocusLimit, near_w: float, far_w: float) -> str:

@@ -30,8 +30,8 @@ from render.focus.plane_fit import (
     column_of,
     fit_planes,
     fit_targets,
+    limit_plane,
     limit_planes,
-    limited,
     plane_through,
 )
 from render.model.arrays import DoubleArray
@@ -45,8 +45,8 @@ __all__ = [
     "hinge_m",
     "lens_axes",
     "lens_axis",
+    "limit_plane",
     "limit_planes",
-    "limited",
     "plane_of",
     "plane_through",
     "planes_of",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from render.focus.smoothing import checked, smoothed
+from render.focus.smoothing import check_samples, smooth
 from render.focus.tracking import FocusRing, limits, speed_limited, tracked
 from render.model.arrays import DoubleArray
 
@@ -27,7 +27,7 @@ def drive(
 
     1. limits: nobody tries for a focus beyond the ring's stops (`limits`). It comes first because a hand that waits
        beyond a stop would be late in coming back; what follows leaves the limits nowhere, as none of it overshoots.
-    2. smoothing (`smoothed`): exact at keys.
+    2. smoothing (`smooth`): exact at keys.
     3. dead zone, then lag (`tracked`): small wandering of the target is let go; the hand comes late, at keys too.
     4. speed (`speed_limited`): the ring turns no faster than the hand can, where the ring is known.
 
@@ -38,7 +38,7 @@ def drive(
         times_s: ``(n,)`` rising, from the first frame of the shot: everything is settled there, so that a frame has the
             same focus whichever is looked at first.
         w: ``(n,)`` wanted focus, 1/m; 0 is infinity.
-        exact_at_s: ``(k,)`` times of keys at which smoothing is exact (`smoothed` says which).
+        exact_at_s: ``(k,)`` times of keys at which smoothing is exact (`smooth` says which).
         smoothing_s: focus:smoothing; one, or ``(n,)``.
         lag_s: focus:lag; one, or ``(n,)``.
         dead_zone_w: focus:deadZone in 1/m: the circle of confusion over its growth; one, or ``(n,)``.
@@ -52,7 +52,7 @@ def drive(
     Raises:
         SettingsError: times do not rise, a wanted focus is not finite, or a setting is negative or not finite.
     """
-    t, wanted = checked(times_s, w)
-    focus = smoothed(t, limits(wanted, close_focus_m), smoothing_s, exact_at_s=exact_at_s)
+    t, wanted = check_samples(times_s, w)
+    focus = smooth(t, limits(wanted, close_focus_m), smoothing_s, exact_at_s=exact_at_s)
     focus = tracked(t, focus, lag_s=lag_s, dead_zone_w=dead_zone_w)
     return focus if ring is None else speed_limited(t, focus, ring.w_at(max_speed_rad_s))

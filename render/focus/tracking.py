@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from render.errors import SettingsError
-from render.focus.smoothing import checked, over_time
+from render.focus.smoothing import check_samples, over_time
 from render.model.arrays import DoubleArray
 
 
@@ -77,7 +77,7 @@ def tracked(
     Raises:
         SettingsError: times do not rise, a target is not finite, or a setting is negative or not finite.
     """
-    t, target = checked(times_s, w_target)
+    t, target = check_samples(times_s, w_target)
     seen = _seen(target, over_time("dead zone", dead_zone_w, t))
     return _followed(t, seen, over_time("lag in seconds", lag_s, t))
 
@@ -96,7 +96,7 @@ def speed_limited(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> 
     Raises:
         SettingsError: times do not rise, a turn is not finite, or the bound is negative.
     """
-    t, wanted = checked(times_s, ring)
+    t, wanted = check_samples(times_s, ring)
     speed = over_time("fastest turn of the focus ring", max_per_s, t)
     most = np.where(speed[1:] > 0, speed[1:] * np.diff(t), np.inf)
     turn = [float(wanted[0])]

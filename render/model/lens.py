@@ -74,7 +74,7 @@ class Prescription:
     """The surfaces of a lens from front to rear.
 
     Attributes:
-        surfaces: at least one that refracts; after `render.optics.prescription.completion.completed`, one is the stop and
+        surfaces: at least one that refracts; once completed (`render.optics.prescription.completion`), one is the stop and
             neither a clear diameter nor the back focal distance is missing.
         focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
         f_stop: f-number wide open; 0 where it is unknown.

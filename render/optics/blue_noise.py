@@ -27,12 +27,12 @@ def blue_noise_ranks() -> IntArray:
     for rank in range(int(chosen.sum()) - 1, -1, -1):
         at = _extreme(np.where(left, energy, -np.inf))
         left[at], ranks[at] = False, rank
-        energy -= _moved(kernel, at)
+        energy -= _move(kernel, at)
     energy = _energy(chosen, kernel)
     for rank in range(int(chosen.sum()), SIDE * SIDE):
         at = _extreme(np.where(chosen, -np.inf, -energy))
         chosen[at], ranks[at] = True, rank
-        energy += _moved(kernel, at)
+        energy += _move(kernel, at)
     return ranks
 
 
@@ -44,10 +44,10 @@ def _spread_first_points(kernel: DoubleArray) -> BoolArray:
     while True:
         tight = _extreme(np.where(chosen, energy, -np.inf))
         chosen[tight] = False
-        energy -= _moved(kernel, tight)
+        energy -= _move(kernel, tight)
         void = _extreme(np.where(chosen, -np.inf, -energy))
         chosen[void] = True
-        energy += _moved(kernel, void)
+        energy += _move(kernel, void)
         if void == tight:
             return chosen
 
@@ -62,7 +62,7 @@ def _energy(chosen: BoolArray, kernel: DoubleArray) -> DoubleArray:
     return np.asarray(np.fft.irfft2(np.fft.rfft2(chosen) * np.fft.rfft2(kernel), s=kernel.shape))
 
 
-def _moved(kernel: DoubleArray, at: tuple[int, int]) -> DoubleArray:
+def _move(kernel: DoubleArray, at: tuple[int, int]) -> DoubleArray:
     return np.roll(kernel, at, axis=(0, 1))
 
 

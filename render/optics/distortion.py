@@ -17,7 +17,7 @@ from render.model.lens import DataSheet, SeidelErrors
 from render.optics.data_sheet import seen_slopes
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.prescription.principal_rays import principal_rays
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
@@ -74,7 +74,7 @@ def chief_rays(camera: Camera) -> ChiefRays | None:
     """
     scale = camera.lens.scales.distortion
     if has_surfaces(camera):
-        rays = _through_surfaces(mounted(camera), focus_w(camera))
+        rays = _through_surfaces(mount_lens(camera), focus_w(camera))
     elif camera.lens.model == "seidel" and camera.lens.seidel is not None and camera.f_stop > 0:
         rays = _through_thin_lens(camera.lens.seidel, camera.focal_length_mm)
     elif camera.lens.model == "dataSheet" and camera.lens.data_sheet is not None and camera.f_stop > 0:

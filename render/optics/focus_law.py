@@ -17,7 +17,7 @@ from render.model.camera import Camera
 from render.model.lens import Prescription
 from render.model.lens_law import NO_LIMIT_W, LensLaw
 from render.optics.prescription.focus_mechanism import LONGEST_WAY, FocusMechanism
-from render.optics.prescription.mounting import has_surfaces, scaled_to
+from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.paraxial import entrance_pupil
 
 _STEPS = 33
@@ -80,9 +80,9 @@ def _law_of_glass(camera: Camera) -> LensLaw:
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
     diagonal_mm = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
-    like_mm = _rounded(camera.focal_length_mm)  # so that a zoom looks at few lenses, each scaled a little
+    like_mm = _round_length(camera.focal_length_mm)  # so that a zoom looks at few lenses, each scaled a little
     focal_mm, scale = camera.focal_length_mm, camera.focal_length_mm / like_mm
-    way = _way(prescription, like_mm, _rounded(diagonal_mm / scale))
+    way = _way(prescription, like_mm, _round_length(diagonal_mm / scale))
     marked_w = _engraved_w(way, scale, camera.lens.close_focus_m)
     near_w = max(min(1000 * float(way.nearness[-1]) / scale, marked_w), _AT_INFINITY_W)
     w = np.linspace(0.0, near_w, _STEPS)
@@ -104,7 +104,7 @@ def _law_of_glass(camera: Camera) -> LensLaw:
 
 @lru_cache(maxsize=64)
 def _way(prescription: Prescription, focal_length_mm: float, diagonal_mm: float) -> _Way:
-    glass = scaled_to(prescription, focal_length_mm, diagonal_mm / 2)
+    glass = scale_to(prescription, focal_length_mm, diagonal_mm / 2)
     mechanism = FocusMechanism.of(glass)
     low, high = mechanism.travel()
     ends = sorted((max(low, -LONGEST_WAY * focal_length_mm), high), key=abs)
@@ -128,7 +128,7 @@ def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
     )
 
 
-def _rounded(length_mm: float) -> float:
+def _round_length(length_mm: float) -> float:
     return float(f"{length_mm:.2g}")
 
 

@@ -15,7 +15,7 @@ from render.model.scene import Scene
 from render.optics.flare.diffraction import Star, star
 from render.optics.flare.ghost_sheets import ghost_sheets
 from render.optics.iris import transmission
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.spectrum import spectrum
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
@@ -64,7 +64,7 @@ def star_of(camera: Camera, width: int, height: int) -> Star:
         SettingsError: it does not reach the focus distance.
     """
     view = PinholeView.from_camera(camera, width, height)
-    radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
+    radius_m = mount_lens(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
     pupil_nm = 2 * radius_m * _NM_PER_M
     return star(
         camera.iris,
@@ -82,7 +82,7 @@ def _ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: Fra
     sources = bright_sources(renderer, scene, camera, settings)
     if not sources:
         return None
-    lens, iris = mounted(camera), transmission(camera.iris, _IRIS_SIDE)
+    lens, iris = mount_lens(camera), transmission(camera.iris, _IRIS_SIDE)
     share = float(iris.mean()) * 4 / np.pi
     faintest = _FAINT / (camera.exposure_scale * camera.lens.ghosts)
     sheets = ghost_sheets(lens, sources, spectrum(settings.wavelengths), share, faintest=faintest)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from render.stage.anchors.anchors import AnchorReader, anchor_position
 from render.stage.camera.camera_list import list_cameras
-from render.stage.camera.cameras import CameraChoice, conformed, default_camera, framing_camera, read_camera
+from render.stage.camera.cameras import CameraChoice, conform_camera, default_camera, framing_camera, read_camera
 from render.stage.findings import Finding
 from render.stage.opening import open_stage, quiet_diagnostics
 from render.stage.reader import StageReader
@@ -17,7 +17,7 @@ __all__ = [
     "FrameRange",
     "StageReader",
     "anchor_position",
-    "conformed",
+    "conform_camera",
     "default_camera",
     "frame_range",
     "framing_camera",

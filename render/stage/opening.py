@@ -83,7 +83,7 @@ def quiet_diagnostics() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def reading(stage: Usd.Stage) -> Iterator[None]:
+def read_quietly(stage: Usd.Stage) -> Iterator[None]:
     """Read values quietly; damage that shows only now (usdc files are read as they are asked) becomes a StageError."""
     try:
         with quiet_diagnostics():

@@ -18,7 +18,7 @@ from render.stage.geometry.skinning import Skeletons
 from render.stage.lights import LightReader
 from render.stage.materials.looks import LookReader
 from render.stage.materials.textures import TextureCache
-from render.stage.opening import composition_findings, confinement, reading
+from render.stage.opening import composition_findings, confinement, read_quietly
 from render.stage.world import world_from_stage
 from usd_schemas.units import metres_per_unit
 
@@ -86,7 +86,7 @@ class StageReader:
         Raises:
             StageError: a transform is not finite, or a file turns out to be damaged.
         """
-        with reading(self._stage):
+        with read_quietly(self._stage):
             if self._plan is None:
                 self._scene = None
                 self._plan = self._make_plan(Usd.TimeCode(time))

@@ -13,7 +13,7 @@ def why_unreadable(problem: Exception) -> str:
     return f"its values cannot be read ({' '.join(str(problem).split())})"
 
 
-def shown(value: object) -> str:
+def format_value(value: object) -> str:
     """A value as a message shows it: its type too, since that is what is wrong, and not all of a long array."""
     text = repr(value) if len(repr(value)) <= 60 else f"{repr(value)[:60]}…"
     return f"{text} ({type(value).__name__})"
@@ -27,5 +27,5 @@ def number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
     """
     value = attribute.Get(time)
     if not isinstance(value, int | float):
-        raise TypeError(f"must be a number, got {shown(value)}")
+        raise TypeError(f"must be a number, got {format_value(value)}")
     return float(value)

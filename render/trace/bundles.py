@@ -9,7 +9,7 @@ import numpy as np
 
 from render.gl.shaders import ProgramCache
 from render.model.camera import Camera
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
@@ -101,7 +101,9 @@ class BundleMaker:
         if not is_drawn(lens):
             return own
         # real glass may be narrower than the f-number says
-        radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
+        radius_m = (
+            mount_lens(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
+        )
         return add_drawn_power(own, lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m)
 
     def _own_table(self, camera: Camera, last_slope: float, light: Spectrum) -> LensTable:
@@ -128,7 +130,7 @@ class BundleMaker:
         if lens.model == "heightField" and lens.height_field is not None:
             return grid_table(
                 self._tracer,
-                mounted(camera),
+                mount_lens(camera),
                 lens.height_field,
                 last_slope,
                 focus_w(camera),
@@ -136,7 +138,7 @@ class BundleMaker:
                 scales,
             )
         return prescription_table(
-            self._tracer, mounted(camera), last_slope, focus_w(camera), light.wavelengths_nm, scales
+            self._tracer, mount_lens(camera), last_slope, focus_w(camera), light.wavelengths_nm, scales
         )
 
 

@@ -19,8 +19,8 @@ from render.model.lens import AberrationScales, DataSheet, Lens, LensModel, Pres
 from render.optics.distortion import chief_rays
 from render.optics.focus_law import focus_law
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.focusing import FocusedLens, focused
-from render.optics.prescription.mounting import has_surfaces, scaled_to
+from render.optics.prescription.focusing import FocusedLens, focus_lens
+from render.optics.prescription.mounting import has_surfaces, scale_to
 from render.optics.prescription.principal_rays import principal_rays
 from render.optics.prescription.stop_rays import rays_from_film
 from render.optics.pupil_power import is_drawn, own_scales
@@ -191,8 +191,8 @@ def _trace_glass(
 ) -> FieldFocus:
     if errors.prescription is None:
         raise ValueError("a lens of glass has a prescription")
-    lens = focused(
-        scaled_to(errors.prescription, focal_length_mm, diagonal_mm / 2), 1 / w if w > 0 else math.inf, f_stop
+    lens = focus_lens(
+        scale_to(errors.prescription, focal_length_mm, diagonal_mm / 2), 1 / w if w > 0 else math.inf, f_stop
     )
     heights = np.linspace(0.0, reach, HEIGHTS)
     coarse, fine = pupil_nodes(*_COARSE), pupil_nodes(*_FINE)

@@ -9,7 +9,7 @@ from render.model.lens import Surface
 from render.optics.report import lens_report
 from render.shot.lens.lens_alone import library_lens_alone
 from render.shot.lens.lens_choice import THIN, LensChoice, library_choice, library_entry
-from render.stage.camera.lenses import lens_of
+from render.stage.camera.lenses import make_lens
 from service.models.lenses import Lens, LensErrors, LensGlass, LensIris, LensList, LensSummary, LensSurface, LensTables
 from service.stage.opened import OpenedShots, stage_function
 from usd_schemas import LibraryLens, library_lenses
@@ -25,7 +25,7 @@ def list_lenses(opened: OpenedShots) -> LensList:
 def read_library_lens(opened: OpenedShots, name: str) -> Lens:
     """Read one lens of the library. Raises `NotFoundError`."""
     entry = library_entry(name)
-    prescription = lens_of(entry.lens, entry.name).prescription
+    prescription = make_lens(entry.lens, entry.name).prescription
     return Lens(
         **_summary(entry).model_dump(),
         squeeze=entry.lens.squeeze,

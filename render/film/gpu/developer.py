@@ -18,7 +18,7 @@ from render.film.gpu.tables import TableCache
 from render.film.grain import GRAIN_SIZE_UM, grain_kernels, grain_scale
 from render.film.halation import halation_shares
 from render.film.noise import noise_key
-from render.film.process import STOP, balanced_sensor
+from render.film.process import STOP, balance_sensor
 from render.film.settings import FilmSettings
 from render.film.stock import MIDDLE_GREY
 from render.gl.shaders import ProgramCache, set_uniforms
@@ -117,7 +117,7 @@ class FilmPass:
         stock, printed = film.stock, None if film.process == "reversal" else film.print_stock
         if stock is None or (printed is None and film.process != "reversal"):
             raise SettingsError(f"film process {film.process} has no stock, or no print")
-        tables = self._tables.of(film)
+        tables = self._tables.tables_of(film)
         recipe.defines["RECORDS"] = len(stock.curves)
         anchor = film.push * STOP - math.log10(MIDDLE_GREY)
         recipe.uniforms.update(
@@ -169,10 +169,10 @@ class FilmPass:
         set_uniforms(program, size=wide, first=(-reach[0], -reach[1]), noise_key=key)
         noise.bind_to_storage_buffer(0)
         program.run(groups(wide[0]), wide[1])
-        across = self._smoothed("across", noise, wide[0], (size[0], wide[1]), kernels[0], 0)
-        return self._smoothed("down", across, size[0], size, kernels[1], 1)
+        across = self._smooth("across", noise, wide[0], (size[0], wide[1]), kernels[0], 0)
+        return self._smooth("down", across, size[0], size, kernels[1], 1)
 
-    def _smoothed(
+    def _smooth(
         self,
         name: str,
         source: moderngl.Buffer,
@@ -195,7 +195,7 @@ class FilmPass:
 
 
 def _add_sensor(recipe: _Recipe, light: moderngl.Texture, film: FilmSettings, exposure: Exposure) -> None:
-    sensor = balanced_sensor(film)
+    sensor = balance_sensor(film)
     recipe.defines["SENSOR"] = 1
     recipe.uniforms.update(
         electrons=tuple(sensor.electrons_per_light.tolist()),

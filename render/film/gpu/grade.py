@@ -113,14 +113,14 @@ class DisplayPass:
         parts = grade.processors_around_cdl(space)
         key = " ".join(str(part.getCacheID()) for part in parts)
         if key not in self._transforms:
-            self._transforms[key] = _compiled(self._ctx, parts)
+            self._transforms[key] = _compile(self._ctx, parts)
             if len(self._transforms) > _KEPT:
                 self._transforms.popitem(last=False)[1].release()
         self._transforms.move_to_end(key)
         return self._transforms[key]
 
 
-def _compiled(ctx: moderngl.Context, parts: list[ocio.Processor]) -> _Transform:
+def _compile(ctx: moderngl.Context, parts: list[ocio.Processor]) -> _Transform:
     """Compile a transform and load its tables.
 
     Args:

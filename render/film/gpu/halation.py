@@ -55,7 +55,7 @@ class HalationPass:
         """
         rows, columns = halation_kernel(*radius_px).shape
         reach = (columns // 2, rows // 2)
-        size = _easy(light.width + 2 * reach[0]), _easy(light.height + 2 * reach[1])
+        size = _fast_size(light.width + 2 * reach[0]), _fast_size(light.height + 2 * reach[1])
         one, other = (self._scratch.buffer(name, _BYTES * size[0] * size[1]) for name in ("one", "other"))
         pad = self._programs.compute("film/film_pad.comp")
         light.use(0)
@@ -64,7 +64,7 @@ class HalationPass:
         pad.run(groups(size[0]), size[1])
         self._spectrum_of(radius_px, size).bind_to_storage_buffer(2)
         for axis, direction in ((0, -1.0), (1, -1.0), (1, 1.0), (0, 1.0)):
-            one, other = self._transformed(one, other, size, axis, direction)
+            one, other = self._transform(one, other, size, axis, direction)
         self._ctx.memory_barrier()
         return Spread(one, size[0], reach)
 
@@ -75,7 +75,7 @@ class HalationPass:
             self._spectrum[1].release()
             self._spectrum = None
 
-    def _transformed(
+    def _transform(
         self, source: moderngl.Buffer, target: moderngl.Buffer, size: tuple[int, int], axis: int, direction: float
     ) -> tuple[moderngl.Buffer, moderngl.Buffer]:
         """Transform along an axis; the buffer that holds it, and the other one."""
@@ -123,7 +123,7 @@ class HalationPass:
         return self._spectrum[1]
 
 
-def _easy(size: int) -> int:
+def _fast_size(size: int) -> int:
     """The least length from ``size`` up that has no prime factor above 5."""
     while math.prod(_radices(size)) != size:
         size += 1

@@ -43,11 +43,11 @@ class TableCache:
         self._ctx = ctx
         self._tables: OrderedDict[tuple[Stock | None, Stock | None], Tables] = OrderedDict()
 
-    def of(self, film: FilmSettings) -> Tables:
+    def tables_of(self, film: FilmSettings) -> Tables:
         """The tables of a film with a stock."""
         key = film.stock, film.print_stock
         if key not in self._tables:
-            self._tables[key] = self._made(film)
+            self._tables[key] = self._build(film)
             if len(self._tables) > _KEPT:
                 self._tables.popitem(last=False)[1].texture.release()
         self._tables.move_to_end(key)
@@ -58,7 +58,7 @@ class TableCache:
         while self._tables:
             self._tables.popitem()[1].texture.release()
 
-    def _made(self, film: FilmSettings) -> Tables:
+    def _build(self, film: FilmSettings) -> Tables:
         kinds = _kinds(film)
         values = np.stack([density for rows in kinds.values() for _, density in rows]).astype(np.float32)
         texture = self._ctx.texture(values.shape[::-1], 1, values.tobytes(), dtype="f4")

@@ -10,7 +10,7 @@ from typing import Literal, get_args
 
 from render.errors import InputError, SettingsError
 from render.focus.curve import FocusCurve
-from render.focus.files.assembly import GAPS, CurveFinding, Gaps, ReadCurve, assembled
+from render.focus.files.assembly import GAPS, CurveFinding, Gaps, ReadCurve, assemble_curve
 from render.focus.files.csv_file import curve_to_csv, rows_of_csv
 from render.focus.files.json_file import FORMAT, curve_to_dict, curve_to_json, rows_of_json
 from render.focus.files.opentrackio_file import curve_to_opentrackio
@@ -31,7 +31,7 @@ __all__ = [
     "curve_to_json",
     "curve_to_text",
     "read_curve",
-    "retimed",
+    "retime",
 ]
 
 CurveFormat = Literal["json", "csv", "otio", "opentrackio"]
@@ -60,7 +60,7 @@ def curve_to_text(curve: FocusCurve, format: CurveFormat) -> str:
         "otio": _curve_to_otio,
         "opentrackio": curve_to_opentrackio,
     }
-    return writers[_known(format)](curve)
+    return writers[_check_format(format)](curve)
 
 
 def read_curve(
@@ -82,17 +82,17 @@ def read_curve(
         InputError: it is no such file, has no row that can be used, or has gaps and these are refused.
         SettingsError: there is no such format, or no such way to treat gaps.
     """
-    text = _decoded(content)
+    text = _decode(content)
     readers: dict[CurveFormat, Callable[[], Rows]] = {
         "json": lambda: rows_of_json(text),
         "csv": lambda: rows_of_csv(text, rates),
         "otio": lambda: _rows_of_otio(text),
         "opentrackio": lambda: rows_of_opentrackio(text, rates),
     }
-    return assembled(readers[_looked_at(text) if format is None else _known(format)](), gaps)
+    return assemble_curve(readers[_parse(text) if format is None else _check_format(format)](), gaps)
 
 
-def retimed(read: ReadCurve, rates: Rates, first_time_code: float | None = None) -> ReadCurve:
+def retime(read: ReadCurve, rates: Rates, first_time_code: float | None = None) -> ReadCurve:
     """A curve in the time of a shot. Seconds stay as they are, as they do when USD takes in a layer of another rate.
 
     Args:
@@ -124,13 +124,13 @@ def retimed(read: ReadCurve, rates: Rates, first_time_code: float | None = None)
     return replace(read, curve=moved, findings=found)
 
 
-def _known(format: CurveFormat) -> CurveFormat:
+def _check_format(format: CurveFormat) -> CurveFormat:
     if format not in FORMATS:
         raise SettingsError(f"a focus curve's format must be one of {', '.join(FORMATS)}, but it is {format!r}")
     return format
 
 
-def _decoded(content: bytes | str) -> str:
+def _decode(content: bytes | str) -> str:
     if isinstance(content, str):
         return content.removeprefix("\ufeff")
     try:
@@ -139,7 +139,7 @@ def _decoded(content: bytes | str) -> str:
         raise InputError(f"the file is no UTF-8 text: {error}", code="bad_curve") from error
 
 
-def _looked_at(text: str) -> CurveFormat:
+def _parse(text: str) -> CurveFormat:
     """Which kind of file a text is."""
     if not text.lstrip().startswith(("{", "[")):
         return "csv"

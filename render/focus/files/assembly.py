@@ -77,7 +77,7 @@ class ReadCurve:
     on_shot_time: bool
 
 
-def assembled(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
+def assemble_curve(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
     """Make a curve of a file's rows.
 
     Args:
@@ -92,26 +92,26 @@ def assembled(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
         raise SettingsError(f"gaps must be one of {', '.join(GAPS)}, but it is {gaps!r}", code="bad_setting")
     if not rows.rows:
         raise InputError(f"{rows.what} has no rows", code="bad_curve")
-    said = _said(rows.rows)
-    checked = _checked(rows.rows, said)
+    said = _given_attributes(rows.rows)
+    checked = _check_rows(rows.rows, said)
     good, bad = [row for row in checked if not row.problem], [row for row in checked if row.problem]
     if not good:
         raise InputError(f"{rows.what} has no row that can be used; {bad[0].place}: {bad[0].problem}", code="bad_curve")
     times, missing = _every_time(good, bad)
     found = [CurveFinding("not_used", "", note) for note in rows.notes]
     found += _gap_findings(good, bad, missing, gaps, rows)
-    curve = _Filled.of(good, times, gaps).curve(rows)
+    curve = _CurveFill.from_rows(good, times, gaps).curve(rows)
     return ReadCurve(curve, said, (*found, *_odd_units(curve)), rows.on_shot_time)
 
 
-def _said(rows: Sequence[Row]) -> frozenset[str]:
+def _given_attributes(rows: Sequence[Row]) -> frozenset[str]:
     """Attributes that drive a camera and that the file gives. Every focus curve gives a focus distance."""
     drive = [column.attribute for column in COLUMNS if column.drives]
     given = {name for name in drive if any(name in row.numbers for row in rows if not row.problem)}
     return frozenset(given | {FOCUS_DISTANCE.attribute})
 
 
-def _checked(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
+def _check_rows(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
     """The rows, with what is wrong with each one noted in it."""
     checked, last = [], -math.inf
     for row in rows:
@@ -215,7 +215,7 @@ def _odd_units(curve: FocusCurve) -> list[CurveFinding]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Filled:
+class _CurveFill:
     """Good rows spread over all times of a curve.
 
     Attributes:
@@ -235,7 +235,7 @@ class _Filled:
     gaps: Gaps
 
     @classmethod
-    def of(cls, rows: Sequence[Row], times: DoubleArray, gaps: Gaps) -> _Filled:
+    def from_rows(cls, rows: Sequence[Row], times: DoubleArray, gaps: Gaps) -> _CurveFill:
         """Spread rows."""
         own = np.array([row.time_code for row in rows])
         nearest = np.clip(np.searchsorted(own, times, side="right") - 1, 0, None)

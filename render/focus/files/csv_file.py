@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from render.errors import InputError
 from render.focus.curve import FocusCurve
 from render.focus.files.columns import COLUMNS, FOCAL_LENGTH, FOCUS_DISTANCE, POINT_COLUMNS, Column
-from render.focus.files.rows import BadRowError, PointCell, Rates, Row, Rows, known_state, shown
+from render.focus.files.rows import BadRowError, PointCell, Rates, Row, Rows, known_state, quote_value
 from render.focus.files.timing import snapped_rate
 
 TIMES = ("frame", "time_code", "seconds")
@@ -74,7 +74,7 @@ def rows_of_csv(text: str, rates: Rates) -> Rows:
     lines = _lines(text, delimiter)
     if not lines:
         raise InputError(f"{_WHAT} is empty", code="bad_curve")
-    layout = _Layout.of(lines[0][1])
+    layout = _Layout.from_header(lines[0][1])
     body = [(number, cells) for number, cells in lines[1:] if any(cell.strip() for cell in cells)]
     comma = delimiter != ","
     own = _own_rates(layout, [cells for _, cells in body], comma)
@@ -103,7 +103,7 @@ class _Layout:
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, header: Sequence[str]) -> _Layout:
+    def from_header(cls, header: Sequence[str]) -> _Layout:
         """Read a header."""
         times: dict[str, int] = {}
         words: dict[str, int] = {}
@@ -222,13 +222,13 @@ def _number(cell: str, name: str, comma: bool) -> float:
     try:
         return float(text.replace(",", ".") if comma else text)
     except ValueError:
-        raise BadRowError(f"{name} must be a number, but it is {shown(cell) if text else 'empty'}") from None
+        raise BadRowError(f"{name} must be a number, but it is {quote_value(cell) if text else 'empty'}") from None
 
 
 def _truth(cell: str) -> bool:
     word = cell.strip().lower()
     if word not in (*_TRUE, *_FALSE):
-        raise BadRowError(f"limited must be true or false, but it is {shown(cell)}")
+        raise BadRowError(f"limited must be true or false, but it is {quote_value(cell)}")
     return word in _TRUE
 
 

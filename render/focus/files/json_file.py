@@ -27,7 +27,17 @@ from typing import Any
 from render.errors import InputError
 from render.focus.curve import FocusCurve, PointTrack
 from render.focus.files.columns import COLUMNS, FOCUS_DISTANCE, POINT_COLUMNS, Column
-from render.focus.files.rows import BadRowError, PointCell, Rates, Row, Rows, json_number, known_state, said, shown
+from render.focus.files.rows import (
+    BadRowError,
+    PointCell,
+    Rates,
+    Row,
+    Rows,
+    given_numbers,
+    json_number,
+    known_state,
+    quote_value,
+)
 
 FORMAT = "pullfocus.focusCurve"
 VERSION = 2
@@ -93,7 +103,7 @@ def rows_of_json(text: str) -> Rows:
     Raises:
         InputError: it is no JSON, or no focus curve of a version that is known.
     """
-    return rows_of_dict(loaded(text), "the JSON")
+    return rows_of_dict(load_json(text), "the JSON")
 
 
 def rows_of_dict(data: Any, what: str) -> Rows:
@@ -112,10 +122,10 @@ def rows_of_dict(data: Any, what: str) -> Rows:
         )
     if data.get("version") not in READ_VERSIONS:
         known = " and ".join(map(str, READ_VERSIONS))
-        raise InputError(f"{what} has version {shown(data.get('version'))}, read are {known}", code="bad_curve")
+        raise InputError(f"{what} has version {quote_value(data.get('version'))}, read are {known}", code="bad_curve")
     samples = data.get("samples")
     if not isinstance(samples, list):
-        raise InputError(f'{what} must have a list of "samples", but it has {shown(samples)}', code="bad_curve")
+        raise InputError(f'{what} must have a list of "samples", but it has {quote_value(samples)}', code="bad_curve")
     try:
         rates = rates_of(data)
         gate_mm = _gate(data.get("gateMm"))
@@ -150,7 +160,7 @@ def numbers_of(sample: dict[str, Any]) -> dict[str, float]:
     numbers = {column.attribute: _number(sample, column) for column in COLUMNS if column.json in sample}
     if math.isnan(numbers.get("near_m", 0.0)):
         numbers["far_m"] = math.nan
-    return said(numbers)
+    return given_numbers(numbers)
 
 
 def points_of(sample: dict[str, Any]) -> dict[str, PointCell]:
@@ -161,11 +171,11 @@ def points_of(sample: dict[str, Any]) -> dict[str, PointCell]:
     """
     points = sample.get("points", [])
     if not isinstance(points, list) or not all(isinstance(p, dict) and isinstance(p.get("name"), str) for p in points):
-        raise BadRowError(f"points must be a list of points with names, but it is {shown(points)}")
+        raise BadRowError(f"points must be a list of points with names, but it is {quote_value(points)}")
     return {point["name"]: _cell(point) for point in points}
 
 
-def loaded(text: str) -> Any:
+def load_json(text: str) -> Any:
     """Parse a JSON text.
 
     Raises:
@@ -185,7 +195,7 @@ def _row(sample: Any, place: str) -> Row:
     time_code = math.nan
     try:
         if not isinstance(sample, dict):
-            raise BadRowError(f"expected an object, got {shown(sample)}")
+            raise BadRowError(f"expected an object, got {quote_value(sample)}")
         time_code = json_number(sample.get("timeCode"), "timeCode")
         return Row(
             place=place,
@@ -221,7 +231,7 @@ def _gate(value: Any) -> tuple[float, float] | None:
     if value is None:
         return None
     if not isinstance(value, list) or len(value) != 2:
-        raise BadRowError(f"gateMm must be a width and a height, but it is {shown(value)}")
+        raise BadRowError(f"gateMm must be a width and a height, but it is {quote_value(value)}")
     return json_number(value[0], "gateMm"), json_number(value[1], "gateMm")
 
 

@@ -71,7 +71,7 @@ def _timing(curve: FocusCurve, index: int) -> dict[str, Any]:
     timing: dict[str, Any] = {"mode": "external", "sampleRate": ratio, "sequenceNumber": index}
     frame = float(curve.frames[index])
     if frame >= 0 and frame.is_integer() and rate <= MAX_TIMECODE_RATE:
-        code = Timecode.of_frame(int(frame), rate)
+        code = Timecode.from_frame(int(frame), rate)
         timing["timecode"] = {
             "hours": code.hours,
             "minutes": code.minutes,

@@ -19,9 +19,9 @@ from typing import Any
 
 from render.errors import InputError
 from render.focus.curve import FAR_AWAY_M
-from render.focus.files.json_file import loaded, numbers_of, points_of, rates_of
+from render.focus.files.json_file import load_json, numbers_of, points_of, rates_of
 from render.focus.files.opentrackio_file import NAMESPACE, PROTOCOL
-from render.focus.files.rows import BadRowError, Rates, Row, Rows, json_number, said, shown
+from render.focus.files.rows import BadRowError, Rates, Row, Rows, given_numbers, json_number, quote_value
 from render.focus.files.timing import Timecode, frames_a_day
 
 _WHAT = "the OpenTrackIO"
@@ -51,9 +51,9 @@ def rows_of_opentrackio(text: str, rates: Rates) -> Rows:
     protocol = first.get("protocol")
     if not isinstance(protocol, dict) or protocol.get("name") != PROTOCOL["name"]:
         raise InputError(f"{_WHAT} file has no samples whose protocol is {PROTOCOL['name']}", code="bad_curve")
-    own = [_ours(sample) for sample in samples]
+    own = [_own_numbers(sample) for sample in samples]
     counted = _rates(samples, own) or rates
-    clock = _chosen_clock(samples, own, counted)
+    clock = _choose_clock(samples, own, counted)
     rows = tuple(
         _row(sample, ours, f"sample {number}", time_code, clock.name)
         for number, (sample, ours, time_code) in enumerate(zip(samples, own, clock.time_codes, strict=True), 1)
@@ -92,31 +92,31 @@ class _Clock:
 def _samples(text: str) -> list[Any]:
     """The samples of a file, however they are strung together."""
     try:
-        data = loaded(text)
+        data = load_json(text)
     except InputError:
         lines = [line for line in text.splitlines() if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for line in lines):
             raise
-        data = [loaded(line) for line in lines]
+        data = [load_json(line) for line in lines]
     if isinstance(data, dict):
         data = data["samples"] if isinstance(data.get("samples"), list) else [data]
     if not isinstance(data, list) or not data:
-        raise InputError(f"{_WHAT} file has no samples, but {shown(data)}", code="bad_curve")
+        raise InputError(f"{_WHAT} file has no samples, but {quote_value(data)}", code="bad_curve")
     return data
 
 
 def _row(sample: Any, ours: dict[str, Any], place: str, time_code: float, clock: str) -> Row:
     try:
         if not isinstance(sample, dict):
-            raise BadRowError(f"expected an object, got {shown(sample)}")
+            raise BadRowError(f"expected an object, got {quote_value(sample)}")
         if math.isnan(time_code):
             raise BadRowError(f"it has no {clock}")
-        told = _told(_part(sample, "lens"))
+        told = _protocol_numbers(_part(sample, "lens"))
         extra = numbers_of(ours) if ours else {}
         return Row(
             place=place,
             time_code=time_code,
-            numbers=_merged(told, extra),
+            numbers=_merge(told, extra),
             limited=bool(ours.get("limited", False)),
             source=str(ours.get("source", "camera")),
             reason=str(ours.get("reason", "")),
@@ -126,7 +126,7 @@ def _row(sample: Any, ours: dict[str, Any], place: str, time_code: float, clock:
         return Row(place, time_code, problem=str(error))
 
 
-def _told(lens: dict[str, Any]) -> dict[str, float]:
+def _protocol_numbers(lens: dict[str, Any]) -> dict[str, float]:
     """Lens numbers from the protocol's own fields."""
     numbers = {}
     for attribute, names in _FIELDS.items():
@@ -136,7 +136,7 @@ def _told(lens: dict[str, Any]) -> dict[str, float]:
     return numbers
 
 
-def _merged(told: dict[str, float], extra: dict[str, float]) -> dict[str, float]:
+def _merge(told: dict[str, float], extra: dict[str, float]) -> dict[str, float]:
     """Merge the protocol's fields with our own extension. Where they differ, the protocol wins and numbers that depend
     on it become NaN.
     """
@@ -148,10 +148,10 @@ def _merged(told: dict[str, float], extra: dict[str, float]) -> dict[str, float]
         if not math.isclose(value, ours, rel_tol=_SAME):
             merged[name] = value
             merged |= dict.fromkeys(_FOLLOWING, math.nan) if extra else {}
-    return said(merged)
+    return given_numbers(merged)
 
 
-def _ours(sample: Any) -> dict[str, Any]:
+def _own_numbers(sample: Any) -> dict[str, Any]:
     """Our own part of a sample, or an empty one."""
     return _part(_part(sample, "custom"), NAMESPACE)
 
@@ -177,7 +177,7 @@ def _rates(samples: Sequence[Any], own: Sequence[dict[str, Any]]) -> Rates | Non
     return Rates(float(rate), float(rate))
 
 
-def _chosen_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: Rates) -> _Clock:
+def _choose_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: Rates) -> _Clock:
     """The first clock that most samples have and that runs.
 
     Raises:

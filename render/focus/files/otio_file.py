@@ -19,7 +19,7 @@ from opentimelineio.opentime import RationalTime, TimeRange
 
 from render.errors import InputError
 from render.focus.curve import FocusCurve
-from render.focus.files.json_file import curve_to_dict, loaded, rows_of_dict
+from render.focus.files.json_file import curve_to_dict, load_json, rows_of_dict
 from render.focus.files.rows import Rows
 
 NAMESPACE = "pullfocus"
@@ -56,7 +56,7 @@ def rows_of_otio(text: str) -> Rows:
         InputError: it is none, or no clip in it has a focus curve.
     """
     # Not by the library, whose reader goes as deep as a file is nested, beyond the end of the stack.
-    root = loaded(text)
+    root = load_json(text)
     curves = [curve for clip in _clips(root) if (curve := _curve_of(clip)) is not None]
     if not curves:
         raise InputError(f"no clip of the timeline has a focus curve ({NAMESPACE}.{KEY})", code="bad_curve")

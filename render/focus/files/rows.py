@@ -103,7 +103,7 @@ def json_number(value: Any, name: str) -> float:
         BadRowError: it is none.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise BadRowError(f"{name} must be a number, but it is {shown(value)}")
+        raise BadRowError(f"{name} must be a number, but it is {quote_value(value)}")
     try:
         return float(value)
     except OverflowError as error:  # JSON's whole numbers have no end
@@ -119,15 +119,15 @@ def known_state(value: Any) -> PointState:
     for state in STATES:
         if state == value:
             return state
-    raise BadRowError(f"a focus point's state must be one of {', '.join(STATES)}, but it is {shown(value)}")
+    raise BadRowError(f"a focus point's state must be one of {', '.join(STATES)}, but it is {quote_value(value)}")
 
 
-def shown(value: Any) -> str:
+def quote_value(value: Any) -> str:
     """Something of a file as a message quotes it: not too long."""
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def said(numbers: dict[str, float]) -> dict[str, float]:
+def given_numbers(numbers: dict[str, float]) -> dict[str, float]:
     """The numbers without those that are none (NaN)."""
     return {name: value for name, value in numbers.items() if not math.isnan(value)}

@@ -59,7 +59,7 @@ class Timecode:
     drop_frame: bool = False
 
     @classmethod
-    def of_frame(cls, frame: int, rate: Fraction) -> Timecode:
+    def from_frame(cls, frame: int, rate: Fraction) -> Timecode:
         """Number a frame, none dropped; after a day it begins anew.
 
         Args:

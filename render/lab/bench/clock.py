@@ -68,7 +68,7 @@ def median_spent(runs: Sequence[Spent]) -> Spent:
     return Spent(median(run.wall_ms for run in runs), median(run.cpu_ms for run in runs))
 
 
-def timed(finish: Callable[[], None], work: Callable[[], None], repeats: Repeats) -> Spent:
+def time_work(finish: Callable[[], None], work: Callable[[], None], repeats: Repeats) -> Spent:
     """The median of some runs, each until the device has done it.
 
     Args:

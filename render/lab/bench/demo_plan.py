@@ -19,7 +19,7 @@ def add_picture_arguments(parser: argparse.ArgumentParser, picture: FrameSetting
     )
 
 
-def of_width(picture: FrameSettings, width: int | None) -> FrameSettings:
+def with_width(picture: FrameSettings, width: int | None) -> FrameSettings:
     """The picture in the width that was asked for, 16:9; as it is where none was.
 
     Raises:

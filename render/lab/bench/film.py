@@ -15,8 +15,8 @@ import numpy as np
 from render.demo.shot import write_demo
 from render.film import FilmSettings, Grade, film_settings
 from render.frame import FrameRenderer
-from render.lab.bench.clock import Repeats, Spent, timed
-from render.lab.bench.film_plan import FINISHINGS, FRAME, Finishing, asked_picture
+from render.lab.bench.clock import Repeats, Spent, time_work
+from render.lab.bench.film_plan import FINISHINGS, FRAME, Finishing, picture_from_arguments
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.model.arrays import FloatArray
@@ -100,7 +100,7 @@ def measure(picture: FrameSettings, frame_repeats: Repeats, finish_repeats: Repe
             renderer.forget_layers()
             drawn.append(renderer.render(scene, camera, picture).color)
 
-        frame = timed(finish, draw, frame_repeats)
+        frame = time_work(finish, draw, frame_repeats)
         finisher = LiveFinisher(renderer)
         rows = [_row(renderer, finisher, way, drawn[-1], camera, frame, finish_repeats) for way in FINISHINGS]
         finisher.release()
@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the file cannot be written.
     """
     check_file(arguments.json)
-    picture = asked_picture(arguments)
+    picture = picture_from_arguments(arguments)
     once = Repeats(1, 1)
     found = measure(picture, *((once, once) if arguments.quick else (FRAME_REPEATS, FINISH_REPEATS)))
     say(found, report(found), arguments.json)
@@ -163,11 +163,11 @@ def _row(
         pictures["file"] = finish.apply(light, camera, time=FRAME, seed=0)
 
     first, device = (
-        timed(renderer.graphics.ctx.finish, live, Repeats(1, 1)),
-        timed(renderer.graphics.ctx.finish, live, repeats),
+        time_work(renderer.graphics.ctx.finish, live, Repeats(1, 1)),
+        time_work(renderer.graphics.ctx.finish, live, repeats),
     )
     file()  # numpy keeps kernels and tables too
-    processor = timed(renderer.graphics.ctx.finish, file, repeats)
+    processor = time_work(renderer.graphics.ctx.finish, file, repeats)
     return FinishRow(
         name=way.name,
         live_ms=device.wall_ms,

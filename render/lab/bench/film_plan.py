@@ -6,7 +6,7 @@ import argparse
 from dataclasses import dataclass, replace
 
 from render.film.settings import HalationSettings
-from render.lab.bench.demo_plan import add_picture_arguments, of_width
+from render.lab.bench.demo_plan import add_picture_arguments, with_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540)
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_picture_arguments(parser, PICTURE)
 
 
-def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
+def picture_from_arguments(arguments: argparse.Namespace) -> FrameSettings:
     """The picture that the arguments ask for.
 
     Args:
@@ -58,4 +58,4 @@ def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
         SettingsError: it is too small or too large.
     """
     picture = replace(PICTURE, width=160, height=90, rays=16) if arguments.quick else PICTURE
-    return of_width(picture, arguments.width)
+    return with_width(picture, arguments.width)

@@ -13,7 +13,7 @@ SECOND_FOUR_SHARE = 0.40
 LAYERS_MB = 64.0
 
 
-def judged(bench: LensBench) -> list[Goal]:
+def judge(bench: LensBench) -> list[Goal]:
     """The goals, each with what was measured."""
     ratio = RATIO_ON_CPU if bench.software else RATIO_ON_GPU
     goals = [goal for row in bench.scenes for goal in _of_scene(row, ratio)]

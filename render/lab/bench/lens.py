@@ -15,7 +15,7 @@ from typing import TypeVar
 
 from render.errors import PullfocusError, SettingsError
 from render.files import check_writable, write_atomic
-from render.lab.bench.goals import judged
+from render.lab.bench.goals import judge
 from render.lab.bench.measure import (
     SceneMaker,
     Subject,
@@ -26,7 +26,7 @@ from render.lab.bench.measure import (
     subject,
     surfaces_sweep,
 )
-from render.lab.bench.plan import PICTURE, SWEPT, Plan, add_arguments, asked_plan
+from render.lab.bench.plan import PICTURE, SWEPT, Plan, add_arguments, plan_from_arguments
 from render.lab.bench.results import LensBench, Sweeps, as_json
 from render.lab.bench.rig import LensRig
 from render.lab.bench.text import report
@@ -68,7 +68,7 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
             layers_mb_1024x768=rig.layers_bytes(swept.camera, 1024, 768, 4) / 1e6,
         )
     is_standard = replace(picture, supersample=PICTURE.supersample) == PICTURE
-    return replace(result, goals=judged(result)) if is_standard else result
+    return replace(result, goals=judge(result)) if is_standard else result
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: the file cannot be written.
     """
-    plan, target = asked_plan(arguments), _asked_file(arguments.json)
+    plan, target = plan_from_arguments(arguments), _asked_file(arguments.json)
     scenes = SCENES if arguments.scene is None else {arguments.scene: SCENES[arguments.scene]}
     found = measure(scenes, plan, _say)
     text = as_json(found)

@@ -20,7 +20,7 @@ from pxr import Gf, UsdGeom
 from render.demo.shot import write_demo
 from render.film import GradeChoice
 from render.frame import FrameRenderer
-from render.lab.bench.live_plan import DRAGS, FIRST_MS, FRAME, LOOK_MS, LivePlan, asked_plan
+from render.lab.bench.live_plan import DRAGS, FIRST_MS, FRAME, LOOK_MS, LivePlan, plan_from_arguments
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.output.encode import encode_jpeg
@@ -249,7 +249,7 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the file cannot be written.
     """
     check_file(arguments.json)
-    found = measure(asked_plan(arguments))
+    found = measure(plan_from_arguments(arguments))
     say(found, report(found), arguments.json)
 
 

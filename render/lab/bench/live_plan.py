@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 
-from render.lab.bench.demo_plan import add_picture_arguments, of_width
+from render.lab.bench.demo_plan import add_picture_arguments, with_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540)
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_picture_arguments(parser, PICTURE)
 
 
-def asked_plan(arguments: argparse.Namespace) -> LivePlan:
+def plan_from_arguments(arguments: argparse.Namespace) -> LivePlan:
     """The plan that the arguments ask for.
 
     Args:
@@ -49,4 +49,4 @@ def asked_plan(arguments: argparse.Namespace) -> LivePlan:
         SettingsError: the picture is too small or too large.
     """
     picture = replace(PICTURE, width=96, height=54, rays=8, supersample=1) if arguments.quick else PICTURE
-    return LivePlan(of_width(picture, arguments.width), 3 if arguments.quick else STEPS)
+    return LivePlan(with_width(picture, arguments.width), 3 if arguments.quick else STEPS)

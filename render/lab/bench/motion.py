@@ -13,7 +13,7 @@ from pathlib import Path
 
 from render.demo.shot import write_demo
 from render.frame import Frame, FrameRenderer
-from render.lab.bench.clock import Repeats, Spent, timed
+from render.lab.bench.clock import Repeats, Spent, time_work
 from render.lab.bench.motion_plan import COUNTS, FRAME, asked_picture
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
@@ -89,7 +89,7 @@ class _Stand:
             self._shot.scene_at(FRAME - 1)
             frames.append(expose_frame(self._renderer, self._shot, None, self._lens, FRAME, settings))
 
-        spent = timed(self._renderer.graphics.ctx.finish, take, repeats)
+        spent = time_work(self._renderer.graphics.ctx.finish, take, repeats)
         return frames[-1].color * self._lens.exposure_scale, spent
 
 

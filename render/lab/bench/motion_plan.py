@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from render.lab.bench.demo_plan import add_picture_arguments, of_width
+from render.lab.bench.demo_plan import add_picture_arguments, with_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540, motion=16)
@@ -31,4 +31,4 @@ def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
         SettingsError: it is too small or too large.
     """
     picture = replace(PICTURE, width=128, height=72, rays=16, motion=4) if arguments.quick else PICTURE
-    return of_width(picture, arguments.width)
+    return with_width(picture, arguments.width)

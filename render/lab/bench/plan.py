@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rays", metavar="N", type=int, help=f"rays per pixel of the table; without it {PICTURE.rays}")
 
 
-def asked_plan(arguments: argparse.Namespace) -> Plan:
+def plan_from_arguments(arguments: argparse.Namespace) -> Plan:
     """Plan from the command line's arguments.
 
     Args:

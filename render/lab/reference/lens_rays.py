@@ -18,7 +18,7 @@ from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.lens import AberrationScales, SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 
@@ -70,7 +70,7 @@ def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float])
                 f"the ray-by-ray reference knows lenses with surfaces as they are, got {own_scales(lens)}"
             )
         return PrescriptionRays(
-            mounted(camera), pupil, corner, lens.height_field if lens.model == "heightField" else None
+            mount_lens(camera), pupil, corner, lens.height_field if lens.model == "heightField" else None
         )
     return _Thin(camera, pupil)
 
@@ -95,7 +95,7 @@ class _Drawn:
     def __init__(self, lens: LensRays, camera: Camera) -> None:
         self._lens, self._camera, self.has_colours = lens, camera, lens.has_colours
         glass = has_surfaces(camera)
-        self._radius_m = mounted(camera).entrance_pupil_radius_mm / 1000 if glass else pupil_radius_m(camera)
+        self._radius_m = mount_lens(camera).entrance_pupil_radius_mm / 1000 if glass else pupil_radius_m(camera)
 
     def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
         rays = self._lens.rays(sample, ideal, wavelength_nm)

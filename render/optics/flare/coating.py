@@ -47,7 +47,7 @@ def reflectance(
         outer = _amplitudes(before, MGF2_INDEX, cosine, cosine_within)
         inner = _amplitudes(MGF2_INDEX, behind, cosine_within, cosine_behind)
         phase = np.cos(np.pi * coating_nm / np.asarray(wavelength_nm) * cosine_within)
-        shares = [_interfering(a, b, phase) for a, b in zip(outer, inner, strict=True)]
+        shares = [_interfere(a, b, phase) for a, b in zip(outer, inner, strict=True)]
     else:
         shares = [s**2, p**2]
     return np.asarray(np.where(passes, (shares[0] + shares[1]) / 2, 1.0))
@@ -69,7 +69,7 @@ def _amplitudes(
     return np.asarray(s), np.asarray(p)
 
 
-def _interfering(outer: DoubleArray, inner: DoubleArray, phase: DoubleArray) -> DoubleArray:
+def _interfere(outer: DoubleArray, inner: DoubleArray, phase: DoubleArray) -> DoubleArray:
     """Share that two faces reflect together, by the cosine of the phase that the way through the layer and back costs."""
     crossed = 2 * outer * inner * phase
     with np.errstate(divide="ignore", invalid="ignore"):

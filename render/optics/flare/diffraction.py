@@ -47,7 +47,7 @@ class Star:
 
     def spread(self, picture: FloatArray) -> FloatArray:
         """A picture ``(height, width, 3)`` with its stars, as if it went on alike beyond its edges: an even one stays even."""
-        return np.asarray(np.maximum(_convolved(picture, self.transfer, self.padded), 0.0) / self.kept, np.float32)
+        return np.asarray(np.maximum(_convolve(picture, self.transfer, self.padded), 0.0) / self.kept, np.float32)
 
 
 def star(
@@ -97,9 +97,9 @@ def _star(
     if strength != 1:
         core_px = max(_CORE * max(spread_px) * D_LINE_NM, _LEAST_CORE_PX)
         for channel in range(3):
-            transfer[..., channel] = _strengthened(transfer[..., channel], padded, strength, core_px)
+            transfer[..., channel] = _strengthen(transfer[..., channel], padded, strength, core_px)
     white = np.ones((height, width, 3), np.float32)
-    return Star(transfer, _convolved(white, transfer, padded), padded)
+    return Star(transfer, _convolve(white, transfer, padded), padded)
 
 
 def _transfer(
@@ -117,12 +117,12 @@ def _transfer(
                 continue  # they weigh some thousandths
             x, y = across + right * np.copysign(1, across), down + below * np.copysign(1, down)
             weight = (np.sinc(x) ** 2 * np.sinc(y) ** 2).astype(np.float32)[..., None]
-            total = total + weight * _looked_up(table, x * shift[0], -y * shift[1], turn_rad)
+            total = total + weight * _look_up(table, x * shift[0], -y * shift[1], turn_rad)
             whole = whole + weight
     return np.asarray(total / whole)
 
 
-def _strengthened(transfer: FloatArray, padded: tuple[int, int], strength: float, core_px: float) -> DoubleArray:
+def _strengthen(transfer: FloatArray, padded: tuple[int, int], strength: float, core_px: float) -> DoubleArray:
     """The transfer of a star some times as strong: a weaker one all around its source, a stronger one away from the core alone,
     lest it blur the picture. What light it has more, the source has less; where that is too much, all of it is dimmed."""
     kernel = np.fft.irfft2(transfer, padded)
@@ -134,7 +134,7 @@ def _strengthened(transfer: FloatArray, padded: tuple[int, int], strength: float
     return np.asarray(np.fft.rfft2(kernel / kernel.sum()).real)
 
 
-def _convolved(picture: FloatArray, transfer: FloatArray, padded: tuple[int, int]) -> FloatArray:
+def _convolve(picture: FloatArray, transfer: FloatArray, padded: tuple[int, int]) -> FloatArray:
     height, width = picture.shape[:2]
     made = np.empty((height, width, 3), np.float32)
     for channel in range(3):
@@ -241,7 +241,7 @@ def _of_image(iris: IrisShape, directions: DoubleArray, shifts: DoubleArray) -> 
     return np.asarray(np.maximum(values / overlap[_SIDE, _SIDE], 0.0))
 
 
-def _looked_up(table: FloatArray, across: DoubleArray, up: DoubleArray, turn_rad: float) -> FloatArray:
+def _look_up(table: FloatArray, across: DoubleArray, up: DoubleArray, turn_rad: float) -> FloatArray:
     """The table ``(directions, shifts, 3)`` at shifts in diameters; nothing overlaps beyond 1."""
     across, up = np.broadcast_arrays(across, up)
     shift = np.hypot(across, up)

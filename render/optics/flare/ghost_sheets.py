@@ -101,7 +101,7 @@ def _boxes(
     deep = abs(float(sag_mm(front, front.semi_diameter_mm**2)))
     halves = [front.semi_diameter_mm + deep * float(np.hypot(*source.slope)) for source in sources]
     grids = np.stack([_grid((-half, half, half), _COARSE) for half in halves])
-    rays = _traced(lens, path, grids, sources, np.full(len(sources), D_LINE_NM))
+    rays = _trace(lens, path, grids, sources, np.full(len(sources), D_LINE_NM))
     may_pass = _may_pass(rays, shape)
     brightness = _mean_radiance(lens, rays, may_pass, grids, iris_share)
     boxes = []
@@ -147,24 +147,24 @@ def _sheets(
     grids = np.stack([_grid(box, _FINE) for _, box, _ in jobs])
     wavelengths = np.array([light.wavelengths_nm[k] for _, _, k in jobs])
     colours = np.array([band_nm(light, k) for _, _, k in jobs]).T
-    rays = _traced(lens, path, grids, sources, wavelengths, colours)
+    rays = _trace(lens, path, grids, sources, wavelengths, colours)
     shape = (len(jobs), _FINE[1], _FINE[0])
     upright = np.sign(lens.first.entrance_pupil_magnification)
     places = np.zeros((*shape, CROSSINGS, 2))
     crossings = rays.stops.shape[1]
     places[..., :crossings, :] = upright * rays.stops.reshape(*shape, crossings, 2)
     flat = _whole_sheet(-rays.film_mm.reshape(*shape, 2) / lens.image_scale_mm)
-    arrives = _mirrored(rays.arrives.reshape(shape))
-    brought = _mirrored(np.where(rays.arrives, rays.light, 0.0).reshape(shape))
+    arrives = _mirror(rays.arrives.reshape(shape))
+    brought = _mirror(np.where(rays.arrives, rays.light, 0.0).reshape(shape))
     whole = np.asarray(_corners(arrives).all(axis=0))
     entered = np.array([_mesh_area(grid) for grid in grids]) / _pupil_mm2(lens, iris_share)
     radiance = _over_area(flat, whole, entered) * brought
     colours = np.array([source.irradiance * light.rgb[k] for source, _, k in jobs])
     turns = np.array([np.arctan2(source.slope[1], source.slope[0]) for source in sources])
     return GhostSheets(
-        slopes=_turned(flat, turns),
-        stops=_turned(_whole_sheet(places), turns),
-        rim=_mirrored(np.where(rays.arrives, rays.rim, np.inf).reshape(shape)),
+        slopes=_rotate(flat, turns),
+        stops=_rotate(_whole_sheet(places), turns),
+        rim=_mirror(np.where(rays.arrives, rays.rim, np.inf).reshape(shape)),
         radiance=radiance[..., None] * colours[:, None, None, :],
         whole=whole,
     )
@@ -185,7 +185,7 @@ def _pupil_mm2(lens: FocusedLens, iris_share: float) -> float:
     return float(np.pi * lens.entrance_pupil_radius_mm**2 * iris_share)
 
 
-def _traced(
+def _trace(
     lens: FocusedLens,
     path: GhostPath,
     grids: DoubleArray,
@@ -218,7 +218,7 @@ def _traced(
     return GhostRays(rays.film_mm, rays.stops, rays.rim, rays.light * nearer.ravel(), rays.arrives)
 
 
-def _mirrored(half: NDArray[Any]) -> NDArray[Any]:
+def _mirror(half: NDArray[Any]) -> NDArray[Any]:
     """The whole sheet of a value that is the same on both sides of the source's plane."""
     return np.concatenate([half[:, :0:-1], half], axis=1)
 
@@ -228,7 +228,7 @@ def _whole_sheet(half: DoubleArray) -> DoubleArray:
     return np.concatenate([half[:, :0:-1] * [1.0, -1.0], half], axis=1)
 
 
-def _turned(places: DoubleArray, turns_rad: DoubleArray) -> DoubleArray:
+def _rotate(places: DoubleArray, turns_rad: DoubleArray) -> DoubleArray:
     """Places ``(m, ..., 2)`` turned from +x to where each source is."""
     turns = turns_rad.reshape(-1, *([1] * (places.ndim - 2)))
     x, y = places[..., 0], places[..., 1]

@@ -1,7 +1,7 @@
 """Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`; and
 data sheets from `.lens` files.
 
-What is read is as the file has it: `render.optics.prescription.completion.completed` solves for what is missing.
+What is read is as the file has it: `render.optics.prescription.completion.complete_prescription` solves for what is missing.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from render.model.lens import AIR, Glass, Prescription
 from render.optics.lens_files.code_v_glass import PrivateGlasses
-from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
+from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import f_stop_of
@@ -227,7 +227,7 @@ class _Reader:
         glass = self._private.find(plain) or find_glass(plain)
         if glass is None:
             raise self._text.error(f"glass {plain} is not known, and is not in the file's own catalogue", line, label)
-        return checked_glass(self._text, glass, line, label)
+        return check_glass(self._text, glass, line, label)
 
 
 def _inverse(curvature: float) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from render.model.lens import Glass
 from render.optics.glass import C_LINE_NM, D_LINE_NM, F_LINE_NM
-from render.optics.lens_files.drafts import checked_glass
+from render.optics.lens_files.drafts import check_glass
 from render.optics.lens_files.lens_text import LensText
 
 
@@ -55,7 +55,7 @@ class PrivateGlasses:
             expected = f"expected one index for each of the {len(wavelengths)} wavelengths (PWL), got {len(words)}"
             raise self._text.error(f"glass {name}: {expected}", line)
         indices = np.array([self._text.number(word, f"index of glass {name}", line, at_least=1) for word in words])
-        self._glasses[name.upper()] = checked_glass(self._text, _fitted(name, wavelengths, indices), line, "")
+        self._glasses[name.upper()] = check_glass(self._text, _fitted(name, wavelengths, indices), line, "")
 
 
 def _fitted(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:

@@ -85,7 +85,7 @@ def read_data_sheet(text: LensText) -> MeasuredLens:
         if not words:
             table = None if not raw.strip() else table
         elif words[0] == _HEIGHT:
-            table = _begun(text, line, words)
+            table = _begin_table(text, line, words)
             tables.append(table)
         elif table is not None:
             _add_row(text, line, words, table)
@@ -138,7 +138,7 @@ def _pair(text: LensText, line: int, raw: str) -> tuple[str, str]:
     return name, value.strip()
 
 
-def _begun(text: LensText, line: int, words: list[str]) -> Table:
+def _begin_table(text: LensText, line: int, words: list[str]) -> Table:
     for word in words[1:]:
         if word not in _COLUMNS:
             raise text.error(f"there is no column {word!r}: expected {', '.join(_COLUMNS)}", line)
@@ -186,14 +186,14 @@ def _lens(
         line = said["close focus"][0]
         raise text.error(f"the close focus must be at most {_MAX_CLOSE_FOCUS_M:g} m, got {close_focus:g}", line)
     try:
-        sheet = _joined(text, tables, measured_at or widest)
+        sheet = _join_tables(text, tables, measured_at or widest)
     except SettingsError as error:
         raise text.error(error.detail) from error
     name = said["name"][1] if "name" in said else text.name.rsplit(".", 1)[0]
     return MeasuredLens(name, focal, sheet, (widest, closed), close_focus, sources)
 
 
-def _joined(text: LensText, tables: list[Table], f_stop: float) -> DataSheet:
+def _join_tables(text: LensText, tables: list[Table], f_stop: float) -> DataSheet:
     """One sheet of all tables, over all of their heights."""
     parts: list[DataSheet] = []
     for table in tables:

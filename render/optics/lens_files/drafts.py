@@ -66,7 +66,7 @@ class Draft:
     notes: list[str] = field(default_factory=list)
 
 
-def checked_glass(text: LensText, glass: Glass, line: int, surface: str) -> Glass:
+def check_glass(text: LensText, glass: Glass, line: int, surface: str) -> Glass:
     """A medium whose numbers are possible; AIR for one of index 1.
 
     Raises:

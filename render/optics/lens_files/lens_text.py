@@ -57,7 +57,7 @@ class LensText:
         is_number = len(text) <= _LONGEST_NUMBER and _NUMBER.fullmatch(text)
         value = float(text) if is_number else math.nan
         if not math.isfinite(value):
-            raise self.error(f"the {what} must be a number, got {_shown(text)}", line, surface)
+            raise self.error(f"the {what} must be a number, got {_quote(text)}", line, surface)
         if value < at_least:
             raise self.error(f"the {what} must be {at_least:g} or more, got {text}", line, surface)
         return value
@@ -79,13 +79,13 @@ def decode(data: bytes, name: str) -> LensText:
             code="bad_lens_file",
             path=name,
         )
-    text = _decoded(data)
+    text = _decode(data)
     if text is None or _CONTROL.search(text):
         raise InputError(f"{name} is no lens file: expected text, got binary data", code="bad_lens_file", path=name)
     return LensText(name, tuple(re.split(r"\r\n|\r|\n", text)))
 
 
-def _decoded(data: bytes) -> str | None:
+def _decode(data: bytes) -> str | None:
     is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # UTF-16 that lost its mark: Latin text, so that every second byte is 0.
     lost_mark = len(data) >= 4 and data[0] != 0 and data[1] == 0 and data[3] == 0
@@ -98,5 +98,5 @@ def _decoded(data: bytes) -> str | None:
     return None
 
 
-def _shown(text: str) -> str:
+def _quote(text: str) -> str:
     return repr(text if len(text) <= 40 else text[:40] + "…")

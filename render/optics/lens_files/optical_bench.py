@@ -25,7 +25,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import Draft, DraftSurface, checked_glass, finish
+from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.optical_bench_positions import Positions
 
@@ -101,7 +101,7 @@ def _glass(text: LensText, words: Sequence[str], line: int, label: str) -> Glass
         return AIR
     index = text.number(words[3], "refractive index", line, label)
     abbe = text.number(words[5], "Abbe number", line, label) if _word(words, 5) else 0.0
-    return checked_glass(text, Glass(index, abbe, name=_word(words, 6)), line, label)
+    return check_glass(text, Glass(index, abbe, name=_word(words, 6)), line, label)
 
 
 def _add_aspheres(draft: Draft, sections: dict[str, list[Row]]) -> None:

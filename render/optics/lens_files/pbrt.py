@@ -10,7 +10,7 @@ Pharr, Jakob & Humphreys, Physically Based Rendering (4th ed. 2023), section 5.7
 from __future__ import annotations
 
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import Draft, DraftSurface, checked_glass, finish
+from render.optics.lens_files.drafts import Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.lens_text import LensText
 
 
@@ -53,7 +53,7 @@ def _surface(text: LensText, row: list[str], line: int, label: str, before: Glas
         line,
         radius,
         text.number(row[1], "thickness", line, label),
-        AIR if is_stop else checked_glass(text, Glass(index), line, label),
+        AIR if is_stop else check_glass(text, Glass(index), line, label),
         text.number(row[3], "diameter", line, label, at_least=0) / 2,
         is_stop=is_stop,
     )

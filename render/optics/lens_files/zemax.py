@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 
 from render.errors import InputError
 from render.model.lens import AIR, Glass, Prescription
-from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, checked_glass, finish
+from render.optics.lens_files.drafts import FAR_AWAY_MM, Draft, DraftSurface, check_glass, finish
 from render.optics.lens_files.glass_names import find_glass
 from render.optics.lens_files.lens_text import LensText
 from render.optics.lens_files.speed import f_stop_of
@@ -174,7 +174,7 @@ class _Reader:
         if name.upper() == "MIRROR":
             raise self._error(surface, "mirrors are not supported", line)
         known = None if name == _MODEL_GLASS else find_glass(name)
-        surface.glass = checked_glass(self._text, known or self._model(surface, words, line), line, surface.label)
+        surface.glass = check_glass(self._text, known or self._model(surface, words, line), line, surface.label)
 
     def _model(self, surface: DraftSurface, words: Sequence[str], line: int) -> Glass:
         """The glass by the index and the Abbe number that stand behind its name."""

@@ -21,7 +21,7 @@ from render.errors import SettingsError
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.optics.photometry.exposure import check_positive
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.view import PinholeView
 
 
@@ -134,7 +134,7 @@ def light_path(camera: Camera) -> LightPath:
         f_mm, distance_m = camera.focal_length_mm, camera.focus_distance_m
         m = magnification(f_mm, distance_m) if camera.breathing else 0.0  # that of the picture, which is a thin lens's
         return LightPath(camera.f_stop, passes, m, camera.lens.pupil_magnification)
-    lens = mounted(camera)
+    lens = mount_lens(camera)
     pupils = lens.exit_pupil_radius_mm / lens.entrance_pupil_radius_mm
     if not camera.breathing:
         return LightPath(lens.f_stop, passes, pupil_magnification=pupils)

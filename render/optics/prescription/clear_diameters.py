@@ -51,7 +51,7 @@ def with_clear_diameters(prescription: Prescription, image_height_mm: float) -> 
         notes.append(
             f"Its light reaches {beam.image_height_mm:.4g} mm from the axis, not the {image_height_mm:.4g} mm of the field."
         )
-    return replace(_trimmed(widened, widths, axial), notes=tuple(notes))
+    return replace(_trim(widened, widths, axial), notes=tuple(notes))
 
 
 def _with_widths(prescription: Prescription, widths: dict[int, float]) -> Prescription:
@@ -61,7 +61,7 @@ def _with_widths(prescription: Prescription, widths: dict[int, float]) -> Prescr
     return replace(prescription, surfaces=tuple(surfaces))
 
 
-def _trimmed(prescription: Prescription, widths: dict[int, float], axial_mm: DoubleArray) -> Prescription:
+def _trim(prescription: Prescription, widths: dict[int, float], axial_mm: DoubleArray) -> Prescription:
     """Neighbours no wider than where they meet."""
     trimmed = dict(widths)
     for i, j in solid_neighbours(prescription):

@@ -27,7 +27,7 @@ _NOTICED = 0.01  # share of the f-number or of the focal length
 _ROUNDED = 5e-4  # share of a length that no note shows
 
 
-def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
+def complete_prescription(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
     """Check a prescription and solve for what is missing: stop, aperture, back focus, clear diameters.
 
     In this order: the stop's place (`render.optics.prescription.stop_placement`); the f-number from the stop's diameter, or
@@ -40,7 +40,7 @@ def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> P
         image_height_mm: half the diagonal that the lens is to cover.
 
     Returns:
-        A prescription that `render.optics.prescription.focusing.focused` and the tracers take, with ``f_stop`` as its stop
+        A prescription that `render.optics.prescription.focusing.focus_lens` and the tracers take, with ``f_stop`` as its stop
         has it. ``notes``
         say what was solved for, and where rims limit the beam more than the stop does.
 
@@ -56,7 +56,7 @@ def completed(prescription: Prescription, *, image_height_mm: float = 21.6) -> P
     return _with_light_checked(whole)
 
 
-def scaled(prescription: Prescription, factor: float) -> Prescription:
+def scale_prescription(prescription: Prescription, factor: float) -> Prescription:
     """The same lens larger or smaller: every length times ``factor``; the f-number stays.
 
     Notes with lengths in them are joined by one that says which lengths they are.
@@ -65,15 +65,15 @@ def scaled(prescription: Prescription, factor: float) -> Prescription:
         SettingsError: the factor is no positive number.
     """
     if not 0 < factor < float("inf"):
-        raise SettingsError(f"a lens can be scaled by a positive number only, got {factor}")
+        raise SettingsError(f"a lens can be scale_prescription by a positive number only, got {factor}")
     notes = prescription.notes
     if abs(factor - 1) > _ROUNDED and any(" mm" in note for note in notes):
-        notes = (*notes, f"Lengths in these notes are from before the lens was scaled by {factor:.4g}.")
-    surfaces = tuple(_scaled_surface(surface, factor) for surface in prescription.surfaces)
+        notes = (*notes, f"Lengths in these notes are from before the lens was scale_prescription by {factor:.4g}.")
+    surfaces = tuple(_scale_surface(surface, factor) for surface in prescription.surfaces)
     return replace(prescription, surfaces=surfaces, notes=notes)
 
 
-def _scaled_surface(surface: Surface, factor: float) -> Surface:
+def _scale_surface(surface: Surface, factor: float) -> Surface:
     return replace(
         surface,
         radius_mm=surface.radius_mm * factor,

@@ -53,13 +53,13 @@ class FocusedLens:
     first: FirstOrder
 
 
-def focused(
+def focus_lens(
     prescription: Prescription, focus_distance_m: float, f_stop: float, *, by: FocusCriterion = "spot"
 ) -> FocusedLens:
     """Set a lens to a focus distance and an f-number.
 
     Args:
-        prescription: complete (`render.optics.prescription.completion.completed`).
+        prescription: complete (`render.optics.prescription.completion.complete_prescription`).
         focus_distance_m: from the centre of the entrance pupil; infinity (or 0, as USD has it) focuses at infinity.
         f_stop: asked for; where the lens does not open so far, it is opened as far as it goes.
         by: what is sharpest: ``spot`` where the rays at the d line, on the axis and at that f-number, have the least
@@ -80,11 +80,11 @@ def focused(
     shift_mm = mechanism.paraxial_shift(nearness)
     if by == "spot":
         shift_mm = mechanism.spot_shift(nearness, shift_mm, stop_radius_mm)
-    return _assembled(prescription, mechanism, shift_mm, stop_radius_mm)
+    return _assemble(prescription, mechanism, shift_mm, stop_radius_mm)
 
 
 def _check_complete(prescription: Prescription) -> None:
-    """Raise `InputError` for a prescription that `render.optics.prescription.completion.completed` has not seen."""
+    """Raise `InputError` for a prescription that `render.optics.prescription.completion.complete_prescription` has not seen."""
     missing = [i + 1 for i, surface in enumerate(prescription.surfaces) if surface.semi_diameter_mm <= 0]
     if missing or not prescription.surfaces or prescription.surfaces[-1].thickness_mm <= 0:
         what = f"the clear diameter of surface {missing[0]}" if missing else "the back focal distance"
@@ -98,7 +98,7 @@ def _stop_radius_mm(prescription: Prescription, f_stop: float) -> float:
     return min(wide_open, first.focal_length_mm / (2 * f_stop * abs(first.entrance_pupil_magnification)))
 
 
-def _assembled(
+def _assemble(
     prescription: Prescription, mechanism: FocusMechanism, shift_mm: float, stop_radius_mm: float
 ) -> FocusedLens:
     """The lens with what focuses it moved by ``shift_mm``."""

@@ -12,8 +12,8 @@ import numpy as np
 
 from render.model.camera import Camera
 from render.model.lens import Prescription
-from render.optics.prescription.completion import completed, scaled
-from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.completion import complete_prescription, scale_prescription
+from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.paraxial import first_order
 
 PRESCRIBED = ("spherical", "heightField", "prescription")
@@ -26,7 +26,7 @@ def has_surfaces(camera: Camera) -> bool:
     return camera.lens.model in PRESCRIBED and camera.lens.prescription is not None and camera.f_stop > 0
 
 
-def mounted(camera: Camera) -> FocusedLens:
+def mount_lens(camera: Camera) -> FocusedLens:
     """The camera's prescription, focused at its focus distance and f-number.
 
     Raises:
@@ -37,13 +37,13 @@ def mounted(camera: Camera) -> FocusedLens:
     if prescription is None:
         raise ValueError(f"the lens of camera {camera.path} has no surfaces")
     diagonal = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm))
-    glass = scaled_to(prescription, camera.focal_length_mm, diagonal / 2)
-    return _focused(glass, camera.focus_distance_m, camera.f_stop)
+    glass = scale_to(prescription, camera.focal_length_mm, diagonal / 2)
+    return _focus_lens(glass, camera.focus_distance_m, camera.f_stop)
 
 
 def breathing_ratio(camera: Camera) -> float:
     """Image scale of the mounted lens over its focal length: how much larger its picture is than focused at infinity."""
-    return mounted(camera).image_scale_mm / camera.focal_length_mm
+    return mount_lens(camera).image_scale_mm / camera.focal_length_mm
 
 
 def distance_from_film_m(camera: Camera) -> float:
@@ -57,7 +57,7 @@ def distance_from_film_m(camera: Camera) -> float:
     if not 0 < distance_m < np.inf:
         return float("inf")
     if has_surfaces(camera):
-        lens = mounted(camera)
+        lens = mount_lens(camera)
         return distance_m + (lens.film_mm - lens.entrance_pupil_mm) / 1000
     focal_m = camera.focal_length_mm / 1000
     return distance_m + 1 / max(1 / focal_m - 1 / distance_m, 1e-9)
@@ -75,13 +75,13 @@ def nearer_than_marked(camera: Camera) -> bool:
 
 
 @lru_cache(maxsize=64)
-def scaled_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
-    own = first_order(completed(prescription, image_height_mm=image_height_mm)).focal_length_mm
+def scale_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
+    own = first_order(complete_prescription(prescription, image_height_mm=image_height_mm)).focal_length_mm
     # completed again at its own scale, since what is solved for depends on the film it has to cover
-    whole = completed(prescription, image_height_mm=image_height_mm * own / focal_length_mm)
-    return scaled(whole, focal_length_mm / own)
+    whole = complete_prescription(prescription, image_height_mm=image_height_mm * own / focal_length_mm)
+    return scale_prescription(whole, focal_length_mm / own)
 
 
 @lru_cache(maxsize=64)
-def _focused(prescription: Prescription, focus_distance_m: float, f_stop: float) -> FocusedLens:
-    return focused(prescription, focus_distance_m, f_stop)
+def _focus_lens(prescription: Prescription, focus_distance_m: float, f_stop: float) -> FocusedLens:
+    return focus_lens(prescription, focus_distance_m, f_stop)

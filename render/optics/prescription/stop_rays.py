@@ -48,7 +48,7 @@ def rays_from_film(
         stops: ``(n, 2)`` in units of the stop's radius, in the same frame.
         wavelength_nm: of the light.
     """
-    slopes, solved = _aimed(lens, film_mm, stops * lens.stop_radius_mm, wavelength_nm)
+    slopes, solved = _aim(lens, film_mm, stops * lens.stop_radius_mm, wavelength_nm)
     points, directions = _leaving(lens, film_mm, slopes)
     rays = trace_backward(
         lens.prescription, points, directions, wavelength_nm, vertices_mm=lens.vertices_mm, clip=False
@@ -74,7 +74,7 @@ def _clearance(lens: FocusedLens, rays: TracedRays) -> DoubleArray:
     return np.asarray((rays.points_mm[..., :2] ** 2).sum(axis=-1) / rims[:, None] ** 2 - 1)
 
 
-def _aimed(
+def _aim(
     lens: FocusedLens, film_mm: DoubleArray, stop_mm: DoubleArray, wavelength_nm: float
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """``(n, 2)`` slopes at the film, a step of x and y for one toward the scene, and whether rays meet their stop points."""

@@ -67,7 +67,7 @@ def aim(lens: FocusedLens, targets: Targets) -> AimedRays:
     jacobian = np.tile(np.eye(2) / lens.first.entrance_pupil_magnification, (len(pupil), 1, 1))
     off = np.zeros_like(pupil)
     for stage, before in zip(_STAGES, (0.0, *_STAGES), strict=False):
-        start = pupil + _undone(jacobian, targets.stop_mm * (stage - before))
+        start = pupil + _correction(jacobian, targets.stop_mm * (stage - before))
         pupil, off, jacobian = _solve(lens, targets, pupil, start, targets.stop_mm * stage, jacobian)
     points, directions = _entering(lens, targets.nearness_per_mm, targets.slopes, pupil)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -106,7 +106,7 @@ def _solve(
         jacobian[hit], good[hit] = derivative[~lost], pupil[hit]
         pupil[gone] = (pupil[gone] + good[gone]) / 2  # back toward where a ray got through
         moving = hit[np.hypot(*off[hit].T) > _SOLVED * lens.stop_radius_mm]
-        pupil[moving] -= _undone(jacobian[moving], off[moving])
+        pupil[moving] -= _correction(jacobian[moving], off[moving])
         left = np.concatenate([moving, gone])
         if not len(left):
             break
@@ -145,7 +145,7 @@ def _entering(
     return points, directions / np.sqrt((directions**2).sum(1))[:, None]
 
 
-def through(lens: FocusedLens, rays: AimedRays, wavelengths_nm: DoubleArray, *, clip: bool) -> TracedRays:
+def trace_aimed(lens: FocusedLens, rays: AimedRays, wavelengths_nm: DoubleArray, *, clip: bool) -> TracedRays:
     """Trace aimed rays through the whole lens.
 
     Args:
@@ -165,7 +165,7 @@ def through(lens: FocusedLens, rays: AimedRays, wavelengths_nm: DoubleArray, *, 
     )
 
 
-def _undone(jacobian: DoubleArray, off: DoubleArray) -> DoubleArray:
+def _correction(jacobian: DoubleArray, off: DoubleArray) -> DoubleArray:
     """``(n, 2)`` steps on the pupil that make up for misses on the stop, by Cramer's rule; 0 where there is none."""
     (a, b), (c, d) = jacobian.transpose(1, 2, 0)
     step = np.stack([d * off[:, 0] - b * off[:, 1], a * off[:, 1] - c * off[:, 0]], axis=1)

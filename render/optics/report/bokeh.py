@@ -128,10 +128,10 @@ def _picture(off_mm: DoubleArray, light: DoubleArray, width_mm: float) -> Double
         share = light * np.abs(1 - dx - part[:, 0]) * np.abs(1 - dy - part[:, 1])
         inside = (x >= 0) & (x < _SIDE_PX) & (y >= 0) & (y < _SIDE_PX)
         picture += np.bincount((y * _SIDE_PX + x)[inside], share[inside], _SIDE_PX * _SIDE_PX)
-    return _softened(picture.reshape(_SIDE_PX, _SIDE_PX))
+    return _soften(picture.reshape(_SIDE_PX, _SIDE_PX))
 
 
-def _softened(picture: DoubleArray) -> DoubleArray:
+def _soften(picture: DoubleArray) -> DoubleArray:
     steps = np.arange(-3, 4)
     kernel = np.exp(-0.5 * (steps / _SOFTENING_PX) ** 2)
     kernel /= kernel.sum()

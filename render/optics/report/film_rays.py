@@ -68,7 +68,7 @@ class FilmRays(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Squeezed:
+class SqueezedRays:
     """An anamorphic lens, its picture stretched back: the pupil and the errors are as many times narrower from side to side."""
 
     rays: FilmRays
@@ -91,15 +91,15 @@ class Squeezed:
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
     ) -> Beams:
         """As `FilmRays.beams`."""
-        return self._narrowed(places_mm, self.rays.beams(places_mm, pupil, wavelength_nm, nearness_per_m))
+        return self._narrow(places_mm, self.rays.beams(places_mm, pupil, wavelength_nm, nearness_per_m))
 
     def many_beams(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_m: float | None = None
     ) -> Beams:
         """As `FilmRays.many_beams`."""
-        return self._narrowed(places_mm, self.rays.many_beams(places_mm, pupil, wavelength_nm, nearness_per_m))
+        return self._narrow(places_mm, self.rays.many_beams(places_mm, pupil, wavelength_nm, nearness_per_m))
 
-    def _narrowed(self, places_mm: DoubleArray, beams: Beams) -> Beams:
+    def _narrow(self, places_mm: DoubleArray, beams: Beams) -> Beams:
         narrowing = np.array([1 / self.squeeze, 1.0])
         place = places_mm[:, None, :]
         return Beams(place + (beams.landing_mm - place) * narrowing, beams.slopes * narrowing, beams.light, beams.open)

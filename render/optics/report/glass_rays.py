@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.prescription.principal_rays import PrincipalRays, principal_rays
-from render.optics.report.aiming import AimedRays, Targets, aim, through
+from render.optics.report.aiming import AimedRays, Targets, aim, trace_aimed
 from render.optics.report.film_rays import Beams
 
 _DEGREE = 10
@@ -54,8 +54,8 @@ class GlassRays:
     ) -> Beams:
         """As `render.optics.report.film_rays.FilmRays.beams`."""
         nearness = self._focus if nearness_per_m is None else nearness_per_m / 1000
-        rays, wavelengths, stretch = self.aimed(places_mm, pupil, wavelength_nm, nearness)
-        traced = through(self._lens, rays, wavelengths, clip=True)
+        rays, wavelengths, stretch = self.aim(places_mm, pupil, wavelength_nm, nearness)
+        traced = trace_aimed(self._lens, rays, wavelengths, clip=True)
         shape = (len(places_mm), len(pupil))
         with np.errstate(invalid="ignore", divide="ignore"):
             slopes = traced.directions[:, :2] / traced.directions[:, 2:]
@@ -72,8 +72,8 @@ class GlassRays:
         """As `render.optics.report.film_rays.FilmRays.many_beams`: heights at all rims are polynomials too, and cut there."""
         nearness = self._focus if nearness_per_m is None else nearness_per_m / 1000
         nodes = _nodes()
-        rays, wavelengths, stretch = self.aimed(places_mm, nodes, wavelength_nm, nearness)
-        traced = through(self._lens, rays, wavelengths, clip=False)
+        rays, wavelengths, stretch = self.aim(places_mm, nodes, wavelength_nm, nearness)
+        traced = trace_aimed(self._lens, rays, wavelengths, clip=False)
         with np.errstate(invalid="ignore", divide="ignore"):
             slopes = traced.directions[:, :2] / traced.directions[:, 2:]
         light = rays.shrinking * rays.directions[:, 2] ** 4
@@ -88,7 +88,7 @@ class GlassRays:
         light = np.maximum(np.nan_to_num(got[..., 4]), 0.0) * stretch[:, None]
         return Beams(-got[..., :2], -got[..., 2:4], light, np.asarray(is_open & np.isfinite(got[..., 0])))
 
-    def aimed(
+    def aim(
         self, places_mm: DoubleArray, pupil: DoubleArray, wavelength_nm: float, nearness_per_mm: float
     ) -> tuple[AimedRays, DoubleArray, DoubleArray]:
         """Rays as they enter the lens that end at places of the picture; rims are ignored.

@@ -11,10 +11,10 @@ from render.model.camera import Camera
 from render.optics.data_sheet import at_heights
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mounted, nearer_than_marked
+from render.optics.prescription.mounting import distance_from_film_m, has_surfaces, mount_lens, nearer_than_marked
 from render.optics.report.bokeh import BokehSheet, bokeh_sheet
 from render.optics.report.field import FieldCurves, Spot, field_curves, image_circle_mm, seen_at, spots
-from render.optics.report.film_rays import FilmRays, Squeezed
+from render.optics.report.film_rays import FilmRays, SqueezedRays
 from render.optics.report.glass_rays import GlassRays
 from render.optics.report.ideal_rays import ThinRays
 from render.optics.report.numbers import (
@@ -101,7 +101,7 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
         InputError: the lens is none.
         SettingsError: it does not reach the focus distance.
     """
-    lens, set_f_stop = mounted(camera) if has_surfaces(camera) else None, camera.f_stop
+    lens, set_f_stop = mount_lens(camera) if has_surfaces(camera) else None, camera.f_stop
     if lens is None and camera.f_stop:
         camera = replace(camera, f_stop=max(camera.f_stop, wide_open))
     rays, corner = film_rays(camera), corner_mm(camera)
@@ -148,13 +148,13 @@ def film_rays(camera: Camera) -> FilmRays:
     lens, nearness = camera.lens, focus_w(camera)
     rays: FilmRays
     if has_surfaces(camera):
-        rays = GlassRays(mounted(camera), nearness)
+        rays = GlassRays(mount_lens(camera), nearness)
     elif lens.model == "dataSheet" and lens.data_sheet is not None and camera.f_stop:
         rays = SheetRays(lens.data_sheet, camera.focal_length_mm, camera.f_stop, nearness)
     else:
         errors = lens.seidel if lens.model == "seidel" else None
         rays = ThinRays(camera.focal_length_mm, camera.f_stop, nearness, errors)
-    return rays if lens.squeeze == 1 else Squeezed(rays, lens.squeeze)
+    return rays if lens.squeeze == 1 else SqueezedRays(rays, lens.squeeze)
 
 
 def corner_mm(camera: Camera) -> float:
@@ -184,7 +184,7 @@ def lens_bokeh(camera: Camera) -> BokehSheet | None:
         rays = film_rays(camera)
     except SettingsError:
         return None
-    scale_mm = mounted(camera).image_scale_mm if has_surfaces(camera) else camera.focal_length_mm
+    scale_mm = mount_lens(camera).image_scale_mm if has_surfaces(camera) else camera.focal_length_mm
     pupil_mm = camera.focal_length_mm / camera.f_stop
     disc_mm = scale_mm * pupil_mm * focus_w(camera) / 1000
     gate = (camera.horizontal_aperture_mm, camera.vertical_aperture_mm)

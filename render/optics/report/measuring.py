@@ -37,7 +37,7 @@ class _Fitted:
     spread_mm: tuple[float, float]
 
 
-def measured_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> DataSheet:
+def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> DataSheet:
     """Measure a lens.
 
     Args:
@@ -50,7 +50,7 @@ def measured_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Da
     lit = (light > _DARK) & (heights_mm <= rays.last_height_mm)
     heights = heights_mm[: int(np.argmin(lit)) if not lit.all() else len(lit)]
     light = light[: len(heights)]
-    fits = [_fitted(rays, heights, wavelength) for wavelength in (MIDDLE_NM, _RED_NM, _BLUE_NM)]
+    fits = [_fit(rays, heights, wavelength) for wavelength in (MIDDLE_NM, _RED_NM, _BLUE_NM)]
     chiefs = [rays.beams(radial(heights), np.zeros((1, 2)), nm).landing_mm[:, 0, 1] for nm in (_RED_NM, _BLUE_NM)]
     main, red, blue = fits
     distortion = np.zeros(len(heights))
@@ -74,27 +74,27 @@ def measured_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Da
     )
 
 
-def _fitted(rays: FilmRays, heights: DoubleArray, wavelength_nm: float) -> list[_Fitted]:
+def _fit(rays: FilmRays, heights: DoubleArray, wavelength_nm: float) -> list[_Fitted]:
     pupil = fill_iris(base_points(_RAYS, 0)[:, :2], IrisShape())
     beams = rays.beams(radial(heights), pupil, wavelength_nm)
     # the places are straight above the middle: up is along the radius
     return [
-        _parted(pupil[is_open, ::-1], landing[is_open, ::-1])
+        _separate(pupil[is_open, ::-1], landing[is_open, ::-1])
         for landing, is_open in zip(beams.landing_mm, beams.open, strict=True)
     ]
 
 
-def _parted(pupil: DoubleArray, landing: DoubleArray) -> _Fitted:
+def _separate(pupil: DoubleArray, landing: DoubleArray) -> _Fitted:
     """One error after the other, each as large as leaves the least spread, and none larger than the spread there is."""
     x, y = pupil.T
     off = landing - landing.mean(axis=0)
     spread = off.std(axis=0)
     linear = pupil - pupil.mean(axis=0)
-    defocus = _limited(_share(off, linear), linear, spread)
+    defocus = _clamp(_share(off, linear), linear, spread)
     off, left = off - defocus * linear, np.sqrt(np.maximum(spread**2 - (defocus * linear.std(axis=0)) ** 2, 0.0))
     coma = np.stack([3 * x**2 + y**2, 2 * x * y], axis=1)
     coma = coma - coma.mean(axis=0)
-    length = _limited(_share(off, coma), coma, left)
+    length = _clamp(_share(off, coma), coma, left)
     off, left = off - length * coma, np.sqrt(np.maximum(left**2 - (length * coma.std(axis=0)) ** 2, 0.0))
     squared = (x**2 + y**2)[:, None]
     balanced, zonal = ((shape - shape.mean(axis=0)) for shape in _of_spheres(squared, pupil))
@@ -117,6 +117,6 @@ def _share(off: DoubleArray, shape: DoubleArray) -> float:
     return float((off * shape).sum() / (shape**2).sum())
 
 
-def _limited(amount: float, shape: DoubleArray, spread: DoubleArray) -> float:
+def _clamp(amount: float, shape: DoubleArray, spread: DoubleArray) -> float:
     most = float((spread / np.maximum(shape.std(axis=0), 1e-12)).min())
     return min(max(amount, -most), most)

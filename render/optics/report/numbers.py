@@ -9,7 +9,7 @@ import numpy as np
 from render.errors import SettingsError
 from render.model.lens import Prescription, SeidelErrors
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.seidel_sums import seidel_sums
 
 _BISECTIONS = 30
@@ -131,7 +131,7 @@ def nearest_m(lens: FocusedLens, focus_distance_m: float) -> float:
 
     def reaches(nearness_per_m: float) -> bool:
         try:
-            focused(lens.prescription, 1 / nearness_per_m, 22.0, by="paraxial")
+            focus_lens(lens.prescription, 1 / nearness_per_m, 22.0, by="paraxial")
         except SettingsError:
             return False
         return True

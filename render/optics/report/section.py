@@ -14,10 +14,10 @@ from render.model.camera import Camera
 from render.model.lens import Surface
 from render.optics.glass import D_LINE_NM
 from render.optics.prescription.focusing import FocusedLens
-from render.optics.prescription.mounting import has_surfaces, mounted
+from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.prescription.surface_shape import sag_mm
 from render.optics.prescription.tracing import PASSES
-from render.optics.report.aiming import through
+from render.optics.report.aiming import trace_aimed
 from render.optics.report.field import image_circle_mm, radial
 from render.optics.report.glass_rays import GlassRays
 from render.optics.report.lens_report import film_rays
@@ -90,7 +90,7 @@ def lens_section(camera: Camera) -> LensSection:
 
 
 def _of_glass(camera: Camera, corner: float) -> LensSection:
-    lens = mounted(camera)
+    lens = mount_lens(camera)
     rays = GlassRays(lens, focus_w(camera))
     lit = min(corner, _LAST_LIGHT * image_circle_mm(rays, 1.05 * corner) / 2)
     heights = np.array(BEAM_FIELDS) * lit
@@ -141,8 +141,8 @@ def _profile(surface: Surface, y_mm: DoubleArray, curved: bool) -> DoubleArray:
 
 def _fans(rays: GlassRays, lens: FocusedLens, heights: DoubleArray, camera: Camera) -> list[tuple[SectionRay, ...]]:
     pupil = np.stack([0 * _FAN, _FAN], axis=1)
-    aimed, wavelengths, _ = rays.aimed(radial(heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
-    traced = through(lens, aimed, wavelengths, clip=True)
+    aimed, wavelengths, _ = rays.aim(radial(heights), pupil, D_LINE_NM, focus_w(camera) / 1000)
+    traced = trace_aimed(lens, aimed, wavelengths, clip=True)
     before = float(lens.vertices_mm[0]) - _LEAD * (lens.film_mm - float(lens.vertices_mm[0]))
     start = aimed.points_mm + ((before - aimed.points_mm[:, 2]) / aimed.directions[:, 2])[:, None] * aimed.directions
     film = traced.at(lens.film_mm)

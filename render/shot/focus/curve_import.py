@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from pxr import Usd
 
-from render.focus.files import CurveFinding, CurveFormat, Gaps, Rates, ReadCurve, read_curve, retimed
+from render.focus.files import CurveFinding, CurveFormat, Gaps, Rates, ReadCurve, read_curve, retime
 from render.stage import frame_range
 
 
@@ -40,4 +40,4 @@ def read_for_shot(
         first_frame = frame_range(stage).start
         message = f"the file's clock is not the shot's: its first sample is put at time code {first_frame:g}"
         read = replace(read, findings=(*read.findings, CurveFinding("other_clock", "", message)))
-    return retimed(read, rates, first_frame)
+    return retime(read, rates, first_frame)

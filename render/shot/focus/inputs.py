@@ -174,7 +174,7 @@ def read_focus_inputs(
         _check_angles(tilt, camera_path)
     check_settings(lens_camera.prim, focus)
     metres = metres_per_unit(stage)
-    placed, numbers = anchors.anchored(points, list(times)), PointNumbers.from_points(points, metres)
+    placed, numbers = anchors.read_anchors(points, list(times)), PointNumbers.from_points(points, metres)
     positions_m = placed.positions_m.copy()
     for i, faults in enumerate(numbers.faults):
         positions_m[i, [point.name in faults for point in points[i]]] = np.nan

@@ -13,7 +13,7 @@ from render.focus.best_stop import stops_for
 from render.focus.influence import SEEN
 from render.focus.plane_fit import fit_targets, limit_planes
 from render.focus.points import FocusTargets
-from render.focus.smoothing import faded
+from render.focus.smoothing import fade_weights
 from render.focus.solve import FocusSolutions, kept_within, solve_distances
 from render.model.arrays import DoubleArray
 from render.model.lens_law import LensLaw
@@ -125,7 +125,7 @@ def fade_points(inputs: FocusInputs, targets: FocusTargets) -> DoubleArray:
         usable = (targets.depths_m > 0) & (targets.aims_m > 0)
     if not inputs.is_smoothed:
         return np.where(usable, share, 0.0)
-    return faded(share, inputs.seconds, inputs.setting("smoothing"), usable=usable)
+    return fade_weights(share, inputs.seconds, inputs.setting("smoothing"), usable=usable)
 
 
 def _tilt_through_points(

@@ -14,7 +14,7 @@ from render.shot.edits.edit_layer import Edits
 from render.shot.focus.focused_camera import FocusedCamera, focus_without_points
 from render.shot.focus.tracker import FocusTracker
 from render.shot.times import check_time
-from render.stage import conformed, read_camera
+from render.stage import conform_camera, read_camera
 
 
 class FocusObserver(Protocol):
@@ -83,7 +83,7 @@ class FocusSolver:
         return over
 
     def fit_to_picture(self, focused: FocusedCamera, time: float, aspect: float | None) -> Camera:
-        """Return a solved camera with its film gate conformed to a picture.
+        """Return a solved camera with its film gate conform_camera to a picture.
 
         Args:
             focused: the solved camera.
@@ -93,7 +93,7 @@ class FocusSolver:
         if aspect is None:
             return focused.camera
         if not focused.camera.path:
-            return conformed(focused.camera, aspect)
+            return conform_camera(focused.camera, aspect)
         picture = read_camera(self._stage, focused.camera.path, time, aspect=aspect)
         own = focused.camera
         return replace(

@@ -13,7 +13,7 @@ import numpy as np
 
 from render.errors import CameraError, SettingsError
 from render.focus.expressive import soft_sides
-from render.focus.smoothing import points_share, smoothed
+from render.focus.smoothing import points_share, smooth
 from render.focus.solve import STATES, FocusSolutions
 from render.focus.timeline import drive
 from render.focus.tracking import tracked
@@ -172,7 +172,7 @@ def _follow_planes(inputs: FocusInputs, law: LensLaw, planes: DoubleArray) -> tu
     followed = planes.copy()
     followed[:, 0] = follow(ring=ring, max_speed_rad_s=np.radians(speed))
     for column in (1, 2):
-        level = smoothed(seconds, planes[:, column], smoothing, exact_at_s=keys)
+        level = smooth(seconds, planes[:, column], smoothing, exact_at_s=keys)
         followed[:, column] = tracked(seconds, level, lag_s=lag)
     return followed, np.abs(followed[:, 0] - follow())
 

@@ -12,11 +12,11 @@ from render.errors import SettingsError
 from render.model.camera import Camera
 from render.model.lens import IrisShape, Lens
 from render.optics.lens_files import MeasuredLens, is_data_sheet, read_lens_file, read_measured_lens
-from render.optics.prescription.completion import completed
+from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.mounting import PRESCRIBED
 from render.optics.prescription.paraxial import first_order
 from render.shot.lens.lens_choice import is_lens_file, library_entry
-from render.stage.camera.lenses import iris_of, lens_of
+from render.stage.camera.lenses import make_iris, make_lens
 
 FULL_FRAME_MM = (36.0, 24.0)
 DEFAULT_F_STOP = 2.8
@@ -109,8 +109,8 @@ def library_lens_alone(name: str) -> LensAlone:
         NotFoundError: the library has no such lens; the message has the nearest names.
     """
     entry = library_entry(name)
-    iris = iris_of(entry.aperture, entry.name) if entry.aperture else IrisShape()
-    lens = lens_of(entry.lens, entry.name)
+    iris = make_iris(entry.aperture, entry.name) if entry.aperture else IrisShape()
+    lens = make_lens(entry.lens, entry.name)
     return _mount_alone(
         entry.name,
         entry.lens.name,
@@ -134,7 +134,7 @@ def _mount_alone(
 ) -> LensAlone:
     """Mount a lens on a camera; focal length and f-number of a prescription are computed from its surfaces."""
     if lens.model in PRESCRIBED and lens.prescription is not None:
-        whole = completed(lens.prescription)
+        whole = complete_prescription(lens.prescription)
         focal_length_mm, f_stop = first_order(whole).focal_length_mm, whole.f_stop
     camera = Camera(
         np.eye(4),

@@ -17,7 +17,7 @@ from render.optics.lens_files import (
     read_lens_file,
     read_measured_lens,
 )
-from render.optics.prescription.completion import completed
+from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.paraxial import first_order
 from render.stage.camera.lens_data import lens_data, measured_lens_data
 from usd_schemas import ApertureData, LensData, LibraryLens, SchemaError, library_lens
@@ -111,7 +111,7 @@ def prescription_choice(prescription: Prescription) -> LensChoice:
     Raises:
         InputError: no light comes through it to a film; the message names the surface.
     """
-    whole = completed(prescription)
+    whole = complete_prescription(prescription)
     return LensChoice(
         prescription.name,
         lens_data(prescription),

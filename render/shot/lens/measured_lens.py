@@ -10,7 +10,7 @@ from render.errors import SettingsError
 from render.optics.lens_files import MeasuredLens
 from render.optics.report import LensReport
 from render.optics.report.lens_report import film_rays
-from render.optics.report.measuring import measured_sheet
+from render.optics.report.measuring import measure_sheet
 from render.shot.lens.lens_alone import LensAlone
 
 _HEIGHTS = 10
@@ -34,7 +34,7 @@ def measured_lens(lens: LensAlone, report: LensReport) -> MeasuredLens:
     sheet = camera.lens.data_sheet
     source = lens.description
     if sheet is None:
-        sheet = measured_sheet(film_rays(camera), np.linspace(0.0, report.corner_mm, _HEIGHTS), report.f_stop)
+        sheet = measure_sheet(film_rays(camera), np.linspace(0.0, report.corner_mm, _HEIGHTS), report.f_stop)
         distance = camera.focus_distance_m
         focus = "infinity" if math.isinf(distance) else f"{distance:g} m"
         source = f"measured on the rays of {lens.title} at f/{report.f_stop:.3g}, focused at {focus}"

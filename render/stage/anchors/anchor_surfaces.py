@@ -10,7 +10,7 @@ from render.model.arrays import DoubleArray, IntArray, LongArray
 from render.stage.findings import FindingLog
 from render.stage.geometry.implicit import is_implicit, shape_varies
 from render.stage.geometry.skinning import Skeletons
-from render.stage.geometry.surface import faces_vary, is_drawable, mesh_faces, mesh_points, resting_points, surface_of
+from render.stage.geometry.surface import faces_vary, is_drawable, mesh_faces, mesh_points, read_surface, resting_points
 from usd_schemas import FocusPoint
 
 
@@ -72,7 +72,7 @@ class AnchorSurface:
 
     def _faces_at(self, time: Usd.TimeCode) -> tuple[IntArray, IntArray, LongArray]:
         if self._implicit:
-            polygons = surface_of(self._prim, time, self._skeletons, self._log)
+            polygons = read_surface(self._prim, time, self._skeletons, self._log)
             counts, corners = polygons.counts, polygons.corners
             self._points = polygons.points.astype(np.float64)
         else:

@@ -16,7 +16,7 @@ from render.stage.assembly.poses import InstanceReader, pose_of_instance, world_
 from render.stage.findings import FindingLog
 from render.stage.geometry.polygons import BadGeometry
 from render.stage.geometry.skinning import Skeletons
-from render.stage.opening import reading
+from render.stage.opening import read_quietly
 from render.stage.world import world_from_stage
 from usd_schemas import FocusPoint
 
@@ -69,7 +69,7 @@ class AnchorReader:
 
     def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         """As :func:`anchor_position`."""
-        with reading(self._stage):
+        with read_quietly(self._stage):
             moment = _Moment(_Sources(self._stage, self._skeletons, self._log), time)
             return moment.world(focus_point, moment.local(focus_point))
 
@@ -83,10 +83,10 @@ class AnchorReader:
         Returns:
             ``(n, k, 3)`` float64 metres in the world, Y-up; NaN where a point has no place. `anchored` says why.
         """
-        positions_m = self.anchored([focus_points] * len(times), times).positions_m
+        positions_m = self.read_anchors([focus_points] * len(times), times).positions_m
         return positions_m.reshape(len(times), len(focus_points), 3)
 
-    def anchored(self, focus_points: Sequence[Sequence[FocusPoint]], times: Sequence[float]) -> Anchored:
+    def read_anchors(self, focus_points: Sequence[Sequence[FocusPoint]], times: Sequence[float]) -> Anchored:
         """Where focus points are over some times; one that has no place keeps none of the others from theirs.
 
         Faces that do not change and transforms that do not move are read once for all times, and of a mesh's points only those
@@ -107,7 +107,7 @@ class AnchorReader:
         positions_m, problems = np.full((len(points), 3), np.nan), {}
         for number, point in enumerate(points):
             try:
-                with reading(self._stage):
+                with read_quietly(self._stage):
                     position_m = moment.world(point, moment.local(point))
             except InputError as error:
                 problems[point.name] = error.detail

@@ -15,7 +15,7 @@ from pxr import Usd, UsdGeom
 
 from render.model.arrays import DoubleArray, IntArray
 from render.model.scene import Batch, Geometry, Material
-from render.stage.assembly.joining import joined, placed
+from render.stage.assembly.joining import join_geometry, place_shape
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.assembly.poses import InstanceReader, instance_poses, is_hidden, relative_pose, world_pose
 from render.stage.findings import FindingLog
@@ -66,7 +66,7 @@ class Group(ABC):
     def batches(self, moment: Moment) -> tuple[Batch, ...]:
         """Batches drawn at a time; the same objects as before where nothing has changed."""
 
-    def _drawn(
+    def _make_batch(
         self,
         geometry: Geometry,
         material: Material,
@@ -100,8 +100,8 @@ class RigidGroup(Group):
         if is_hidden(first.hiders, moment.time):
             return ()
         if not self._is_read:
-            parts = [part for piece in self._pieces if (part := self._placed(piece, moment)) is not None]
-            self._geometry = joined(parts) if parts else None
+            parts = [part for piece in self._pieces if (part := self._place(piece, moment)) is not None]
+            self._geometry = join_geometry(parts) if parts else None
             self._is_read = True
         if self._geometry is None:
             return ()
@@ -109,9 +109,9 @@ class RigidGroup(Group):
         if first.mover is not None:
             pose = world_pose(first.mover, moment.transforms, moment.world) @ _shrink(moment)
         material = moment.look(self._pieces[0].material).material
-        return self._drawn(self._geometry, material, pose[None], None, None)
+        return self._make_batch(self._geometry, material, pose[None], None, None)
 
-    def _placed(self, piece: Piece, moment: Moment) -> Geometry | None:
+    def _place(self, piece: Piece, moment: Moment) -> Geometry | None:
         shape = moment.shapes.shape(piece)
         if shape is None:
             return None
@@ -122,7 +122,7 @@ class RigidGroup(Group):
             matrix = np.diag([*[moment.scale] * 3, 1.0]) @ relative_pose(prim, mover, moment.transforms)
         if not is_placeable(shape.positions, matrix, piece.occurrence.path, moment.log):
             return None
-        return placed(shape, moment.prim_id(piece.occurrence.path), matrix)
+        return place_shape(shape, moment.prim_id(piece.occurrence.path), matrix)
 
 
 class InstancedGroup(Group):
@@ -145,7 +145,7 @@ class InstancedGroup(Group):
         poses, prim_ids, numbers = self._places
         if not len(poses):
             return ()
-        return self._drawn(geometry, moment.look(self._pieces[0].material).material, poses, prim_ids, numbers)
+        return self._make_batch(geometry, moment.look(self._pieces[0].material).material, poses, prim_ids, numbers)
 
     def _geometry_at(self, moment: Moment) -> Geometry | None:
         if self._is_read and not self._pieces[0].deforms:
@@ -154,7 +154,7 @@ class InstancedGroup(Group):
         if not self._is_read or not _same_shape(shape, self._shape):
             first_id = moment.prim_id(self._pieces[0].occurrence.path)
             to_metres = np.diag([*[moment.scale] * 3, 1.0])
-            self._geometry = placed(shape, first_id, to_metres) if shape is not None else None
+            self._geometry = place_shape(shape, first_id, to_metres) if shape is not None else None
             self._shape = shape if self._pieces[0].deforms else None
         self._is_read = True
         return self._geometry

@@ -13,12 +13,12 @@ from render.stage.geometry.polygons import unit
 from render.stage.geometry.shape import Shape
 
 
-def placed(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:
+def place_shape(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:
     """A shape as geometry, carried by a ``(4, 4)`` matrix; a mirroring matrix turns the triangles about."""
     positions = shape.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     geometry = Geometry(
         positions=positions.astype(np.float32),
-        normals=_carried_normals(shape.normals, matrix),
+        normals=_transform_normals(shape.normals, matrix),
         triangles=shape.triangles,
         prim_ids=np.full(len(shape.triangles), prim_id, np.int32),
         face_ids=shape.face_ids,
@@ -27,16 +27,16 @@ def placed(shape: Shape, prim_id: int, matrix: DoubleArray) -> Geometry:
         colors=shape.colors,
         swapped=shape.swapped if shape.swapped.any() else None,
     )
-    return mirrored(geometry) if np.linalg.det(matrix[:3, :3]) < 0 else geometry
+    return mirror_geometry(geometry) if np.linalg.det(matrix[:3, :3]) < 0 else geometry
 
 
-def mirrored(geometry: Geometry) -> Geometry:
+def mirror_geometry(geometry: Geometry) -> Geometry:
     """The same geometry with its triangles the other way around, for a transform that mirrors it."""
     swapped = np.zeros(len(geometry.triangles), bool) if geometry.swapped is None else geometry.swapped
     return replace(geometry, triangles=np.ascontiguousarray(geometry.triangles[:, [0, 2, 1]]), swapped=~swapped)
 
 
-def joined(parts: Sequence[Geometry]) -> Geometry:
+def join_geometry(parts: Sequence[Geometry]) -> Geometry:
     """Several geometries as one; parts without texture coordinates or colours get zeros and white."""
     if len(parts) == 1:
         return parts[0]
@@ -50,13 +50,13 @@ def joined(parts: Sequence[Geometry]) -> Geometry:
         prim_ids=np.concatenate([part.prim_ids for part in parts]),
         face_ids=np.concatenate([part.face_ids for part in parts]),
         fan_ids=np.concatenate([part.fan_ids for part in parts]),
-        uvs=_joined_or_none([part.uvs for part in parts], parts, 0.0, 2),
-        colors=_joined_or_none([part.colors for part in parts], parts, 1.0, 4),
-        swapped=_joined_swaps(parts),
+        uvs=_join_or_none([part.uvs for part in parts], parts, 0.0, 2),
+        colors=_join_or_none([part.colors for part in parts], parts, 1.0, 4),
+        swapped=_join_swaps(parts),
     )
 
 
-def _joined_or_none(
+def _join_or_none(
     arrays: Sequence[FloatArray | None], parts: Sequence[Geometry], filler: float, width: int
 ) -> FloatArray | None:
     if all(array is None for array in arrays):
@@ -69,7 +69,7 @@ def _joined_or_none(
     )
 
 
-def _joined_swaps(parts: Sequence[Geometry]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None:
+def _join_swaps(parts: Sequence[Geometry]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None:
     if all(part.swapped is None for part in parts):
         return None
     return np.concatenate(
@@ -77,7 +77,7 @@ def _joined_swaps(parts: Sequence[Geometry]) -> np.ndarray[tuple[int, ...], np.d
     )
 
 
-def _carried_normals(normals: FloatArray, matrix: DoubleArray) -> FloatArray:
+def _transform_normals(normals: FloatArray, matrix: DoubleArray) -> FloatArray:
     """Normals go by the inverse transpose; its cofactor form also does for flattened shapes."""
     a = matrix[:3, :3]
     cofactors = np.stack([np.cross(a[1], a[2]), np.cross(a[2], a[0]), np.cross(a[0], a[1])])

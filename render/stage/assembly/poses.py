@@ -14,7 +14,7 @@ from render.model.arrays import DoubleArray, IntArray
 from render.stage.assembly.inventory import InstancerLink
 from render.stage.findings import FindingLog
 from render.stage.limits import check_places
-from render.stage.values import UNREADABLE, shown, why_unreadable
+from render.stage.values import UNREADABLE, format_value, why_unreadable
 from render.stage.world import column_matrix
 
 
@@ -60,7 +60,7 @@ class InstanceReader:
         self._transforms = UsdGeom.XformCache(time)
         self._read: dict[str, _Instances] = {}
 
-    def of_prototype(self, link: InstancerLink, *, drawn: bool = True) -> tuple[DoubleArray, IntArray, int]:
+    def prototype_instances(self, link: InstancerLink, *, drawn: bool = True) -> tuple[DoubleArray, IntArray, int]:
         """The instances of one prototype.
 
         Args:
@@ -106,7 +106,7 @@ class InstanceReader:
     def _instances(self, instancer: UsdGeom.PointInstancer) -> _Instances:
         authored = instancer.GetProtoIndicesAttr().Get(self._time)
         if not isinstance(authored, Vt.IntArray | None):
-            raise TypeError(f"protoIndices must be a list of whole numbers, got {shown(authored)}")
+            raise TypeError(f"protoIndices must be a list of whole numbers, got {format_value(authored)}")
         prototypes = np.array(authored or [], np.int32)
         # USD gives no transforms at all if a single prototype does not exist, so that prototypes' own come in later.
         rows = instancer.ComputeInstanceTransformsAtTime(
@@ -184,7 +184,7 @@ def instance_poses(
     poses = world_pose(chain[0].instancer, transforms, world)[None]
     numbers = np.zeros(1, np.int32)
     for link, below in zip(chain, [*(next_.instancer for next_ in chain[1:]), prim], strict=True):
-        matrices, indices, count = instances.of_prototype(link, drawn=drawn)
+        matrices, indices, count = instances.prototype_instances(link, drawn=drawn)
         relative = relative_pose(below, link.root, transforms)
         check_places(len(poses) * len(matrices), link.instancer.GetPath())
         poses = (poses[:, None] @ (matrices @ relative)[None]).reshape(-1, 4, 4)

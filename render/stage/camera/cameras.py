@@ -15,9 +15,9 @@ from render.model.shutter import Shutter
 from render.stage.assembly.poses import world_pose
 from render.stage.camera.camera_exposure import camera_number, exposure_scale
 from render.stage.camera.camera_list import list_cameras
-from render.stage.camera.lenses import iris_of, lens_of
-from render.stage.opening import confinement, reading
-from render.stage.values import shown
+from render.stage.camera.lenses import make_iris, make_lens
+from render.stage.opening import confinement, read_quietly
+from render.stage.values import format_value
 from render.stage.world import rigid_frame, world_from_stage
 from usd_schemas import LensCamera
 from usd_schemas import Shutter as ShutterData
@@ -61,7 +61,7 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
     """
     cameras = list_cameras(stage)
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    with reading(stage):
+    with read_quietly(stage):
         targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
     if targets and str(targets[0]) in cameras:
         return CameraChoice(str(targets[0]), f"the render settings {settings.GetPath()} name it")
@@ -73,7 +73,7 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
         return CameraChoice(cameras[0], "it is the only one")
     why = f"none of the {len(cameras)} cameras is called {main}" if cameras else "the stage has no camera"
     framing = framing_camera(stage, stage.GetStartTimeCode() if time is None else time)
-    return CameraChoice(None, f"{why}, so the whole stage is framed", conformed(framing, aspect))
+    return CameraChoice(None, f"{why}, so the whole stage is framed", conform_camera(framing, aspect))
 
 
 def read_camera(
@@ -96,10 +96,10 @@ def read_camera(
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
     if not prim or not prim.IsA(UsdGeom.Camera):
         raise _no_camera(stage, path, prim)
-    with reading(stage):
+    with read_quietly(stage):
         camera = _read(UsdGeom.Camera(prim), stage, Usd.TimeCode(time))
     _check(camera)
-    return conformed(camera, aspect, conform or _stage_policy(stage))
+    return conform_camera(camera, aspect, conform or _stage_policy(stage))
 
 
 def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
@@ -108,10 +108,10 @@ def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
         raise CameraError(
             f"camera {path} must be a perspective camera, and is orthographic", code="orthographic", path=path
         )
-    return _with_lens(_gate(usd, stage, code), usd, stage, code)
+    return _add_lens(_gate(usd, stage, code), usd, stage, code)
 
 
-def conformed(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
+def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
     """A camera whose film gate has the picture's shape, by one of UsdRenderSettings' policies.
 
     ``expandAperture`` shows more than the gate, ``cropAperture`` less; the width or the height alone may be adjusted; with
@@ -147,7 +147,7 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
     """
     purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
     boxes = UsdGeom.BBoxCache(Usd.TimeCode(time), purposes, useExtentsHint=True)
-    with reading(stage):
+    with read_quietly(stage):
         box = boxes.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if box.IsEmpty() or not np.isfinite([*box.GetMin(), *box.GetMax()]).all():
         name = stage.GetRootLayer().GetDisplayName()
@@ -212,11 +212,11 @@ def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
     value = usd.GetClippingRangeAttr().Get(time)
     if not isinstance(value, Gf.Vec2f | Gf.Vec2d | Gf.Vec2h | Gf.Vec2i):
         path = str(usd.GetPath())
-        raise CameraError(f"clippingRange of camera {path} must be two numbers, got {shown(value)}", path=path)
+        raise CameraError(f"clippingRange of camera {path} must be two numbers, got {format_value(value)}", path=path)
     return float(value[0]), float(value[1])
 
 
-def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
+def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
     """The camera with its focus, iris, shutter and exposure, its lens moved up and aside against the film."""
     lens = LensCamera(usd.GetPrim())
     focus = camera_number(usd.GetFocusDistanceAttr(), time)
@@ -231,8 +231,8 @@ def _with_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.
         f_stop=0.0 if glass.model == "pinhole" else camera_number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=exposure_scale(usd, time),
-        iris=iris_of(aperture, camera.path, confined_to),
-        lens=lens_of(glass, camera.path, confined_to),
+        iris=make_iris(aperture, camera.path, confined_to),
+        lens=make_lens(glass, camera.path, confined_to),
         shutter_open=camera_number(usd.GetShutterOpenAttr(), time),
         shutter_close=camera_number(usd.GetShutterCloseAttr(), time),
         shutter=_shutter(shutter, stage, camera.path),

@@ -28,7 +28,7 @@ from render.model.lens import (
 )
 from render.optics.glass import D_LINE_NM, refractive_index
 from render.stage.camera.lens_data import ASPHERIC
-from render.stage.camera.planes import read_plane, turned
+from render.stage.camera.planes import read_plane, rotate_plane
 from render.stage.camera.seidel_units import axial_color_mm, lateral_color_mm
 from render.stage.materials.textures import TextureError
 from usd_schemas import ApertureData, Asset, LensData
@@ -39,7 +39,7 @@ _SURFACES = {"spherical": 2, "heightField": 2}
 _SQUEEZES = 0.1, 10.0  # as the schema has it; lenses that are made squeeze by 1.25 to 2
 
 
-def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
+def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
     """The lens in front of the film.
 
     Args:
@@ -60,7 +60,7 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
         got = f"{data.transmittance:g} and {data.neutral_density:g}"
         raise _error(camera, "lens:transmittance (0 to 1) and lens:neutralDensity (0 or more)", "in range", got)
     if not all(power > 0 for power in data.pupil_power):
-        raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _shown(data.pupil_power))
+        raise _error(camera, "lens:expressive:pupilPower", "above 0 everywhere", _format_values(data.pupil_power))
     widest, closed = data.f_stop_range
     if min(widest, closed) < 0 or 0 < closed < widest:
         expected = "from wide open to closed down, 0 for an end that is unknown"
@@ -92,7 +92,7 @@ def lens_of(data: LensData, camera: str, confined_to: Path | None = None) -> Len
     )
 
 
-def iris_of(data: ApertureData, camera: str, confined_to: Path | None = None) -> IrisShape:
+def make_iris(data: ApertureData, camera: str, confined_to: Path | None = None) -> IrisShape:
     """The opening of the iris; the same numbers and files give the same object.
 
     Args:
@@ -105,14 +105,16 @@ def iris_of(data: ApertureData, camera: str, confined_to: Path | None = None) ->
     """
     weights = data.radial_weights
     if weights and not (all(0 <= weight < math.inf for weight in weights) and max(weights) > 0):
-        raise _error(camera, "aperture:radialWeights", "0 or more, and one of them above 0", f"{_shown(weights)}")
+        raise _error(
+            camera, "aperture:radialWeights", "0 or more, and one of them above 0", f"{_format_values(weights)}"
+        )
     if not math.isfinite(data.rotation):
         raise _error(camera, "aperture:rotation", "a finite number", f"{data.rotation:g}")
     mask = _plane(data.mask, "aperture:mask", camera, confined_to)
     if mask is not None and not (mask.min() >= 0 and mask.max() > 0):
         raise _error(camera, "aperture:mask", "an image of 0 or more that lets light through somewhere", data.mask.path)
     try:
-        return _iris(data.blades, data.roundness, math.radians(data.rotation), _Same(mask), weights)
+        return _iris(data.blades, data.roundness, math.radians(data.rotation), _ArrayKey(mask), weights)
     except SettingsError as error:
         raise CameraError(f"aperture of camera {camera}: {error.detail}", path=camera) from error
 
@@ -227,24 +229,24 @@ def _data_sheet(data: LensData, camera: str) -> DataSheet:
 def _height_field(data: LensData, camera: str, confined_to: Path | None) -> HeightField:
     front = _plane(data.height_field.front, "lens:heightField:front", camera, confined_to)
     back = _plane(data.height_field.back, "lens:heightField:back", camera, confined_to)
-    return _scaled_heights(_Same(front), _Same(back), tuple(data.height_field.scale))
+    return _scaled_heights(_ArrayKey(front), _ArrayKey(back), tuple(data.height_field.scale))
 
 
-class _Same:
+class _ArrayKey:
     """An array as the key of a cache: equal where it is the same object, which `read_plane` gives for the same file."""
 
     def __init__(self, array: DoubleArray | None) -> None:
         self.array = array
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.array is other.array
+        return isinstance(other, _ArrayKey) and self.array is other.array
 
     def __hash__(self) -> int:
         return id(self.array)
 
 
 @lru_cache(maxsize=16)
-def _scaled_heights(front: _Same, back: _Same, scale_mm: tuple[float, float]) -> HeightField:
+def _scaled_heights(front: _ArrayKey, back: _ArrayKey, scale_mm: tuple[float, float]) -> HeightField:
     """The same object for the same files and scales, so that what is made of it for the GPU is kept."""
     return HeightField(
         None if front.array is None or scale_mm[0] == 0 else front.array * scale_mm[0],
@@ -253,10 +255,12 @@ def _scaled_heights(front: _Same, back: _Same, scale_mm: tuple[float, float]) ->
 
 
 @lru_cache(maxsize=16)
-def _iris(blades: int, roundness: float, rotation_rad: float, mask: _Same, weights: tuple[float, ...]) -> IrisShape:
+def _iris(blades: int, roundness: float, rotation_rad: float, mask: _ArrayKey, weights: tuple[float, ...]) -> IrisShape:
     if mask.array is None:
         return IrisShape(blades, roundness, rotation_rad, None, weights)
-    return IrisShape(mask=turned(mask.array, rotation_rad), radial_weights=weights)  # it takes the place of the blades
+    return IrisShape(
+        mask=rotate_plane(mask.array, rotation_rad), radial_weights=weights
+    )  # it takes the place of the blades
 
 
 def _plane(asset: Asset, name: str, camera: str, confined_to: Path | None) -> DoubleArray | None:
@@ -287,7 +291,7 @@ def _floats(value: Any) -> Iterator[float]:
             yield from _floats(item)
 
 
-def _shown(values: Sequence[float]) -> str:
+def _format_values(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values[:8]) + (", …" if len(values) > 8 else "")
 
 

@@ -38,7 +38,7 @@ def read_plane(resolved_path: str, confined_to: Path | None) -> DoubleArray:
     return _read(resolved_path, _stamp(resolved_path))
 
 
-def turned(plane: DoubleArray, angle_rad: float) -> DoubleArray:
+def rotate_plane(plane: DoubleArray, angle_rad: float) -> DoubleArray:
     """An image turned counter-clockwise about its centre, as large as before; 0 comes in at the corners.
 
     Args:
@@ -70,12 +70,12 @@ def _read(resolved_path: str, stamp: tuple[int, int]) -> DoubleArray:
         values /= 2 ** (8 * pixels.dtype.itemsize) - 1
     if not np.isfinite(values).all():
         raise TextureError("holds what is no finite number")
-    values = _averaged(values, -(-max(values.shape) // MAX_SIDE))
+    values = _downsample(values, -(-max(values.shape) // MAX_SIDE))
     values.setflags(write=False)
     return values
 
 
-def _averaged(values: DoubleArray, factor: int) -> DoubleArray:
+def _downsample(values: DoubleArray, factor: int) -> DoubleArray:
     """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
     height, width = values.shape
     padded = np.pad(values, ((0, -height % factor), (0, -width % factor)), mode="edge")

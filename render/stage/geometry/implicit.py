@@ -50,7 +50,7 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
     kind = str(prim.GetTypeName())
     names = _SHAPE_ATTRIBUTES[kind]
     axis = str(prim.GetAttribute("axis").Get(time)) if "axis" in names else "Z"
-    return _turned(_MAKERS[kind](*(_measure(prim, name, time) for name in names if name != "axis")), axis)
+    return _rotate_axis(_MAKERS[kind](*(_measure(prim, name, time) for name in names if name != "axis")), axis)
 
 
 def _measure(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
@@ -63,7 +63,7 @@ def _measure(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
     return measure
 
 
-def _turned(polygons: Polygons, axis: str) -> Polygons:
+def _rotate_axis(polygons: Polygons, axis: str) -> Polygons:
     """Turn from the Z axis to another one.
 
     As UsdGeomPlane has it: a plane's width stays on X for axis Y, its length stays on Y for axis X.
@@ -98,7 +98,7 @@ def _plane(width: float, length: float) -> Polygons:
 
 def _sphere(radius: float) -> Polygons:
     angle = np.linspace(-np.pi / 2, np.pi / 2, 2 * STEPS_OVER_CAP + 1)
-    return _revolved([_arc(radius, 0.0, angle)])
+    return _revolve([_arc(radius, 0.0, angle)])
 
 
 def _cylinder(radius: float, height: float) -> Polygons:
@@ -113,7 +113,7 @@ def _cylinder_1(radius_bottom: float, radius_top: float, height: float) -> Polyg
     bottom = np.array([[0, -h, 0, -1], [radius_bottom, -h, 0, -1]])
     top = np.array([[radius_top, h, 0, 1], [0, h, 0, 1]])
     caps = [cap for cap, radius in ((bottom, radius_bottom), (top, radius_top)) if radius > 0]
-    return _revolved([wall, *caps])
+    return _revolve([wall, *caps])
 
 
 def _cone(radius: float, height: float) -> Polygons:
@@ -129,7 +129,7 @@ def _capsule_1(radius_bottom: float, radius_top: float, height: float) -> Polygo
     side = np.hypot(height, radius_bottom - radius_top) or 1.0
     out, up = height / side, (radius_bottom - radius_top) / side
     wall = np.array([[radius_bottom, -height / 2, out, up], [radius_top, height / 2, out, up]])
-    return _revolved(
+    return _revolve(
         [_arc(radius_bottom, -height / 2, quarter - np.pi / 2), wall, _arc(radius_top, height / 2, quarter)]
     )
 
@@ -141,7 +141,7 @@ def _arc(radius: float, centre: float, angle: DoubleArray) -> DoubleArray:
     return np.stack([radius * cos, centre + radius * sin, cos, sin], axis=1)
 
 
-def _revolved(profiles: list[DoubleArray]) -> Polygons:
+def _revolve(profiles: list[DoubleArray]) -> Polygons:
     """Turn profiles about Z: quads between neighbouring rows, triangles at the axis, a normal for each point."""
     around = np.arange(STEPS_AROUND) * (2 * np.pi / STEPS_AROUND)
     cos, sin = np.cos(around), np.sin(around)

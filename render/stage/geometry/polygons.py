@@ -166,7 +166,7 @@ def folded_share(polygons: Polygons, fan_: Fan) -> float:
     return float(area[np.sum(normals * whole, axis=1) < 0].sum() / max(area.sum(), np.finfo(np.float32).tiny))
 
 
-def computed_normals(polygons: Polygons, fan_: Fan) -> Values:
+def compute_normals(polygons: Polygons, fan_: Fan) -> Values:
     """Normals for polygons that have none: smooth ones at the points of a subdivision cage, else one for each face.
 
     Smooth normals are sums over the corners at a point of the cross product of the two edges there, as in Hydra: they do not
@@ -194,7 +194,7 @@ def corner_edges(polygons: Polygons, fan_: Fan, points: FloatArray) -> tuple[Dou
     return after - here, before - here
 
 
-def carried_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values | None:
+def transfer_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values | None:
     """Authored normals carried along as the points move, hard edges and all.
 
     At each corner the normal is a covector: what it measures along the two edges and across the face stays as the edges bend.
@@ -263,7 +263,7 @@ def weld(polygons: Polygons, value_indices: Sequence[LongArray]) -> tuple[LongAr
     return corner_of_vertex, vertex_of_corner
 
 
-def merged_duplicates(values: FloatArray) -> tuple[FloatArray, LongArray]:
+def merge_duplicates(values: FloatArray) -> tuple[FloatArray, LongArray]:
     """Equal rows made one: ``(u, k)`` distinct rows and ``(m,)`` which of them each row is.
 
     Rows are told apart by a 64-bit hash of their bits (splitmix64's mixer), since sorting whole rows is ten times slower;

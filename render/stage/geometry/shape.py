@@ -17,17 +17,17 @@ from render.stage.geometry.polygons import (
     Polygons,
     Values,
     check,
-    computed_normals,
+    compute_normals,
     fan,
     folded_share,
-    merged_duplicates,
+    merge_duplicates,
     unit,
     value_index_of_corner,
     weld,
 )
 from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.skinning import Skeletons
-from render.stage.geometry.surface import surface_of
+from render.stage.geometry.surface import read_surface
 
 # What Hydra draws where no displayColor is authored.
 FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)
@@ -85,7 +85,7 @@ def read_shape(
 ) -> Shape | None:
     """Read a drawable prim, or note a finding and return None where its polygons cannot be used."""
     try:
-        polygons = surface_of(prim, time, skeletons, log)
+        polygons = read_surface(prim, time, skeletons, log)
         check(polygons)
     except BadGeometry as problem:
         log.add("bad_geometry", prim.GetPath(), f"{prim.GetPath()} is not drawn: {problem}")
@@ -153,7 +153,7 @@ class _Builder:
             except BadGeometry as problem:
                 path = self._prim.GetPath()
                 self._log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")
-        computed = computed_normals(self._polygons, self._fan)
+        computed = compute_normals(self._polygons, self._fan)
         return computed, value_index_of_corner(computed, self._polygons, self._fan)
 
     def _coordinates(self, name: str | None) -> tuple[Values, LongArray] | None:
@@ -178,7 +178,7 @@ class _Builder:
             message = f"primvar {name} of {path} is not used: it does not hold {width} numbers for each element"
             self._log.add(f"bad_primvar_{name}", path, message)
             return None
-        values = _deduplicated(values)
+        values = _deduplicate(values)
         try:
             return values, value_index_of_corner(values, self._polygons, self._fan)
         except BadGeometry as problem:
@@ -204,9 +204,9 @@ class _Builder:
         return np.nan_to_num(out)
 
 
-def _deduplicated(values: Values) -> Values:
+def _deduplicate(values: Values) -> Values:
     """Merge equal values of a face-varying primvar that has no indices, so that its corners can share vertices."""
     if values.interpolation != "faceVarying" or values.indices is not None:
         return values
-    distinct, inverse = merged_duplicates(values.values)
+    distinct, inverse = merge_duplicates(values.values)
     return Values(distinct, values.interpolation, inverse.astype(np.int32))

@@ -9,7 +9,7 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
 from render.model.arrays import FloatArray, LongArray
 from render.stage.findings import FindingLog
-from render.stage.geometry.polygons import BadGeometry, Polygons, Values, carried_normals, check, fan
+from render.stage.geometry.polygons import BadGeometry, Polygons, Values, check, fan, transfer_normals
 from render.stage.world import column_matrix
 
 
@@ -49,10 +49,10 @@ class Skeletons:
         """The polygons as the skeleton has them at a time, in the prim's own space; unchanged where none is bound."""
         if not self.bends(prim):
             return polygons
-        moved = self.bent_points(prim, Vt.Vec3fArray.FromNumpy(polygons.points), time, log)
-        return replace(polygons, points=moved, normals=_bent_normals(prim, polygons, moved, log))
+        moved = self.bend_points(prim, Vt.Vec3fArray.FromNumpy(polygons.points), time, log)
+        return replace(polygons, points=moved, normals=_bend_normals(prim, polygons, moved, log))
 
-    def bent_points(
+    def bend_points(
         self, prim: Usd.Prim, points: Vt.Vec3fArray, time: Usd.TimeCode, log: FindingLog, rows: LongArray | None = None
     ) -> FloatArray:
         """Where a prim's points are at a time, in its own space; where they rest if no skeleton is bound or none works.
@@ -68,7 +68,7 @@ class Skeletons:
             ``(n, 3)`` or ``(len(rows), 3)``.
         """
         found = self._query(prim)
-        resting = points if rows is None else _picked(points, rows)
+        resting = points if rows is None else _pick_rows(points, rows)
         if found is None:
             return np.array(resting, np.float32)
         skeleton, skinning = found.skeleton, found.skinning
@@ -77,7 +77,7 @@ class Skeletons:
             if not _blend(skeleton, skinning, points, time):
                 message = f"the blend shapes of {prim.GetPath()} could not be computed"
                 log.add("blend_shapes_ignored", prim.GetPath(), message)
-        wanted = Vt.Vec3fArray(points) if rows is None else _picked(points, rows)
+        wanted = Vt.Vec3fArray(points) if rows is None else _pick_rows(points, rows)
         if not skinning.HasJointInfluences():
             return np.array(wanted, np.float32)
         joints = skeleton.ComputeSkinningTransforms(time)
@@ -170,7 +170,7 @@ def _in_order(joints: Vt.Matrix4dArray, given: Vt.TokenArray, wanted: Vt.TokenAr
     return Vt.Matrix4dArray([joints[place[name]] if name in place else Gf.Matrix4d(1) for name in wanted])
 
 
-def _picked(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:
+def _pick_rows(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:
     return Vt.Vec3fArray([points[row] for row in rows.tolist()])
 
 
@@ -183,12 +183,12 @@ def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time:
     return np.array(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
 
 
-def _bent_normals(prim: Usd.Prim, polygons: Polygons, moved: FloatArray, log: FindingLog) -> Values | None:
+def _bend_normals(prim: Usd.Prim, polygons: Polygons, moved: FloatArray, log: FindingLog) -> Values | None:
     if polygons.normals is None:
         return None
     check(polygons)
     try:
-        return carried_normals(polygons, fan(polygons), moved)
+        return transfer_normals(polygons, fan(polygons), moved)
     except BadGeometry as problem:
         path = prim.GetPath()
         log.add("bad_normals", path, f"the normals of {path} are computed instead of read: {problem}")

@@ -14,14 +14,14 @@ from render.stage.geometry.implicit import implicit_polygons, is_implicit, shape
 from render.stage.geometry.polygons import FARTHEST_POINT, BadGeometry, Polygons, Values, check_counts
 from render.stage.geometry.primvars import as_rows
 from render.stage.geometry.skinning import Skeletons
-from render.stage.values import UNREADABLE, shown, why_unreadable
+from render.stage.values import UNREADABLE, format_value, why_unreadable
 
 _FACES = ("faceVertexCounts", "faceVertexIndices")
 _MESH_ATTRIBUTES = ("points", *_FACES, "holeIndices", "normals", "primvars:normals")
 
 
 def is_drawable(prim: Usd.Prim) -> bool:
-    """Whether :func:`surface_of` can make polygons of this prim."""
+    """Whether :func:`read_surface` can make polygons of this prim."""
     return is_implicit(prim) or prim.IsA(UsdGeom.Mesh)
 
 
@@ -34,13 +34,13 @@ def surface_varies(prim: Usd.Prim, skeletons: Skeletons) -> bool:
     return skeletons.bends(prim)
 
 
-def surface_of(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
+def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog) -> Polygons:
     """The polygons of a mesh or an implicit prim.
 
     Raises:
         BadGeometry: the values are of other types than the schema's, or contradict themselves; the message says how.
     """
-    with _explained():
+    with _translate_errors():
         return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
 
 
@@ -51,7 +51,7 @@ def mesh_faces(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[IntArray, IntArray]:
         BadGeometry: the arrays contradict each other, or are not integers.
     """
     mesh = UsdGeom.Mesh(prim)
-    with _explained():
+    with _translate_errors():
         counts = _integers(mesh.GetFaceVertexCountsAttr(), time)
         corners = _integers(mesh.GetFaceVertexIndicesAttr(), time)
     check_counts(counts, corners)
@@ -70,7 +70,7 @@ def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
         BadGeometry: there are none, or they are no points.
     """
     attribute = UsdGeom.Mesh(prim).GetPointsAttr()
-    with _explained():
+    with _translate_errors():
         value = attribute.Get(time)
         whole = isinstance(value, Vt.Vec3fArray) and len(value) > 0
         return value if whole else Vt.Vec3fArray.FromNumpy(_as_points(value))
@@ -79,7 +79,7 @@ def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
 def mesh_points(
     prim: Usd.Prim, resting: Vt.Vec3fArray, rows: LongArray, time: Usd.TimeCode, skeletons: Skeletons, log: FindingLog
 ) -> FloatArray:
-    """Where some of a mesh's points are, in its own space, as `surface_of` has them all.
+    """Where some of a mesh's points are, in its own space, as `read_surface` has them all.
 
     Args:
         prim: a mesh.
@@ -97,14 +97,14 @@ def mesh_points(
     """
     if not 0 <= rows.min() <= rows.max() < len(resting):
         raise BadGeometry(f"its face has the points {rows.min()} to {rows.max()}, and there are {len(resting)}")
-    found = skeletons.bent_points(prim, resting, time, log, rows)
+    found = skeletons.bend_points(prim, resting, time, log, rows)
     if not (np.abs(found) <= FARTHEST_POINT).all():
         raise BadGeometry(f"a point of its face is not finite or out of range, {FARTHEST_POINT:g} units")
     return found
 
 
 @contextmanager
-def _explained() -> Iterator[None]:
+def _translate_errors() -> Iterator[None]:
     """Raise the errors of reading a value of the wrong type as `BadGeometry`."""
     try:
         yield
@@ -134,7 +134,7 @@ def _as_points(value: object) -> FloatArray:
         raise BadGeometry("it has no points at this time")
     points = np.array(value, np.float32)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise BadGeometry(f"its points must be a list of points, got {shown(value)}")
+        raise BadGeometry(f"its points must be a list of points, got {format_value(value)}")
     return points
 
 
@@ -144,7 +144,7 @@ def _integers(attribute: Usd.Attribute, time: Usd.TimeCode) -> IntArray:
         return np.zeros(0, np.int32)
     numbers = np.array(value)
     if numbers.ndim != 1 or (len(numbers) and numbers.dtype.kind != "i"):
-        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {shown(value)}")
+        raise BadGeometry(f"its {attribute.GetName()} must be a list of whole numbers, got {format_value(value)}")
     return numbers.astype(np.int32)
 
 

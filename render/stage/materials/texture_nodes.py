@@ -89,7 +89,7 @@ class TextureNodes:
         if asset is None or not asset.path:
             self._log.add("texture_missing", path, f"texture {path} names no file; its fallback value is used")
             return None
-        resolved = self._resolved(asset, shader)
+        resolved = self._resolve(asset, shader)
         space = str(network.constant(shader, "sourceColorSpace", "auto"))
         if space == "auto":
             space = network.color_space(shader, "file") or "auto"
@@ -99,7 +99,7 @@ class TextureNodes:
             self._log.add("texture_unreadable", path, f"texture {asset.path} {problem}; the fallback of {path} is used")
             return None
 
-    def _resolved(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
+    def _resolve(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
         """Where the file is; empty where it cannot be found."""
         if "<UDIM>" not in asset.path:
             return str(asset.resolvedPath)

@@ -80,7 +80,7 @@ class TextureCache:
             return out
         rows = _BAND_ROWS * factor
         for first in range(0, height, rows):
-            band = _averaged(linear(raw[first : first + rows]), factor)
+            band = _downsample(linear(raw[first : first + rows]), factor)
             if purpose == "color":
                 band = colour.to_working(band)
             top = first // factor
@@ -166,7 +166,7 @@ def _rgba(pixels: NDArray[np.generic]) -> FloatArray:
     return out
 
 
-def _averaged(pixels: FloatArray, factor: int) -> FloatArray:
+def _downsample(pixels: FloatArray, factor: int) -> FloatArray:
     """Means of ``factor`` by ``factor`` blocks; the last row and column are repeated to fill whole blocks."""
     if factor == 1:
         return pixels

@@ -9,7 +9,7 @@ from scipy.stats import kstest
 
 from render.film.grain import APERTURE_UM, add_grain, grain_field
 from render.film.noise import normal_noise
-from render.film.process import densities, develop_on_film, with_grain
+from render.film.process import apply_grain, densities, develop_on_film
 from render.film.settings import film_settings
 from render.film.stock import MIDDLE_GREY, camera_stock
 from render.model.arrays import FloatArray
@@ -41,7 +41,7 @@ def test_a_stock_has_its_granularity_at_density_1(name: str) -> None:
     stated = {"double_x_5222": 14, "tri_x_400": 17, "velvia_50": 9, "kodachrome_64": 10}.get(name)
     shot = film_settings(FilmData(grain=Grain(amount=1, size_um=6.0)), name=name)
     flat = np.array([base + 1.0 for base in stock.base], np.float32)
-    grainy = with_grain(np.broadcast_to(flat, (480, 480, len(flat))), shot, frame=7, gate_mm=(2.88, 2.88))
+    grainy = apply_grain(np.broadcast_to(flat, (480, 480, len(flat))), shot, frame=7, gate_mm=(2.88, 2.88))
     for record, (base, table) in enumerate(zip(stock.base, stock.granularity, strict=True)):
         wanted = stated / 1000 if stated else float(np.interp(base + 1.0, *np.array(table).T))
         assert through_the_aperture(grainy[..., record]) == pytest.approx(wanted, rel=0.1)

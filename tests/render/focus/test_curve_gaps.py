@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import InputError, SettingsError
-from render.focus.files import Rates, curve_to_json, curve_to_text, read_curve, retimed
+from render.focus.files import Rates, curve_to_json, curve_to_text, read_curve, retime
 from tests.render.kits.focus_curves import curve
 
 RATES = Rates(24.0, 24.0)
@@ -189,12 +189,12 @@ def test_unknown_words_are_refused():
 
 
 def test_seconds_are_kept_where_the_shot_has_another_rate():
-    read = retimed(read_curve(curve_to_json(curve()), RATES), Rates(25.0, 25.0))
+    read = retime(read_curve(curve_to_json(curve()), RATES), Rates(25.0, 25.0))
     assert read.curve.seconds == pytest.approx(curve().seconds)
     assert "24 frames in a second and the shot 25" in messages(read)
-    moved = retimed(read, Rates(25.0, 25.0), first_time_code=101.0)
+    moved = retime(read, Rates(25.0, 25.0), first_time_code=101.0)
     assert moved.curve.time_codes == pytest.approx([101, 101 + 25 / 24, 101 + 50 / 24])
-    same = retimed(read_curve(curve_to_json(curve()), RATES), Rates(24.0, 48.0))
+    same = retime(read_curve(curve_to_json(curve()), RATES), Rates(24.0, 48.0))
     assert (same.curve.time_codes.tolist(), same.findings) == ([2, 4, 6], ())
 
 

@@ -14,7 +14,7 @@ from render.focus.expressive import (
     SurfacePoints,
     focal_controls,
     soft_sides,
-    wanted_w,
+    target_w,
 )
 from render.focus.overlap import OVERLAP_FRAME_WIDTHS
 from render.focus.surface import beyond_edge, focused_at
@@ -85,7 +85,7 @@ def test_a_soft_point_by_offset_has_the_focus_that_far_behind_it():
 
 def test_the_focus_is_before_a_soft_point_instead_of_beyond_infinity():
     made = points([[0.0, 0.0]], [8.0], soft=[True], blurs_mm=[SLOPE_MM_M * 0.2])
-    assert wanted_w(made, FocalPlane(0.05), SLOPE_MM_M) == pytest.approx([0.125 + 0.2])
+    assert target_w(made, FocalPlane(0.05), SLOPE_MM_M) == pytest.approx([0.125 + 0.2])
 
 
 def test_a_soft_point_keeps_its_side_through_a_shot():
@@ -93,7 +93,7 @@ def test_a_soft_point_keeps_its_side_through_a_shot():
     off = np.full((4, 1), 0.05)
     side = soft_sides(1 / depths_m, np.full((4, 1), 0.25), off)
     frames = [
-        wanted_w(points([[0, 0]], d, soft=[True], blurs_mm=[0.05 * SLOPE_MM_M]), UPRIGHT, SLOPE_MM_M, side)
+        target_w(points([[0, 0]], d, soft=[True], blurs_mm=[0.05 * SLOPE_MM_M]), UPRIGHT, SLOPE_MM_M, side)
         for d in depths_m
     ]
     assert np.ravel(frames) == pytest.approx(1 / depths_m.ravel() + side * 0.05)

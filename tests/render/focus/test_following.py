@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.focus.smoothing import faded, points_share, smoothed
+from render.focus.smoothing import fade_weights, points_share, smooth
 from render.focus.timeline import drive
 from render.focus.tracking import FocusRing, limits, speed_limited, tracked
 
@@ -74,7 +74,7 @@ def test_a_hand_without_limits_follows_exactly(curve):
 def test_smoothing_is_exact_at_keys_and_ends_and_keeps_between_them(curve, width, data):
     times, w = curve
     keys = sorted(data.draw(st.sets(st.integers(0, len(w) - 1), max_size=4)) | {0, len(w) - 1})
-    result = smoothed(times, w, width, exact_at_s=times[keys])
+    result = smooth(times, w, width, exact_at_s=times[keys])
     np.testing.assert_allclose(result[keys], w[keys], rtol=1e-9, atol=1e-12)
     for first, last in pairwise(keys):
         part = slice(first, last + 1)
@@ -89,18 +89,18 @@ def test_smoothing_rises_where_the_values_rise_between_keys(curve, width, data):
     keys = times[sorted(data.draw(st.sets(st.integers(0, len(w) - 1), max_size=4)))]
     widths = width * np.array(data.draw(st.lists(st.floats(0, 1), min_size=len(w), max_size=len(w))))
     for asked in (width, widths):
-        assert (np.diff(smoothed(times, np.sort(w), asked, exact_at_s=keys)) >= -1e-9).all()
+        assert (np.diff(smooth(times, np.sort(w), asked, exact_at_s=keys)) >= -1e-9).all()
 
 
 def test_a_steady_move_is_not_changed_by_smoothing():
-    np.testing.assert_allclose(smoothed(SECONDS, 0.1 * SECONDS, 0.8), 0.1 * SECONDS, atol=1e-12)
+    np.testing.assert_allclose(smooth(SECONDS, 0.1 * SECONDS, 0.8), 0.1 * SECONDS, atol=1e-12)
 
 
 def test_smoothing_removes_wobble_and_eases_a_step_over_its_time():
     wobble = 0.5 + 0.01 * np.where(np.arange(121) % 2, 1.0, -1.0)
     inner = slice(24, -24)
-    assert np.abs(smoothed(SECONDS, wobble, 1.0)[inner] - 0.5).max() < 1e-4
-    eased = smoothed(SECONDS, step_at(SECONDS), 1.0)
+    assert np.abs(smooth(SECONDS, wobble, 1.0)[inner] - 0.5).max() < 1e-4
+    eased = smooth(SECONDS, step_at(SECONDS), 1.0)
     middle = 2.5 - 0.5 / FPS
     assert (eased[middle - 0.5 - 1 / FPS > SECONDS] == 0.2).all()
     assert (eased[middle + 0.5 + 1 / FPS < SECONDS] == 1.0).all()
@@ -111,9 +111,9 @@ def test_smoothing_removes_wobble_and_eases_a_step_over_its_time():
 def test_a_key_between_two_frames_is_kept_too():
     """The frames on either side of it come ever closer to their own values as the key comes closer to them."""
     frame = 60
-    near = smoothed(SECONDS, step_at(SECONDS), 1.0, exact_at_s=[SECONDS[frame] + 1e-4])
+    near = smooth(SECONDS, step_at(SECONDS), 1.0, exact_at_s=[SECONDS[frame] + 1e-4])
     assert near[frame] == pytest.approx(1.0, abs=1e-2)
-    assert smoothed(SECONDS, step_at(SECONDS), 1.0)[frame] < 0.7
+    assert smooth(SECONDS, step_at(SECONDS), 1.0)[frame] < 0.7
 
 
 @pytest.mark.parametrize("lag", [0.1, 0.5])
@@ -200,7 +200,7 @@ def test_infinity_and_close_focus_are_the_ends():
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.2, 0.5, 2.0]))
 def test_no_switch_pops_however_fast_it_is_thrown(seed, crossing):
     on = np.random.default_rng(seed).random((121, 3)) < 0.5
-    fades = faded(on, SECONDS, crossing)
+    fades = fade_weights(on, SECONDS, crossing)
     assert np.abs(np.diff(fades, axis=0)).max() <= 1.02 * 2 / crossing / FPS
     assert fades.min() >= 0
     assert fades.max() <= 1
@@ -208,7 +208,7 @@ def test_no_switch_pops_however_fast_it_is_thrown(seed, crossing):
 
 def test_a_switch_from_one_point_to_another_crosses_without_a_gap():
     first = SECONDS < 2.5
-    fades = faded(np.stack([first, ~first], axis=1), SECONDS, 1.0)
+    fades = fade_weights(np.stack([first, ~first], axis=1), SECONDS, 1.0)
     np.testing.assert_allclose(fades.sum(axis=1), 1.0, atol=1e-12)
     np.testing.assert_allclose(points_share(fades), 1.0, atol=1e-12)
     assert fades[0].tolist() == [1, 0]
@@ -216,7 +216,7 @@ def test_a_switch_from_one_point_to_another_crosses_without_a_gap():
 
 
 def test_the_last_point_gives_the_focus_back_to_the_camera_bit_by_bit():
-    share = points_share(faded((SECONDS < 2.5)[:, None], SECONDS, 1.0))
+    share = points_share(fade_weights((SECONDS < 2.5)[:, None], SECONDS, 1.0))
     assert share[0] == 1
     assert share[-1] == 0
     assert np.abs(np.diff(share)).max() < 0.1
@@ -224,14 +224,14 @@ def test_the_last_point_gives_the_focus_back_to_the_camera_bit_by_bit():
 
 def test_without_a_time_a_switch_is_a_switch():
     on = np.stack([SECONDS < 2.5, SECONDS > 1], axis=1)
-    np.testing.assert_array_equal(faded(on, SECONDS, 0.0), on.astype(float))
+    np.testing.assert_array_equal(fade_weights(on, SECONDS, 0.0), on.astype(float))
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.2, 0.5, 2.0]))
 def test_a_point_has_faded_before_it_loses_its_place(seed, crossing):
     rng = np.random.default_rng(seed)
     on, usable = rng.random((121, 4)) < 0.8, np.repeat(rng.random((11, 4)) < 0.7, 11, axis=0)
-    fades = faded(on, SECONDS, crossing, usable=usable)
+    fades = fade_weights(on, SECONDS, crossing, usable=usable)
     assert (fades[~usable] == 0).all()
     assert np.abs(np.diff(fades, axis=0)).max() <= 1.02 * 2 / crossing / FPS
 
@@ -249,7 +249,7 @@ def test_a_point_has_faded_before_it_loses_its_place(seed, crossing):
         (lambda: drive([0, 1], [1, 1], dead_zone_w=[0.1]), "one number or 2"),
         (lambda: drive([0, 1], [1, 1], ring=RING, max_speed_rad_s=-1), "fastest turn"),
         (lambda: drive([0, 1], [1, 1], close_focus_m=-1), "close focus"),
-        (lambda: faded([[2.0], [1.0]], [0, 1], 1.0), "from 0 to 1"),
+        (lambda: fade_weights([[2.0], [1.0]], [0, 1], 1.0), "from 0 to 1"),
         (lambda: FocusRing(0.0, 1.0), "throw"),
         (lambda: FocusRing(1.0, math.inf), "close focus"),
     ],

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.focus.overlap import kept_beside_sharp
+from render.focus.overlap import overlap_shares
 from render.focus.points import FocusTargets
 from render.focus.solve import STATES, solve_distances, solve_focus
 from render.model.lens_law import LensLaw
@@ -183,7 +183,7 @@ def test_what_soft_points_keep_is_what_the_formula_says(seed):
     reaches, weights = rng.uniform(0.01, 0.3, (n, k)), rng.uniform(0.1, 2, (n, k))
     soft = rng.random(k) < 0.5
     sharp = ~soft & (rng.random((n, k)) < 0.8)
-    kept = kept_beside_sharp(slopes, reaches, weights, soft, sharp)
+    kept = overlap_shares(slopes, reaches, weights, soft, sharp)
     for frame in range(n):
         for i in range(k):
             share = 1.0

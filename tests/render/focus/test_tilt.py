@@ -15,8 +15,8 @@ from render.focus.tilt import (
     fit_targets,
     hinge_m,
     lens_axis,
+    limit_plane,
     limit_planes,
-    limited,
     plane_of,
     plane_through,
     tilt_and_swing,
@@ -71,7 +71,7 @@ def test_a_lens_tilted_as_solved_shows_the_plane_sharp(seed):
     slopes = points_on(asked, seed)
     fit = plane_through(slopes, w_on(asked, slopes))
     assert fit.rank == 3
-    plane, was_limited = limited(fit.plane, FOCAL_MM, math.radians(15), slopes, w_on(asked, slopes))
+    plane, was_limited = limit_plane(fit.plane, FOCAL_MM, math.radians(15), slopes, w_on(asked, slopes))
     assert not was_limited
     tilt, swing = tilt_and_swing(plane, FOCAL_MM)
     turned = turn_about_x(tilt) @ turn_about_y(swing) @ [0, 0, -1]  # camera space: looks along -Z
@@ -200,7 +200,7 @@ def test_limits_hold_and_no_plane_within_them_is_better(seed, degrees):
     rng = np.random.default_rng(seed)
     slopes, w = rng.uniform(-0.3, 0.3, (5, 2)), rng.uniform(0.05, 2, 5)
     fit = plane_through(slopes, w)
-    plane, changed = limited(fit.plane, FOCAL_MM, math.radians(degrees), slopes, w)
+    plane, changed = limit_plane(fit.plane, FOCAL_MM, math.radians(degrees), slopes, w)
     steepest = math.sin(math.radians(degrees)) / (FOCAL_MM / 1000)
     steepness = math.hypot(plane.slope_x, plane.slope_y)
     assert steepness <= steepest * (1 + 1e-9)
@@ -220,7 +220,7 @@ def test_a_plane_along_the_view_axis_is_tilted_up_to_the_lenss_limit():
     slopes = np.array([[0.0, -1e-3], [0.0, 1e-3], [0.1, 0.0]])
     w = np.array([0.2, 2.0, 1.1])  # near and far points almost behind each other
     fit = plane_through(slopes, w)
-    plane, changed = limited(fit.plane, FOCAL_MM, math.radians(8), slopes, w)
+    plane, changed = limit_plane(fit.plane, FOCAL_MM, math.radians(8), slopes, w)
     assert changed
     tilt, swing = tilt_and_swing(plane, FOCAL_MM)
     assert math.acos(math.cos(tilt) * math.cos(swing)) == pytest.approx(math.radians(8))
@@ -232,7 +232,7 @@ def test_level_ground_before_a_level_camera_needs_no_limit():
     slopes = np.array([[0.1, -0.3], [-0.2, -0.2], [0.0, -0.1], [0.1, -0.05]])
     w = -slopes[:, 1] / 1.6
     fit = plane_through(slopes, w)
-    plane, _ = limited(fit.plane, 50.0, math.radians(8), slopes, w)
+    plane, _ = limit_plane(fit.plane, 50.0, math.radians(8), slopes, w)
     assert plane.w0 == pytest.approx(0, abs=1e-9)
     assert math.degrees(tilt_and_swing(plane, 50.0)[0]) == pytest.approx(-math.degrees(math.asin(0.05 / 1.6)))
 
@@ -255,7 +255,7 @@ def test_impossible_planes_and_numbers_are_refused():
     with pytest.raises(SettingsError, match=r"passes 0\.04 m beside the lens"):
         lens_axis(FocalPlane(1.0, 25.0), 50.0)
     with pytest.raises(SettingsError, match="largest angle"):
-        limited(FocalPlane(1.0), 50.0, math.pi / 2, [[0, 0]], [1.0])
+        limit_plane(FocalPlane(1.0), 50.0, math.pi / 2, [[0, 0]], [1.0])
     with pytest.raises(SettingsError, match="weights"):
         plane_through([[0, 0]], [1.0], [-1.0])
     with pytest.raises(SettingsError, match="finite places"):

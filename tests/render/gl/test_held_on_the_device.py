@@ -18,8 +18,8 @@ from render.lab.bench.rig import LensRig
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.targets import LayerTargets, SurfaceTargets
 from render.model.lens import HeightField
-from render.optics.prescription.completion import completed
-from render.optics.prescription.focusing import focused
+from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.focusing import focus_lens
 from render.trace.surface_tracer import SurfaceTracer
 from tests.render.kits.lenses import PLANAR
 
@@ -85,7 +85,7 @@ def nbuffers(ctx: Any, programs: ProgramCache) -> object:
 
 
 def lens_rays(ctx: Any, programs: ProgramCache) -> object:
-    lens = focused(completed(PLANAR.prescription), 2.0, 2.8)
+    lens = focus_lens(complete_prescription(PLANAR.prescription), 2.0, 2.8)
     field = HeightField(np.zeros((4, 4)), np.zeros((4, 4)))
     return SurfaceTracer(ctx, programs).trace(lens, np.zeros((1, 2)), np.zeros((1, 2)), [550.0], field)
 

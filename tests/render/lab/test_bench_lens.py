@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from render.lab.bench.goals import judged
+from render.lab.bench.goals import judge
 from render.lab.bench.plan import quick_plan
 from render.lab.bench.results import (
     Goal,
@@ -80,13 +80,13 @@ def test_goals_say_what_holds() -> None:
     )
     apart = replace(lens, disperses=True, trace_over_thin=4.8)
     bench = LensBench("llvmpipe", True, 800, 600, 100, 2, [scene], Sweeps("hall", [], layers, [], [lens, apart]), 60.6)
-    verdicts = {goal.goal: goal for goal in judged(bench)}
+    verdicts = {goal.goal: goal for goal in judge(bench)}
     assert [goal.holds for goal in verdicts.values()] == [True, False, True, False, True, True]
     share = next(goal for name, goal in verdicts.items() if "second four" in name)
     assert share.got == pytest.approx(1 / 3)
-    on_gpu = judged(replace(bench, software=False))
+    on_gpu = judge(replace(bench, software=False))
     assert on_gpu[0] == Goal("hall: times faster than the reference, at least", 15.0, 6, False)
-    assert "FAIL  hall: PSNR in dB, at least 45: 44" in report(replace(bench, goals=judged(bench)))
+    assert "FAIL  hall: PSNR in dB, at least 45: 44" in report(replace(bench, goals=judge(bench)))
 
 
 @pytest.mark.parametrize("psnr_db", [float("inf"), float("nan")])

@@ -10,7 +10,7 @@ import pytest
 from render.engines import engine_names
 from render.lab.bench.clock import Spent
 from render.lab.bench.postblur.plan import QUICK
-from render.lab.bench.postblur.speed import crossover, exponent, judged
+from render.lab.bench.postblur.speed import crossover, exponent, fit_growth
 from render.postblur.flag import BAND_BYTES
 from tests.render.kits.cli_shots import Command
 
@@ -32,7 +32,7 @@ def test_the_crossover_lies_where_both_take_as_long() -> None:
 
 def test_times_are_judged_by_the_requested_clock() -> None:
     spent = [(Spent(radius, 50.0), Spent(radius**2, 25.0)) for radius in QUICK.radii]
-    wall, processor = (judged(QUICK, spent, by_processor=by) for by in (False, True))
+    wall, processor = (fit_growth(QUICK, spent, by_processor=by) for by in (False, True))
     assert wall.ahead == pytest.approx(QUICK.radii)
     assert wall.flag_exponent == pytest.approx(1)
     assert processor.ahead == pytest.approx([0.5] * len(QUICK.radii))

@@ -16,7 +16,7 @@ from render.model.camera import Camera
 from render.model.lens import AIR, AberrationScales, Glass, HeightField, Lens, Prescription, SeidelErrors, Surface
 from render.model.scene import Dome, Scene
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.mounting import mounted
+from render.optics.prescription.mounting import mount_lens
 from render.optics.sampling import lens_samples
 from tests.render.kits.lenses import DOUBLE_GAUSS, FISHEYE, PLANAR, WIDE, KnownLens
 
@@ -49,7 +49,7 @@ def rays_of(camera: Camera, pupil: tuple[float, float], ideal: DoubleArray, nm: 
 
 def back_to(camera: Camera, rays: SceneRays, nm: float, last: int | None = None) -> TracedRays:
     """Rays from the scene through the mounted lens toward the film, up to a surface."""
-    lens = mounted(camera)
+    lens = mount_lens(camera)
     slopes, offsets = (part[rays.weights > 0] for part in (rays.slopes, rays.offsets))
     starts = np.concatenate([1000 * offsets + 100 * slopes, np.full((len(slopes), 1), lens.entrance_pupil_mm - 100)], 1)
     headings = np.concatenate([-slopes, np.ones((len(slopes), 1))], 1)
@@ -73,7 +73,7 @@ def test_a_ray_leads_from_its_film_point_through_its_stop_point(
 ) -> None:
     """Whatever the aiming does: light on that ray from the scene lands where the pixel is, upside down, by way of the sample."""
     camera = prescribed(known, f_stop)
-    lens, ideal = mounted(camera), field(camera)
+    lens, ideal = mount_lens(camera), field(camera)
     for nm in (475.0, 650.0):
         rays = rays_of(camera, pupil, ideal, nm)
         is_open = rays.weights > 0
@@ -92,7 +92,7 @@ def test_blocked_rays_are_those_that_a_rim_blocks() -> None:
     rays = rays_of(camera, (0.0, 0.9), ideal)
     assert np.isnan(rays.slopes[rays.weights == 0]).all()
     assert 0.05 < (rays.weights == 0).mean() < 0.9
-    lens = mounted(camera)
+    lens = mount_lens(camera)
     back = back_to(camera, rays, D_LINE_NM)
     assert not back.beyond_rim.any()
     assert (rays.weights > 0)[12, 12]  # the middle of the picture
@@ -223,7 +223,7 @@ def test_a_height_map_on_a_lens_moves_the_picture_as_a_prism_does() -> None:
     camera = replace(SINGLET, lens=lens, f_stop=8.0, focus_distance_m=0.0)
     plain = rays_of(replace(SINGLET, f_stop=8.0, focus_distance_m=0.0), (0.0, 0.0), np.zeros((1, 1, 2)))
     wedged = rays_of(camera, (0.0, 0.0), np.zeros((1, 1, 2)))
-    scale = 50 / mounted(camera).first.focal_length_mm
+    scale = 50 / mount_lens(camera).first.focal_length_mm
     assert scale == pytest.approx(1)
     turned = wedged.slopes[0, 0] - plain.slopes[0, 0]
     assert abs(turned[0]) == pytest.approx(0.517 * angle, rel=0.05)

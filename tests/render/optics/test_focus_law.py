@@ -14,7 +14,7 @@ from render.model.lens import Lens
 from render.model.lens_law import LensLaw
 from render.optics.depth_of_field import coc_slope_mm_m
 from render.optics.focus_law import focus_law, focus_laws
-from render.optics.prescription.mounting import distance_from_film_m, mounted
+from render.optics.prescription.mounting import distance_from_film_m, mount_lens
 from tests.render.kits.lenses import PLANAR, SIX_LENSES, KnownLens
 
 TO_FIRST_ORDER = (
@@ -35,7 +35,7 @@ def test_the_law_of_glass_is_that_of_the_lens_set_to_each_distance(lens: KnownLe
     camera = camera_with(lens, breathing=breathing)
     law = focus_law(camera)
     for distance_m in (math.inf, 20.0, 2.0, 0.7):
-        glass = mounted(replace(camera, focus_distance_m=distance_m))
+        glass = mount_lens(replace(camera, focus_distance_m=distance_m))
         scale_mm = glass.image_scale_mm if breathing else camera.focal_length_mm
         slope = scale_mm * 2 * glass.entrance_pupil_radius_mm / 1000
         assert law.coc_slope_mm_m([1 / distance_m])[0] == pytest.approx(slope, rel=TO_FIRST_ORDER)
@@ -50,10 +50,10 @@ def test_the_law_ends_where_the_lens_does(group: tuple[int, int] | None) -> None
     moving = replace(PLANAR.prescription, focus_group=group)
     camera = camera_with(replace(PLANAR, prescription=moving), 80.0)
     nearest_w = float(focus_law(camera).near_w[0])
-    mounted(replace(camera, focus_distance_m=1.02 / nearest_w))
+    mount_lens(replace(camera, focus_distance_m=1.02 / nearest_w))
     if group is not None:
         with pytest.raises(SettingsError):
-            mounted(replace(camera, focus_distance_m=0.97 / nearest_w))
+            mount_lens(replace(camera, focus_distance_m=0.97 / nearest_w))
 
 
 @pytest.mark.parametrize("model", ["thin", "prescription"])
@@ -88,7 +88,7 @@ def test_a_zoom_is_looked_at_once_for_many_focal_lengths() -> None:
     laws = focus_laws([*cameras, Camera(np.eye(4), f_stop=4.0)])
     assert laws.frames == 4
     for i, camera in enumerate(cameras):
-        glass = mounted(replace(camera, focus_distance_m=0.8))
+        glass = mount_lens(replace(camera, focus_distance_m=0.8))
         slope = camera.focal_length_mm * 2 * glass.entrance_pupil_radius_mm / 1000
         assert laws.coc_slope_mm_m(np.full(4, 1.25))[i] == pytest.approx(slope, rel=TO_FIRST_ORDER)
     assert laws.coc_slope_mm_m(np.full(4, 1.25))[3] == pytest.approx(coc_slope_mm_m(50.0, 4.0))

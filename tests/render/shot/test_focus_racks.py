@@ -10,7 +10,7 @@ from pxr import Usd
 
 from render.errors import SettingsError
 from render.focus import racks
-from render.focus.racks import EASES, eased, rack
+from render.focus.racks import EASES, ease_progress, rack
 from render.focus.tracking import FocusRing
 from render.model.camera import Camera
 from render.model.lens import Lens
@@ -58,7 +58,7 @@ def test_the_eases_of_the_lens_and_of_the_keys_are_the_same():
     u = np.linspace(0, 1, 33)
     for ease, (start, end) in keyed_racks.END_SLOPES.items():
         hermite = (u**3 - 2 * u**2 + u) * start + (3 * u**2 - 2 * u**3) + (u**3 - u**2) * end
-        np.testing.assert_allclose(eased(ease, u), hermite, atol=1e-12)
+        np.testing.assert_allclose(ease_progress(ease, u), hermite, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,8 @@ from render.optics.flare.coating import reflectance
 from render.optics.flare.ghost_sheets import Source, ghost_sheets
 from render.optics.flare.ghosts import GhostPath, ghost_paths, trace_ghost
 from render.optics.iris import transmission
-from render.optics.prescription.completion import completed
-from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.optics.prescription.paraxial import paraxial_system
 from render.optics.spectrum import THREE_LINES, Spectrum, band_nm, spectrum
 from render.optics.view import PinholeView
@@ -49,11 +49,11 @@ def singlet(f_stop: float, coating_nm: float = 0.0) -> FocusedLens:
         Surface(50.0, 4.0, glass, 12.0, coating_nm=coating_nm),
         Surface(-50.0, 0.0, semi_diameter_mm=12.0, coating_nm=coating_nm),
     )
-    return focused(completed(Prescription(surfaces, name="a singlet")), np.inf, f_stop)
+    return focus_lens(complete_prescription(Prescription(surfaces, name="a singlet")), np.inf, f_stop)
 
 
 def double_gauss(f_stop: float) -> FocusedLens:
-    return focused(completed(DOUBLE_GAUSS.prescription), np.inf, f_stop)
+    return focus_lens(complete_prescription(DOUBLE_GAUSS.prescription), np.inf, f_stop)
 
 
 def view_of(lens: FocusedLens, width: int, height: int, gate_mm: float = 36.0) -> PinholeView:
@@ -68,7 +68,7 @@ def energy(picture: FloatArray, view: PinholeView) -> DoubleArray:
 
 
 def test_every_pair_of_refracting_surfaces_makes_a_ghost() -> None:
-    prescription = completed(DOUBLE_GAUSS.prescription)
+    prescription = complete_prescription(DOUBLE_GAUSS.prescription)
     mirrors = len(prescription.surfaces) - 1  # all but the stop: the cemented surfaces reflect too
     paths = ghost_paths(prescription)
     assert len(paths) == len(set(paths)) == mirrors * (mirrors - 1) // 2

@@ -11,8 +11,8 @@ from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, Glass, HeightField, Prescription, Surface
-from render.optics.prescription.completion import completed
-from render.optics.prescription.focusing import focused
+from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.focusing import focus_lens
 from render.trace.grid_table import grid_table
 from render.trace.lens_table import GridTable
 from render.trace.surface_tracer import SurfaceTracer
@@ -44,7 +44,7 @@ def make() -> Iterator[Make]:
     graphics = GraphicsContext()
     graphics.make_current()
     tracer = SurfaceTracer(graphics.ctx, ProgramCache(graphics.ctx))
-    lens = focused(completed(LENS, image_height_mm=12.0), FOCUS_M, 4.0)
+    lens = focus_lens(complete_prescription(LENS, image_height_mm=12.0), FOCUS_M, 4.0)
     made: dict[tuple[int, AberrationScales], GridTable] = {}
 
     def table(heights: HeightField = FLAT, **factors: float) -> GridTable:

@@ -13,8 +13,8 @@ from render.lab.reference.lens_tracer import trace as trace_slowly
 from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, Glass, HeightField, Prescription, Surface
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.completion import completed
-from render.optics.prescription.focusing import FocusedLens, focused
+from render.optics.prescription.completion import complete_prescription
+from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.trace.lens_fit import even_basis, odd_basis
 from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, PolynomialTable
 from render.trace.prescription_table import prescription_table
@@ -34,7 +34,7 @@ def tracer() -> Iterator[SurfaceTracer]:
 
 
 def lens_of(known: KnownLens) -> FocusedLens:
-    return focused(completed(known.prescription, image_height_mm=known.field_mm), FOCUS_M, known.f_stop)
+    return focus_lens(complete_prescription(known.prescription, image_height_mm=known.field_mm), FOCUS_M, known.f_stop)
 
 
 def some_rays(known: KnownLens, lens: FocusedLens, seed: int = 0) -> tuple[DoubleArray, DoubleArray]:
@@ -74,7 +74,7 @@ def test_rays_meet_heights_up_to_the_rim_whatever_side_is_low(tracer: SurfaceTra
         Surface(-200.0, 2.0, semi_diameter_mm=8.4),
         Surface(0, 0, is_stop=True),
     )
-    lens = focused(completed(Prescription(surfaces, f_stop=3.2)), FOCUS_M, 3.2)
+    lens = focus_lens(complete_prescription(Prescription(surfaces, f_stop=3.2)), FOCUS_M, 3.2)
     wedge = np.tile(np.linspace(0.2, -0.2, 65), (65, 1))
     stop = np.stack([np.linspace(-1, 1, 81), np.zeros(81)], axis=1) * lens.stop_radius_mm
     film = np.zeros_like(stop)
@@ -149,7 +149,7 @@ def test_the_fitted_table_holds_the_rays_between_its_nodes(tracer: SurfaceTracer
 def test_the_corner_darkens_by_the_fourth_power_of_the_cosine(tracer: SurfaceTracer, known: KnownLens) -> None:
     """A tiny stop, nothing clipped: light falls as cos⁴ of the ray's angle at the film times the pupil's own change (Reiss
     1945); and whatever the lens, as the cos⁴ law of its object side times the stretch of its image."""
-    lens = focused(completed(known.prescription, image_height_mm=known.field_mm), np.inf, 64.0)
+    lens = focus_lens(complete_prescription(known.prescription, image_height_mm=known.field_mm), np.inf, 64.0)
     last_slope = 0.9 * known.field_mm / lens.image_scale_mm
     table = prescription_table(tracer, lens, last_slope, 0.0, (D_LINE_NM,), AberrationScales())
     heights = np.linspace(0, last_slope, table.rows.shape[1])

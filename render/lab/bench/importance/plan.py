@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sizes", metavar="N,N", help="pixels along each side of the pictures; without it 256,1024")
 
 
-def asked_plan(arguments: argparse.Namespace) -> Plan:
+def plan_from_arguments(arguments: argparse.Namespace) -> Plan:
     """Plan from the command line's arguments.
 
     Args:

@@ -17,7 +17,7 @@ from render.files import check_writable, write_atomic
 from render.frame import FrameRenderer
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Spent, StageClock
-from render.lab.bench.importance.plan import Plan, asked_plan
+from render.lab.bench.importance.plan import Plan, plan_from_arguments
 from render.lab.bench.importance.results import CutoffRow, ExperimentRow, ImportanceBench
 from render.lab.bench.importance.scene import CUTOFF_EXPERIMENT, EXPERIMENTS, Experiment, Picture, StillLife
 from render.lab.bench.progress import check_file, goal_lines, say
@@ -220,7 +220,7 @@ def run(arguments: argparse.Namespace) -> None:
         GraphicsError: there is no device to draw on.
         OutputError: a file cannot be written.
     """
-    plan = asked_plan(arguments)
+    plan = plan_from_arguments(arguments)
     check_file(arguments.json)
     if arguments.plot is not None:
         check_writable(arguments.plot)

@@ -64,6 +64,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def asked_plan(arguments: argparse.Namespace) -> PostBlurPlan:
+def plan_from_arguments(arguments: argparse.Namespace) -> PostBlurPlan:
     """Plan from the command line's arguments."""
     return QUICK if arguments.quick else FULL

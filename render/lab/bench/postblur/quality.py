@@ -11,7 +11,7 @@ from pathlib import Path
 from render.demo.shot import write_demo
 from render.engines import engine_names
 from render.frame import FrameRenderer
-from render.lab.bench.clock import Repeats, Spent, timed
+from render.lab.bench.clock import Repeats, Spent, time_work
 from render.lab.bench.postblur.plan import F_STOP, FRAME, PostBlurPlan
 from render.lab.reference.metrics import psnr_db, ssim
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
@@ -72,7 +72,7 @@ def _scene_rows(
         take = partial(_take, renderer, scene, camera, replace(settings, engine=engine), pictures)
         if engine not in ("lens", "accumulation"):
             take()  # compiles
-        spent = timed(renderer.graphics.ctx.finish, take, ONCE)
+        spent = time_work(renderer.graphics.ctx.finish, take, ONCE)
         made[engine] = pictures[-1], spent
     for engine, (picture, spent) in made.items():
         alike = [

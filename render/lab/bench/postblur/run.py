@@ -13,7 +13,7 @@ from pathlib import Path
 from render.errors import SettingsError
 from render.files import check_writable, write_atomic
 from render.frame import FrameRenderer
-from render.lab.bench.postblur.plan import AHEAD_FROM, SUFFIXES, PostBlurPlan, asked_plan
+from render.lab.bench.postblur.plan import AHEAD_FROM, SUFFIXES, PostBlurPlan, plan_from_arguments
 from render.lab.bench.postblur.quality import QualityRow, quality
 from render.lab.bench.postblur.speed import Growth, growth, memory_mb
 from render.lab.bench.progress import check_file, goal_lines, say
@@ -147,7 +147,7 @@ def run(arguments: argparse.Namespace) -> None:
         if Path(arguments.plot).suffix not in SUFFIXES:
             raise SettingsError(f"--plot must end in {' or '.join(SUFFIXES)}, got {arguments.plot!r}")
         check_writable(arguments.plot)
-    found = measure(asked_plan(arguments))
+    found = measure(plan_from_arguments(arguments))
     if arguments.plot is not None:
         write_atomic(Path(arguments.plot), drawn(found, Path(arguments.plot).suffix[1:]))
     say(found, report(found), arguments.json)

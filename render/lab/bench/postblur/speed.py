@@ -15,7 +15,7 @@ import numpy as np
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache
-from render.lab.bench.clock import Repeats, Spent, timed
+from render.lab.bench.clock import Repeats, Spent, time_work
 from render.lab.bench.postblur.plan import PostBlurPlan
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
@@ -73,7 +73,7 @@ def growth(ctx: moderngl.Context, plan: PostBlurPlan, *, mixed: bool, by_process
     programs = ProgramCache(ctx)
     blurs = Flag(ctx, programs), Gather(ctx, programs)
     spent = [_spent(ctx, blurs, plan, float(radius), mixed=mixed) for radius in plan.radii]
-    return judged(plan, spent, by_processor=by_processor)
+    return fit_growth(plan, spent, by_processor=by_processor)
 
 
 def _spent(
@@ -87,10 +87,10 @@ def _spent(
         flag()  # compiles; a driver may do so for a size that it has not met
         if radius_px == plan.radii[0]:
             gather()
-        return timed(ctx.finish, flag, plan.repeats), timed(ctx.finish, gather, SLOW)
+        return time_work(ctx.finish, flag, plan.repeats), time_work(ctx.finish, gather, SLOW)
 
 
-def judged(plan: PostBlurPlan, spent: Sequence[tuple[Spent, Spent]], *, by_processor: bool) -> Growth:
+def fit_growth(plan: PostBlurPlan, spent: Sequence[tuple[Spent, Spent]], *, by_processor: bool) -> Growth:
     """Growth of the times of FLAG and of the naive gather, measured at each of the plan's radii."""
     flag, naive = ([pair[i] for pair in spent] for i in (0, 1))
     times = [[one.cpu_ms if by_processor else one.wall_ms for one in side] for side in (flag, naive)]

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of what is edited")
 
 
-def asked_plan(arguments: argparse.Namespace) -> SoakPlan:
+def plan_from_arguments(arguments: argparse.Namespace) -> SoakPlan:
     """The plan that the arguments ask for.
 
     Args:

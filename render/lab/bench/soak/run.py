@@ -26,7 +26,7 @@ from render.film import GradeChoice
 from render.frame import FrameRenderer
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
-from render.lab.bench.soak.plan import SoakPlan, asked_plan
+from render.lab.bench.soak.plan import SoakPlan, plan_from_arguments
 from render.lab.bench.soak.shot import BALLS, CAMERA, FRAMES, write_soak_shot
 from render.model.frame_settings import FrameSettings
 from render.pictures.live_finisher import LiveFinisher
@@ -257,7 +257,7 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the file cannot be written.
     """
     check_file(arguments.json)
-    found = measure(asked_plan(arguments))
+    found = measure(plan_from_arguments(arguments))
     say(found, report(found), arguments.json)
 
 

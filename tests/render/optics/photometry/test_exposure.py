@@ -29,7 +29,7 @@ from render.optics.photometry.illuminance import (
     magnification,
     natural_vignetting,
 )
-from render.optics.prescription.mounting import mounted
+from render.optics.prescription.mounting import mount_lens
 from render.optics.view import PinholeView
 from render.shot.lens.lens_alone import lens_alone
 
@@ -182,7 +182,7 @@ def test_magnification_counts_from_the_entrance_pupil() -> None:
 def test_real_glass_is_as_bright_as_its_exit_pupil_is_wide(lens: str, distance_m: float) -> None:
     """``N·(1 + m/P)`` is how far the film is from the exit pupil, over its diameter."""
     camera = replace(lens_alone(lens).camera, f_stop=8.0, focus_distance_m=distance_m, breathing=True)
-    glass = mounted(camera)
+    glass = mount_lens(camera)
     away = abs(glass.film_mm - glass.exit_pupil_mm) / (2 * glass.exit_pupil_radius_mm)
     # it is focused for the least blur, which is not quite the paraxial focus
     assert light_path(camera).effective_f_stop == pytest.approx(away, rel=0.01)

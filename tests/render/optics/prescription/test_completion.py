@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from render.errors import InputError, SettingsError
 from render.model.lens import AIR, Glass, Prescription, Surface
 from render.optics.prescription.beams import oblique_beam
-from render.optics.prescription.completion import completed, scaled
+from render.optics.prescription.completion import complete_prescription, scale_prescription
 from render.optics.prescription.paraxial import first_order, stop_index, vertices
 from render.optics.prescription.surface_shape import sag_mm
 from render.optics.prescription.tracing import trace_forward
@@ -63,18 +63,18 @@ def share_past_rims(lens: Prescription, image_height_mm: float) -> float:
 
 @pytest.mark.parametrize("lens", SIX_LENSES, ids=NAMES)
 def test_a_completed_lens_lacks_nothing(lens: KnownLens) -> None:
-    whole = completed(lens.prescription, image_height_mm=lens.field_mm)
+    whole = complete_prescription(lens.prescription, image_height_mm=lens.field_mm)
     assert all(surface.semi_diameter_mm > 0 for surface in whole.surfaces)
     assert whole.surfaces[-1].thickness_mm == pytest.approx(lens.back_focal_mm, rel=1e-3)
     assert whole.f_stop == pytest.approx(lens.f_stop, rel=2e-3)
     assert any("back focal distance" in note for note in whole.notes)
-    assert completed(whole, image_height_mm=lens.field_mm) == whole
+    assert complete_prescription(whole, image_height_mm=lens.field_mm) == whole
 
 
 @pytest.mark.parametrize("lens", SIX_LENSES, ids=NAMES)
 def test_a_stop_of_unknown_diameter_follows_from_the_f_number(lens: KnownLens) -> None:
     stop = stop_index(lens.prescription)
-    whole = completed(replace(changed(lens.prescription, stop, semi_diameter_mm=0.0), f_stop=lens.f_stop))
+    whole = complete_prescription(replace(changed(lens.prescription, stop, semi_diameter_mm=0.0), f_stop=lens.f_stop))
     stated = lens.prescription.surfaces[stop].semi_diameter_mm
     assert whole.surfaces[stop].semi_diameter_mm == pytest.approx(stated, rel=2e-3)
     assert any("stop's diameter" in note for note in whole.notes)
@@ -82,14 +82,14 @@ def test_a_stop_of_unknown_diameter_follows_from_the_f_number(lens: KnownLens) -
 
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, WIDE, FISHEYE, TELEPHOTO], ids=lambda lens: lens.prescription.name)
 def test_rims_alone_tell_the_f_number(lens: KnownLens) -> None:
-    whole = completed(changed(lens.prescription, stop_index(lens.prescription), semi_diameter_mm=0.0))
+    whole = complete_prescription(changed(lens.prescription, stop_index(lens.prescription), semi_diameter_mm=0.0))
     assert whole.f_stop == pytest.approx(lens.f_stop, rel=0.03)
 
 
 # The rule for missing clear diameters against lenses whose clear diameters are published.
 @pytest.mark.parametrize("lens", [WIDE, FISHEYE], ids=lambda lens: lens.prescription.name)
 def test_solved_clear_diameters_are_like_the_published_ones(lens: KnownLens) -> None:
-    whole = completed(without_diameters(lens), image_height_mm=lens.field_mm)
+    whole = complete_prescription(without_diameters(lens), image_height_mm=lens.field_mm)
     solved = np.array([surface.semi_diameter_mm for surface in whole.surfaces])
     published = np.array([surface.semi_diameter_mm for surface in lens.prescription.surfaces])
     assert np.median(np.abs(solved / published - 1)) < 0.05
@@ -98,7 +98,7 @@ def test_solved_clear_diameters_are_like_the_published_ones(lens: KnownLens) -> 
 
 @pytest.mark.parametrize("lens", SIX_LENSES, ids=NAMES)
 def test_solved_clear_diameters_let_the_stop_limit_the_axial_beam(lens: KnownLens) -> None:
-    whole = completed(without_diameters(lens), image_height_mm=lens.field_mm)
+    whole = complete_prescription(without_diameters(lens), image_height_mm=lens.field_mm)
     assert any("clear diameters of all surfaces were solved for" in note for note in whole.notes)
     assert not any("cuts the beam" in note for note in whole.notes)
 
@@ -106,12 +106,12 @@ def test_solved_clear_diameters_let_the_stop_limit_the_axial_beam(lens: KnownLen
 # Photographic lenses vignette by about a stop at the corner, wide open; a telephoto of long back focus less.
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, PLANAR, DISTAGON, WIDE], ids=lambda lens: lens.prescription.name)
 def test_solved_clear_diameters_pass_about_half_the_light_at_a_corner(lens: KnownLens) -> None:
-    whole = completed(without_diameters(lens), image_height_mm=lens.field_mm)
+    whole = complete_prescription(without_diameters(lens), image_height_mm=lens.field_mm)
     assert 0.5 < share_past_rims(whole, lens.field_mm) < 0.65
 
 
 def test_a_field_without_light_is_reported() -> None:
-    whole = completed(without_diameters(FISHEYE), image_height_mm=30.0)
+    whole = complete_prescription(without_diameters(FISHEYE), image_height_mm=30.0)
     assert any("not the 30 mm of the field" in note for note in whole.notes)
 
 
@@ -119,7 +119,7 @@ def test_a_field_without_light_is_reported() -> None:
 def test_a_missing_stop_is_put_where_the_designer_had_it(lens: KnownLens) -> None:
     stop, first_mm = stop_index(lens.prescription), vertices(lens.prescription)
     bare = replace(without_stop(lens.prescription), f_stop=lens.f_stop)
-    whole = completed(bare, image_height_mm=lens.field_mm)
+    whole = complete_prescription(bare, image_height_mm=lens.field_mm)
     assert stop_index(whole) == stop
     gap_mm = first_mm[stop + 1] - first_mm[stop - 1]
     assert abs(vertices(whole)[stop] - first_mm[stop]) < 0.2 * gap_mm
@@ -128,22 +128,22 @@ def test_a_missing_stop_is_put_where_the_designer_had_it(lens: KnownLens) -> Non
 
 def test_a_focus_group_counts_on_behind_a_stop_that_was_put_in() -> None:
     bare = replace(without_stop(PLANAR.prescription), f_stop=1.4, focus_group=(6, 12))
-    assert completed(bare).focus_group == (7, 13)
+    assert complete_prescription(bare).focus_group == (7, 13)
 
 
 def test_a_lens_without_air_gaps_has_its_stop_at_the_front_rim() -> None:
-    whole = completed(changed(SINGLET, 0, is_stop=False))
+    whole = complete_prescription(changed(SINGLET, 0, is_stop=False))
     assert stop_index(whole) == 0
     assert len(whole.surfaces) == 2
 
 
 def test_a_rim_that_limits_the_axial_beam_is_reported() -> None:
-    whole = completed(changed(DOUBLE_GAUSS.prescription, 8, semi_diameter_mm=5.0))
+    whole = complete_prescription(changed(DOUBLE_GAUSS.prescription, 8, semi_diameter_mm=5.0))
     assert any("Surface 9 cuts the beam on the axis to f/" in note for note in whole.notes)
 
 
 def test_solved_surfaces_end_where_they_meet_their_neighbours() -> None:
-    lens = completed(without_diameters(DISTAGON), image_height_mm=21.6)
+    lens = complete_prescription(without_diameters(DISTAGON), image_height_mm=21.6)
     for i, (front, behind) in enumerate(zip(lens.surfaces, lens.surfaces[1:], strict=False)):
         edge = min(front.semi_diameter_mm, behind.semi_diameter_mm) ** 2
         apart = front.thickness_mm + sag_mm(behind, edge) - sag_mm(front, edge)
@@ -184,7 +184,7 @@ def test_solved_surfaces_end_where_they_meet_their_neighbours() -> None:
 )
 def test_bad_numbers_are_named_by_surface(index: int, changes: dict[str, object], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        completed(changed(DOUBLE_GAUSS.prescription, index, **changes))
+        complete_prescription(changed(DOUBLE_GAUSS.prescription, index, **changes))
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_bad_numbers_are_named_by_surface(index: int, changes: dict[str, object]
 )  # fmt: skip
 def test_impossible_lenses_are_refused(prescription: Prescription, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        completed(prescription)
+        complete_prescription(prescription)
 
 
 def test_total_internal_reflection_everywhere_is_named() -> None:
@@ -233,7 +233,7 @@ def test_total_internal_reflection_everywhere_is_named() -> None:
     with pytest.raises(
         InputError, match="surface 2 of Trap: no light gets through: total internal reflection turns back"
     ):
-        completed(Prescription(surfaces, name="Trap"))
+        complete_prescription(Prescription(surfaces, name="Trap"))
 
 
 numbers = st.floats(-1e3, 1e3) | st.sampled_from([0.0, np.nan, np.inf, -np.inf, 1e-300, 1e300])
@@ -258,24 +258,24 @@ def test_any_numbers_whatever_make_a_lens_or_one_clear_refusal(
     surfaces: tuple[Surface, ...], f_stop: float, group: tuple[int, int] | None
 ) -> None:
     try:
-        whole = completed(Prescription(surfaces, group, f_stop))
+        whole = complete_prescription(Prescription(surfaces, group, f_stop))
     except InputError:
         return
     assert all(surface.semi_diameter_mm > 0 for surface in whole.surfaces)
     assert whole.f_stop >= 0.5
-    assert completed(whole).surfaces == whole.surfaces
+    assert complete_prescription(whole).surfaces == whole.surfaces
 
 
 @pytest.mark.parametrize("height", [0.0, -1.0, np.nan, np.inf])
 def test_a_field_must_have_a_height(height: float) -> None:
     with pytest.raises(SettingsError, match="image height"):
-        completed(SINGLET, image_height_mm=height)
+        complete_prescription(SINGLET, image_height_mm=height)
 
 
 @given(factor=st.floats(0.05, 20))
 def test_a_scaled_lens_has_all_lengths_scaled_and_the_same_f_number(factor: float) -> None:
     lens = DISTAGON.prescription
-    before, after = first_order(lens), first_order(scaled(lens, factor))
+    before, after = first_order(lens), first_order(scale_prescription(lens, factor))
     for length in (
         "focal_length_mm",
         "back_focal_mm",
@@ -290,14 +290,14 @@ def test_a_scaled_lens_has_all_lengths_scaled_and_the_same_f_number(factor: floa
 
 
 def test_notes_of_a_scaled_lens_say_which_lengths_they_have() -> None:
-    whole = completed(without_diameters(PLANAR))
+    whole = complete_prescription(without_diameters(PLANAR))
     assert any(" mm" in note for note in whole.notes)
-    assert scaled(whole, 1.5).notes == (
+    assert scale_prescription(whole, 1.5).notes == (
         *whole.notes,
-        "Lengths in these notes are from before the lens was scaled by 1.5.",
+        "Lengths in these notes are from before the lens was scale_prescription by 1.5.",
     )
-    assert scaled(whole, 1.0001).notes == whole.notes
-    assert scaled(replace(whole, notes=("No lengths.",)), 2).notes == ("No lengths.",)
+    assert scale_prescription(whole, 1.0001).notes == whole.notes
+    assert scale_prescription(replace(whole, notes=("No lengths.",)), 2).notes == ("No lengths.",)
 
 
 @given(factor=st.floats(0.05, 20), height=st.floats(-12, 12), slope=st.floats(-0.2, 0.2))
@@ -305,12 +305,12 @@ def test_rays_scale_with_the_lens(factor: float, height: float, slope: float) ->
     points, directions = np.array([[1.0, height, 0.0]]), np.array([[0.0, slope, 1.0]]) / np.hypot(1, slope)
     lens = DISTAGON.prescription
     small = trace_forward(lens, points, directions)
-    large = trace_forward(scaled(lens, factor), points * factor, directions)
+    large = trace_forward(scale_prescription(lens, factor), points * factor, directions)
     assert large.directions == pytest.approx(small.directions, abs=1e-9, nan_ok=True)
     assert large.points_mm == pytest.approx(small.points_mm * factor, rel=1e-7, abs=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
 def test_a_lens_is_scaled_by_positive_numbers_only(factor: float) -> None:
-    with pytest.raises(SettingsError, match="scaled by a positive number"):
-        scaled(SINGLET, factor)
+    with pytest.raises(SettingsError, match="scale_prescription by a positive number"):
+        scale_prescription(SINGLET, factor)

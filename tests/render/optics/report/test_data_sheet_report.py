@@ -16,7 +16,7 @@ from render.optics.lens_files import read_measured_lens
 from render.optics.report import lens_report
 from render.optics.report.field import spots
 from render.optics.report.lens_report import film_rays
-from render.optics.report.measuring import measured_sheet
+from render.optics.report.measuring import measure_sheet
 from render.optics.report.sheet_rays import SheetRays
 from render.shot.lens.lens_alone import lens_alone
 from tests.render.kits.data_sheets import SHEET
@@ -25,7 +25,7 @@ from usd_schemas import library_lenses
 
 def test_what_is_measured_of_a_data_sheet_is_the_sheet() -> None:
     sheet = replace(SHEET, light=(1.0, 0.999, 0.97, 0.9, 0.8), coma_mm=(0.0, 0.005, 0.01, -0.01, 0.02), f_stop=2.0)
-    found = measured_sheet(SheetRays(sheet, 50.0, 2.0, 0.0), np.array(sheet.heights_mm), 2.0)
+    found = measure_sheet(SheetRays(sheet, 50.0, 2.0, 0.0), np.array(sheet.heights_mm), 2.0)
     for name, close in (
         ("distortion", 1e-6),
         ("light", 0.003),
@@ -44,7 +44,7 @@ def test_what_is_measured_of_a_data_sheet_is_the_sheet() -> None:
 def test_spots_of_a_measured_lens_are_as_large_as_those_of_its_glass(name: str) -> None:
     lens = lens_alone(name)
     glass, heights = film_rays(lens.camera), np.array([0.0, 6.0, 12.0, 18.0, 21.6])
-    sheet = measured_sheet(glass, heights, lens.camera.f_stop)
+    sheet = measure_sheet(glass, heights, lens.camera.f_stop)
     by_sheet = SheetRays(sheet, lens.camera.focal_length_mm, lens.camera.f_stop, 0.0)
     sizes = [[spot.rms_um for spot in spots(rays, heights, IrisShape())] for rays in (glass, by_sheet)]
     np.testing.assert_allclose(sizes[1], sizes[0], rtol=0.15)

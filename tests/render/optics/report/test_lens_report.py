@@ -12,11 +12,11 @@ from render.model.camera import Camera
 from render.model.lens import Glass, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.optics.distortion import chief_rays
 from render.optics.glass import D_LINE_NM
-from render.optics.prescription.focusing import focused
-from render.optics.prescription.mounting import distance_from_film_m, mounted, nearer_than_marked
+from render.optics.prescription.focusing import focus_lens
+from render.optics.prescription.mounting import distance_from_film_m, mount_lens, nearer_than_marked
 from render.optics.prescription.principal_rays import principal_rays
 from render.optics.report import LensReport, data_sheet, lens_report
-from render.optics.report.aiming import Targets, aim, through
+from render.optics.report.aiming import Targets, aim, trace_aimed
 from render.optics.report.field import spots
 from render.optics.report.lens_report import film_rays, lens_bokeh
 from render.optics.report.section import lens_section
@@ -226,7 +226,7 @@ def test_many_rays_by_polynomials_are_where_exact_rays_are() -> None:
 
 @pytest.mark.parametrize("lens", [DOUBLE_GAUSS, FISHEYE], ids=["double gauss", "fisheye"])
 def test_aimed_rays_meet_their_stop_point_even_far_off_the_axis(lens: KnownLens) -> None:
-    glass = mounted(known(lens))
+    glass = mount_lens(known(lens))
     chief = principal_rays(glass)
     height = 0.8 * min(chief.last_height_mm, lens.field_mm)
     slope, crossing = chief.at(np.array([height]), 0.0)
@@ -238,7 +238,7 @@ def test_aimed_rays_meet_their_stop_point_even_far_off_the_axis(lens: KnownLens)
     )  # fmt: skip
     rays = aim(glass, targets)
     assert rays.solved.all()
-    traced = through(glass, rays, targets.wavelengths_nm, clip=False)
+    traced = trace_aimed(glass, rays, targets.wavelengths_nm, clip=False)
     np.testing.assert_allclose(traced.points_mm[glass.stop, :, :2], stop, atol=1e-6 * glass.stop_radius_mm)
     assert -traced.at(glass.film_mm)[0, 1] == pytest.approx(height, abs=2e-3)
 
@@ -253,9 +253,9 @@ def test_a_refracting_surface_may_be_the_stop() -> None:
 def test_close_focus_is_what_focusing_reaches(planar: LensReport) -> None:
     assert planar.focused is not None
     nearest = planar.nearest_m
-    focused(planar.focused.prescription, 1.01 * nearest, 16.0, by="paraxial")
+    focus_lens(planar.focused.prescription, 1.01 * nearest, 16.0, by="paraxial")
     with pytest.raises(Exception, match="cannot focus"):
-        focused(planar.focused.prescription, 0.99 * nearest, 16.0, by="paraxial")
+        focus_lens(planar.focused.prescription, 0.99 * nearest, 16.0, by="paraxial")
 
 
 @pytest.mark.parametrize(

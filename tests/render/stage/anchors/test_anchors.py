@@ -148,7 +148,7 @@ def test_an_instance_is_followed_by_its_id_as_others_come_and_go() -> None:
         dots.CreateIdsAttr().Set(ids, time)
         dots.GetPositionsAttr().Set([Gf.Vec3f(10 * number, time, 0) for number in ids], time)
     p = point(("/dots", "/dots/a"), barycentric=(1.0, 0.0, 0.0), instance=8)
-    found = AnchorReader(stage).anchored([[p]] * 3, [1.0, 2.0, 3.0])
+    found = AnchorReader(stage).read_anchors([[p]] * 3, [1.0, 2.0, 3.0])
     np.testing.assert_allclose(found.positions_m[:2, 0], [[80, 1, 0], [80, 2, 0]])
     assert "instance 8 of /dots, which does not exist at time 3" in found.problems[2]["p"]
     for time in (1, 2, 3):
@@ -292,7 +292,7 @@ def test_points_without_a_position_are_reported_and_leave_the_others() -> None:
     counts.Set([3], 5)
     gone = [point("/gone"), point("/ball", face=10**6), point(("/dots", "/dots/a"), instance=7)]
     asked = [*points, *(replace(p, name=f"gone{number}") for number, p in enumerate(gone))]
-    found = AnchorReader(stage).anchored([asked, asked], [0.0, 5.0])
+    found = AnchorReader(stage).read_anchors([asked, asked], [0.0, 5.0])
     np.testing.assert_array_equal(found.positions_m[0, :6], AnchorReader(stage).positions(points, [0.0])[0])
     assert np.isnan(found.positions_m[0]).all(axis=1).tolist() == [False] * 6 + [True] * 3
     assert set(found.problems[0]) == {"gone0", "gone1", "gone2"}
@@ -308,7 +308,7 @@ def test_points_without_a_position_are_reported_and_leave_the_others() -> None:
 def test_a_focus_point_whose_face_is_keyed_goes_from_face_to_face() -> None:
     stage, _ = everything()
     at = [point("/rig/strip", face=0), point("/rig/strip", face=1)]
-    found = AnchorReader(stage).anchored([[at[0]], [at[1]]], [0.0, 0.0]).positions_m
+    found = AnchorReader(stage).read_anchors([[at[0]], [at[1]]], [0.0, 0.0]).positions_m
     np.testing.assert_array_equal(found[:, 0], [anchor_position(stage, p, 0.0) for p in at])
     assert found[1, 0, 0] - found[0, 0, 0] == pytest.approx(1)
 
@@ -319,7 +319,7 @@ def test_points_and_faces_that_cannot_be_used_are_reported() -> None:
     add_mesh(stage, "/nan", points=[(0, 0, 0), (1, 0, 0), (np.nan, 1, 0), (0, 1, 0)])
     empty = add_mesh(stage, "/empty")
     empty.GetPointsAttr().Set([])
-    found = AnchorReader(stage).anchored(
+    found = AnchorReader(stage).read_anchors(
         [[replace(point(f"/{name}", fan_triangle=1), name=name) for name in ("few", "nan", "empty")]], [0.0]
     )
     assert np.isnan(found.positions_m).all()

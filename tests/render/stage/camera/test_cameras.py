@@ -9,7 +9,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from render.errors import CameraError, SettingsError, StageError
-from render.stage import conformed, default_camera, frame_range, list_cameras, read_camera
+from render.stage import conform_camera, default_camera, frame_range, list_cameras, read_camera
 from tests.render.kits.stages import add_mesh, new_stage
 from usd_schemas import ApertureData, LensCamera, LensData, TiltShiftData
 
@@ -242,7 +242,7 @@ def test_the_gate_of_a_conformed_camera_is_kept_without_an_aspect() -> None:
     stage = new_stage()
     add_camera(stage)
     camera = read_camera(stage, "/cam", 0)
-    assert conformed(camera, None) is camera
+    assert conform_camera(camera, None) is camera
 
 
 def test_frames_are_time_codes() -> None:

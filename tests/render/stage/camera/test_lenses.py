@@ -16,14 +16,14 @@ from render.model.lens import AIR, Glass, Prescription, Surface
 from render.model.lens import DataSheet as SheetTables
 from render.optics.glass import refractive_index
 from render.optics.lens_files import MeasuredLens
-from render.optics.prescription.completion import completed
+from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.paraxial import first_order
 from render.shot.findings.camera_findings import camera_findings
 from render.shot.lens.lens_choice import measured_choice
 from render.stage import read_camera
 from render.stage.camera.lens_data import lens_data
-from render.stage.camera.lenses import iris_of, lens_of
-from render.stage.camera.planes import turned
+from render.stage.camera.lenses import make_iris, make_lens
+from render.stage.camera.planes import rotate_plane
 from tests.render.kits.lenses import SIX_LENSES, KnownLens
 from tests.render.kits.stages import new_stage, write_picture
 from usd_schemas import (
@@ -79,7 +79,7 @@ def test_library_lenses_have_their_stated_focal_length_and_speed(
     mount_lens(camera, entry.lens, focal_length_mm=entry.focal_length_mm, f_stop=entry.f_stop)
     prescription = _read(stage).lens.prescription
     assert prescription is not None
-    whole = completed(prescription)
+    whole = complete_prescription(prescription)
     assert first_order(whole).focal_length_mm == pytest.approx(entry.focal_length_mm, rel=1e-3)
     assert whole.f_stop == pytest.approx(entry.f_stop, rel=0.01)
 
@@ -160,7 +160,7 @@ def test_power_drawn_over_the_pupil_reaches_the_lens(stage: Usd.Stage, camera: L
 )
 def test_power_that_no_lens_can_have_is_refused(data: LensData, message: str) -> None:
     with pytest.raises(CameraError, match=message):
-        lens_of(data, "/cam")
+        make_lens(data, "/cam")
 
 
 def test_a_mask_is_read_as_numbers_and_takes_the_place_of_the_blades(
@@ -189,10 +189,10 @@ def test_eight_bit_masks_are_not_taken_for_srgb(stage: Usd.Stage, camera: LensCa
 def test_a_mask_turns_with_the_iris() -> None:
     plane = np.zeros((64, 64))
     plane[28:36, 48:56] = 1.0  # on the right
-    up = turned(plane, math.pi / 2)
+    up = rotate_plane(plane, math.pi / 2)
     assert up[8:16, 28:36].min() == pytest.approx(1.0)  # counter-clockwise: at the top
     assert up.sum() == pytest.approx(plane.sum())
-    assert turned(plane, 2 * math.pi) == pytest.approx(plane, abs=1e-9)
+    assert rotate_plane(plane, 2 * math.pi) == pytest.approx(plane, abs=1e-9)
 
 
 def test_large_masks_are_averaged_down(stage: Usd.Stage, camera: LensCamera, tmp_path: Path) -> None:
@@ -253,13 +253,13 @@ def test_a_squeeze_beyond_all_lenses_is_refused(squeeze: float) -> None:
     with pytest.raises(
         CameraError, match=r"lens:squeeze of camera /cam must be (from 0\.1 to 10|a finite number), got"
     ):
-        lens_of(LensData(squeeze=squeeze), "/cam")
+        make_lens(LensData(squeeze=squeeze), "/cam")
 
 
 @pytest.mark.parametrize("rotation", [float("inf"), float("nan")])
 def test_an_iris_that_is_turned_by_no_number_is_refused(rotation: float) -> None:
     with pytest.raises(CameraError, match=r"aperture:rotation of camera /cam must be a finite number"):
-        iris_of(ApertureData(blades=6, rotation=rotation), "/cam")
+        make_iris(ApertureData(blades=6, rotation=rotation), "/cam")
 
 
 def test_masks_that_cannot_be_used_are_named(stage: Usd.Stage, camera: LensCamera, tmp_path: Path) -> None:

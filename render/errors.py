@@ -2,7 +2,7 @@
 
     PullfocusError
     ├── SettingsError      an argument or a setting is out of range or of the wrong kind   (exit 2, HTTP 422)
-    ├── InputError         what was given cannot be used                                   (exit 1, HTTP 422)
+    ├── InputError         input that cannot be used                                       (exit 1, HTTP 422)
     │   ├── StageError     a file is no USD stage, is damaged, or refers to what is missing
     │   ├── CameraError    the named camera is missing, no camera, or has impossible numbers
     │   └── NotFoundError  a named thing (focus point, key, shot) does not exist           (HTTP 404)
@@ -23,7 +23,7 @@ _BREAKS_A_LINE = frozenset(
 
 
 def one_line(text: str) -> str:
-    """Text with words of others in it, such as a file's name: what would break the line is written as Python's repr has it."""
+    """Format foreign text, such as a file's name, on one line: line breaks are written as in Python's repr."""
     return "".join(repr(c)[1:-1] if unicodedata.category(c) in _BREAKS_A_LINE else c for c in text)
 
 
@@ -58,7 +58,7 @@ class InputError(PullfocusError):
 
 
 class StageError(InputError):
-    """A file is no USD stage, is damaged, or refers to what is missing."""
+    """File that is not a USD stage, is damaged, or refers to missing files."""
 
     default_code = "bad_stage"
 

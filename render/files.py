@@ -16,14 +16,14 @@ _NOT_ALLOWED = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
 
 
 def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file beside its place, then rename it there: nobody ever sees half of it.
+    """Write a file under a temporary name, then rename it: no reader sees a partial file.
 
     Args:
-        path: the file. Its folder must exist; a file that is there is replaced.
+        path: the file. Its folder must exist; an existing file is replaced.
         content: all of its bytes.
 
     Raises:
-        OutputError: the file cannot be written; what was there before is still there.
+        OutputError: the file cannot be written; an existing file is unchanged.
     """
     target = Path(path)
     check_replaceable(target)
@@ -41,7 +41,7 @@ def write_atomic(path: str | os.PathLike[str], content: bytes) -> None:
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Raise now what `write_atomic` would raise, as far as one can tell: for what takes long to compute.
+    """Raise early the error that `write_atomic` would raise, as far as can be known: for results that take long to compute.
 
     Args:
         path: the file that is to be written.
@@ -74,7 +74,7 @@ def check_replaceable(target: Path) -> None:
 
 
 def _write_through(path: Path, content: bytes) -> None:
-    """Write a new file and wait until the disk has it: a full network disk may say so only then."""
+    """Write a new file and wait for the disk: a full network disk may report it only then."""
     with path.open("xb") as file:
         file.write(content)
         file.flush()

@@ -24,7 +24,7 @@ Triple = tuple[float, float, float]
 
 
 def _check(name: str, numbers: tuple[float, ...], expected: str, least: float, count: int = 3) -> None:
-    """Raise `SettingsError` unless there are so many finite numbers, none below the least."""
+    """Raise `SettingsError` unless there are ``count`` finite numbers, none below the least."""
     if len(numbers) != count or not all(math.isfinite(number) and number >= least for number in numbers):
         got = ", ".join(f"{number:g}" for number in numbers)
         raise SettingsError(f"the CDL's {name} must be {expected}, got {got or 'none'}", code="bad_cdl")
@@ -32,11 +32,11 @@ def _check(name: str, numbers: tuple[float, ...], expected: str, least: float, c
 
 @dataclass(frozen=True)
 class Cdl:
-    """A colour decision: what it does to red, green and blue, and to all of them together.
+    """ASC colour decision on red, green and blue, and on their saturation.
 
     Attributes:
         slope: factors, from 0 up.
-        offset: what is added.
+        offset: addends.
         power: exponents, above 0.
         saturation: 0 is grey, 1 leaves the colours.
 

@@ -20,14 +20,14 @@ _ROWS_IN_A_BAND = 64
 
 
 def develop(radiance: FloatArray, exposure_scale: float, grade: Grade) -> FloatArray:
-    """Expose radiance and turn it into what the display shows.
+    """Expose radiance and convert it to the display's picture.
 
     The display transform works on each pixel alone, so the result does not depend on how many threads there are.
 
     Args:
         radiance: ``(height, width, 3 or more)`` scene-linear in the working space; channels after the third are left
             out. NaN counts as black, infinite as the brightest light.
-        exposure_scale: what the camera's exposure multiplies radiance by.
+        exposure_scale: factor on radiance, from the camera's exposure.
         grade: the display, view and look.
 
     Returns:
@@ -76,7 +76,7 @@ def check_exposure(exposure_scale: float) -> None:
 
 
 def expose(radiance: FloatArray, exposure_scale: float) -> FloatArray:
-    """Radiance times exposure, every number finite and within what a half float holds.
+    """Radiance times exposure, with every number finite and within half-float range.
 
     Args:
         radiance: any shape, scene-linear.

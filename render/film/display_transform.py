@@ -22,7 +22,7 @@ _MEASURED_FROM_ACES = "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"  # white stays whi
 
 
 class TransformChain:
-    """Transforms in their order, parted where the CDL works: its numbers may change from frame to frame, and all else stays.
+    """Chain of transforms, split where the CDL works: only the CDL's numbers change from frame to frame.
 
     Attributes:
         parts: one, or two where there is a CDL between them.
@@ -45,7 +45,7 @@ class TransformChain:
         self.parts.append(ocio.GroupTransform())
 
     def with_cdl(self, cdl: Cdl) -> ocio.GroupTransform:
-        """The whole way."""
+        """Whole chain with a CDL."""
         whole = ocio.GroupTransform()
         for i, part in enumerate(self.parts):
             if i:
@@ -55,7 +55,7 @@ class TransformChain:
 
 
 def scene_to_display(config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool) -> TransformChain:
-    """From the space that was rendered in to what the display is sent, by the view.
+    """Chain from the working space to the display, by the view.
 
     That space is the working space of `render.colour.working_config`; where the grade is by another configuration, the two must
     have the role ``aces_interchange``.
@@ -71,7 +71,7 @@ def scene_to_display(config: ocio.Config, display: str, view: str, look: str | N
 def print_to_display(
     config: ocio.Config, display: str, view: str, look: str | None, has_cdl: bool, light: str
 ) -> TransformChain:
-    """From a print's light to what the display is sent, without the view's tone mapping.
+    """Chain from a print's light to the display, without the view's tone mapping.
 
     Args:
         config: the configuration; it must have the role ``aces_interchange``, and for displays that are spaces of measured
@@ -99,7 +99,7 @@ def print_to_display(
 
 
 def _append_grading(way: TransformChain, config: ocio.Config, look: str | None, has_cdl: bool) -> None:
-    """The CDL's place and then the looks, from the working space to itself."""
+    """Append the split for the CDL and then the looks, from the working space to itself."""
     if has_cdl:
         timing = ocio.ROLE_COLOR_TIMING if config.hasRole(ocio.ROLE_COLOR_TIMING) else _WORKING
         way.append(ocio.ColorSpaceTransform(src=_WORKING, dst=timing))

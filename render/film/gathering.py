@@ -1,4 +1,4 @@
-"""The light of a long exposure, gathered interval by interval: a running mean, which can be looked at at any time."""
+"""Accumulated light of a long exposure, interval by interval: a running mean, valid at any time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from render.model.arrays import DoubleArray, FloatArray
 class GatheredLight:
     """The mean light of all the time that a shutter was open.
 
-    Each interval comes in with the weight that its length has in the whole: 1/n for the nth of equal ones (Kyaw 2013, section
-    7.4). So the picture is exposed as one interval is, however many there are, and it is right whenever one stops.
+    Each interval is weighted by its length relative to the whole: 1/n for the nth of equal ones (Kyaw 2013, section 7.4). So the
+    picture is exposed like one interval, whatever their number, and it is valid after each of them.
 
     Attributes:
-        frames: for how long light was gathered, in frames.
-        intervals: in how many pieces.
+        frames: accumulated time in frames.
+        intervals: number of accumulated intervals.
     """
 
     def __init__(self) -> None:
@@ -27,11 +27,11 @@ class GatheredLight:
         self._mean: DoubleArray | None = None  # in double precision: thousands of intervals must not round a trail away
 
     def add(self, light: FloatArray, frames: float) -> None:
-        """Let the light of one more interval in.
+        """Add the light of one interval.
 
         Args:
             light: ``(height, width, channels)`` scene-linear, as bright as a picture of that interval alone.
-            frames: how long the interval is.
+            frames: length of the interval in frames.
 
         Raises:
             SettingsError: the interval has no length, or its picture has another size than those before.
@@ -50,7 +50,7 @@ class GatheredLight:
 
     @property
     def light(self) -> FloatArray:
-        """``(height, width, channels)`` float32, the mean.
+        """Mean ``(height, width, channels)`` float32.
 
         Raises:
             SettingsError: the shutter was never open.

@@ -1,4 +1,4 @@
-"""Which display a picture is made for, in the words of an OpenColorIO configuration."""
+"""Grade: display, view and look of a picture, by the names of an OpenColorIO configuration."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ class Grade:
     def from_film_data(
         cls, data: GradeData, confined_to: Path | None = None, choice: GradeChoice | None = None
     ) -> Grade:
-        """The grade that a shot asks for by its ``film:ocio:*`` and ``film:cdl:*``.
+        """Grade from a shot's ``film:ocio:*`` and ``film:cdl:*``.
 
         Args:
             data: as it is at a time; a CDL file takes the place of the CDL's numbers.
             confined_to: a folder that holds all that the shot may read; None where it may read everything.
-            choice: what whoever looks at it wants in place of that, from wherever it is.
+            choice: overrides of the viewer, which may read files anywhere.
 
         Raises:
             SettingsError: as when a grade is made, or a number of the CDL is out of range.
@@ -110,7 +110,7 @@ class Grade:
         return str(space.getInteropID()) if space else ""
 
     def processor(self, light: str | None = None) -> PyOpenColorIO.Processor:
-        """OpenColorIO's transform of light to what the display is sent, which OpenColorIO caches.
+        """OpenColorIO's transform from light to the display's picture; OpenColorIO caches it.
 
         Args:
             light: None for scene-linear light in the working space, which the view tone-maps. Else the name of a linear space,
@@ -141,7 +141,7 @@ class Grade:
 
     @contextmanager
     def _translate_errors(self, light: str | None) -> Iterator[None]:
-        """Tell OpenColorIO's errors as ours."""
+        """Translate OpenColorIO's errors into `SettingsError`."""
         try:
             yield
         except OCIO_ERRORS as error:

@@ -39,13 +39,13 @@ def grain_field(
     """Grain of a stock whose density scatters by 1 through the 48 µm aperture.
 
     Args:
-        shape: height, width and number of records of the picture, or of the tile of it that is wanted.
+        shape: height, width and number of records of the picture, or of a tile of it.
         pixel_um: width and height of a pixel on the film, in micrometres.
         size_um: correlation length of the grain on the film: twice the standard deviation of its Gaussian.
         frame: frame number; each frame has grain of its own.
-        seed: which grain.
-        first_row: of the tile in the picture.
-        first_column: of the tile in the picture.
+        seed: seed of the grain.
+        first_row: first row of the tile in the picture.
+        first_column: first column of the tile in the picture.
 
     Returns:
         ``shape`` float32, of mean 0; the same whether it is made at once or in tiles.

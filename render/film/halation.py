@@ -32,7 +32,7 @@ _LEAST_PX = 0.25  # a smaller ring is drawn of this size: it lies within its pix
 def add_halation(
     light: FloatArray, amount: float, radius_mm: float, color: tuple[float, float, float], pixel_mm: tuple[float, float]
 ) -> FloatArray:
-    """Light with what the base throws back. No light is made or lost: what comes back is missing where it came from.
+    """Add halation: light reflected by the film base. Energy is conserved: reflected light is missing where it entered.
 
     What leaves the gate counts as matched by what its dark surroundings do not send: the picture is mirrored at its edges.
 
@@ -76,7 +76,7 @@ def halation_shares(amount: float, radius_mm: float, color: tuple[float, float, 
 
 @lru_cache(maxsize=8)
 def halation_kernel(radius_x_px: float, radius_y_px: float) -> DoubleArray:
-    """Where the light of one point comes back, of sum 1.
+    """Halation kernel of one point, of sum 1.
 
     Args:
         radius_x_px: of the ring, across, in pixels.

@@ -1,6 +1,6 @@
-"""Random numbers that belong to a place: the same for whoever asks, in whatever order, here and on the device.
+"""Random numbers per pixel: reproducible in any order, on the CPU and on the device.
 
-Each pixel's numbers are a hash of where it is (PCG in four dimensions: Jarzynski & Olano 2020, "Hash Functions for GPU
+Each pixel's numbers are a hash of its position (PCG in four dimensions: Jarzynski & Olano 2020, "Hash Functions for GPU
 Rendering", JCGT 9:3), made normal by Box & Muller (1958). `render/shaders/film/noise.glsl` is the same, operation by operation.
 """
 
@@ -24,7 +24,7 @@ Words = NDArray[np.uint32]
 
 
 def noise_key(frame: int, seed: int) -> tuple[int, int]:
-    """Two words of 32 bits that tell one noise from another.
+    """Key of 64 bits that selects a noise.
 
     Args:
         frame: frame number, any integer.
@@ -39,8 +39,8 @@ def normal_noise(rows: range, columns: range, channels: int, *, frame: int, seed
 
     Args:
         rows: which rows; they may be negative.
-        columns: which columns, likewise.
-        channels: how many numbers for each pixel, up to 4.
+        columns: columns of the pixels.
+        channels: numbers per pixel, up to 4.
         frame: frame number.
         seed: which noise; any integer.
 

@@ -1,4 +1,4 @@
-"""Where the light of a print is in OpenColorIO."""
+"""OpenColorIO space of a print's light."""
 
 from __future__ import annotations
 

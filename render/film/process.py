@@ -41,8 +41,8 @@ def develop_on_film(
 
     Returns:
         ``(height, width, 3)`` float32. For negative, reversal and monochrome: display-referred linear light of the projected
-        print or positive, 1 where it is clear film, in the primaries of the working space (`render.film.print_space` says how
-        it is shown). For digital and none: scene-linear light, as it came, with what the sensor did.
+        print or positive, 1 where it is clear film, in the primaries of the working space (shown as in
+        `render.film.print_space`). For digital and none: scene-linear light, as it came, with what the sensor did.
 
     Raises:
         SettingsError: the picture or the gate has an impossible shape.
@@ -143,7 +143,7 @@ def apply_grain(
 
 
 def print_densities(density: FloatArray, film: FilmSettings) -> FloatArray:
-    """Density of the print of a negative: what the negative holds back, the print does not get.
+    """Density of a negative's print, exposed through the negative.
 
     Args:
         density: of the negative, as `densities` gives it.

@@ -1,4 +1,4 @@
-"""All that is to be said of a stock: where grey lands, how steep it is, and what a wedge of greys becomes on it."""
+"""Report of a stock: the position of grey, its slope, and the densities of a grey wedge."""
 
 from __future__ import annotations
 

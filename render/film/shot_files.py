@@ -14,7 +14,7 @@ from usd_schemas.settings import Asset
 
 
 def config_file(asset: Asset, confined_to: Path | None) -> str | None:
-    """The OpenColorIO configuration that a shot names, as `render.film.Grade.config` has it; None where it names none.
+    """OpenColorIO configuration that a shot names, in the form of `render.film.Grade.config`; None where it names none.
 
     Args:
         asset: a file, or a built-in configuration as ``ocio://name``.

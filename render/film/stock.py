@@ -108,7 +108,7 @@ def custom_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, r
     """A stock that the shot itself draws, by knots or by toe, line and shoulder.
 
     Args:
-        curve: what FilmAPI says, its source ``knots`` or ``parametric``.
+        curve: FilmAPI's curve, its source ``knots`` or ``parametric``.
         reversal: whether it is a positive; it decides the aim of parametric curves.
         monochrome: whether the green record is all there is.
         rms: diffuse RMS granularity of red, green and blue, in 1/1000 of density; 0 for no grain.
@@ -157,7 +157,7 @@ def library_stock(name: str) -> LibraryFilm:
         name: of the library, or a part of it.
 
     Raises:
-        SettingsError: there is none.
+        SettingsError: no such stock.
     """
     try:
         return library_film(name)

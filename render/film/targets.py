@@ -94,7 +94,7 @@ def _put_sphere(
     color: DoubleArray,
     gloss: float,
 ) -> None:
-    """Draw a ball over what is there, seen straight on."""
+    """Draw a sphere into the picture, seen straight on."""
     left, middle, radius = sphere
     across, down = (x - left) / radius, (y - middle) / radius
     inside = across**2 + down**2 < 1

@@ -1,4 +1,4 @@
-"""Focus points, the focus that they ask for, and focus curves over time. Numpy alone: no USD, no GL."""
+"""Focus points, the focus that they request, and focus curves over time. Numpy alone: no USD, no GL."""
 
 from render.focus.best_stop import StopSolutions, stops_for
 from render.focus.curve import FocusCurve, PointTrack

@@ -38,7 +38,7 @@ class Split:
     Attributes:
         w: ``(n,)`` inverse depth of the focus, 1/m.
         f_stops: ``(n,)``.
-        excess: ``(n,)`` the largest circle of confusion, as a multiple of what its point may have; 1 where the points set the
+        excess: ``(n,)`` largest circle of confusion relative to its point's limit; 1 where the points set the
             f-number.
         decides: ``(n, k)`` shares of the two points that decide the focus; all 0 where there is no point.
         limits: ``(n,)`` -1 where the focus would lie farther than the lens reaches, 1 where nearer, else 0.
@@ -58,7 +58,7 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class StopSolutions:
-    """Focus distances and f-numbers over n frames, and whose they are.
+    """Focus distances and f-numbers over n frames, and the points that decide them.
 
     Attributes:
         focus: the distances; shares are those of the two points that decide.
@@ -79,7 +79,7 @@ def split(
     counting: ArrayLike = True,
     f_stop_range: tuple[float, float] = (0.0, 0.0),
 ) -> Split:
-    """The split of any lens between k points, for n frames.
+    """Split focus and f-number between k points for n frames, for any lens.
 
     Args:
         w: ``(n, k)`` inverse depths, 1/m; below 0 where a tilted lens would be focused there for a point to be sharp.
@@ -97,7 +97,7 @@ def split(
     counts = np.broadcast_to(np.asarray(counting, np.bool_), w.shape)
     _check(w, circles, counts, f_stop_range)
     some = counts.any(axis=1)
-    nobody = np.zeros((len(w), 1))  # for those whom frames without points are split between
+    nobody = np.zeros((len(w), 1))  # columns for frames without points
     w, circles = np.concatenate([w, nobody], axis=1), np.concatenate([circles, nobody + 1], axis=1)
     counts = np.concatenate([counts, nobody > 0], axis=1)
     near, far, tension = _pair(w, circles, counts)
@@ -185,7 +185,7 @@ def stops_for(
 def _pair(
     w: DoubleArray, circles: DoubleArray, counts: BoolArray
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], DoubleArray]:
-    """The two points that decide, the nearer first, and by how many circles the focus lies off each: ``(n,)`` each."""
+    """Indices of the two points that decide, the nearer first, and the focus's distance from each in circles: ``(n,)`` each."""
     near_w, far_w = np.where(counts, w, -np.inf), np.where(counts, w, np.inf)
     rows = np.arange(len(w))
     tension = np.zeros(len(w))

@@ -1,4 +1,4 @@
-"""A focus curve: what the lens does over time, and for whom."""
+"""Focus curves: the lens over time, and the points that decide its focus."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ LENS_COLUMNS = ("focus_distance_m", "f_stop", "focal_length_mm", "near_m", "far_
 """Columns of numbers that every curve has, in the order of files."""
 
 FAR_AWAY_M = 1e5
-"""Stands for an infinite focus where a file or a spline must have a finite one.
+"""Finite focus distance written for infinity where a file or a spline needs a finite one.
 
 At 100 km, a 300 mm lens at f/2 makes a circle of confusion of half a micron of a star.
 """
 
 ANGLE_COLUMNS = ("tilt_rad", "swing_rad")
-"""Columns of angles, which are 0 where nobody gives them."""
+"""Columns of angles; 0 where they are not given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +31,11 @@ class PointTrack:
 
     Attributes:
         name: the focus point's name.
-        depth_m: ``(n,)`` along the view axis, negative behind the camera, NaN where it has no place.
-        weight: ``(n,)`` as authored or keyed.
-        share: ``(n,)`` of the weight that decided the focus, 0 to 1.
+        depth_m: ``(n,)`` depth along the view axis, negative behind the camera, NaN without a position.
+        weight: ``(n,)`` weight, authored or keyed.
+        share: ``(n,)`` share of the weights that decided the focus, 0 to 1.
         coc_mm: ``(n,)`` diameter of its circle of confusion on the film; NaN where it is not in front of the camera.
-        states: for each frame, whether it counted or why not.
+        states: state at each frame: counted, or the reason why not.
     """
 
     name: str
@@ -50,14 +50,13 @@ class PointTrack:
 class FocusCurve:
     """The lens, frame by frame.
 
-    A curve that was read from a file may hold NaN where the file does not say: `render.focus.files.ReadCurve` names the columns
-    that it does.
+    A curve read from a file holds NaN for missing values: `render.focus.files.ReadCurve` names the columns that the file gives.
 
     Attributes:
         camera: prim path of the camera, empty for a camera that is no prim.
-        frames_per_second: of the shot.
-        time_codes_per_second: of the stage; a time code is ``frame · time_codes_per_second / frames_per_second``.
-        time_codes: ``(n,)`` the asked USD time codes, rising.
+        frames_per_second: frame rate of the shot.
+        time_codes_per_second: time codes per second; a time code is ``frame · time_codes_per_second / frames_per_second``.
+        time_codes: ``(n,)`` USD time codes, rising.
         focus_distance_m: ``(n,)`` depth of the plane of focus; may be infinite.
         f_stop: ``(n,)`` f-number; 0 is a pinhole.
         focal_length_mm: ``(n,)``.
@@ -66,13 +65,13 @@ class FocusCurve:
         hyperfocal_m: ``(n,)``.
         coc_limit_mm: ``(n,)`` largest circle of confusion, as a diameter on the film, that counts as sharp.
         sources: for each frame, whether ``points`` decided or the ``camera``'s own focus distance was kept.
-        reasons: for each frame, one sentence that says why.
+        reasons: for each frame, the reason in one sentence.
         points: the focus points.
         tilt_rad: ``(n,)`` turn of the lens about the axis to the right; positive looks up. All 0 when left out.
         swing_rad: ``(n,)`` turn about the axis up, before the tilt; positive looks left. All 0 when left out.
-        limited: ``(n,)`` whether the lens could not do what was asked: its close focus, its infinity, its speed or its largest
+        limited: ``(n,)`` whether the lens missed the requested focus: its close focus, its infinity, its speed or its largest
             angle held it back. All False when left out.
-        lens_name: what is engraved on the lens, or empty.
+        lens_name: name engraved on the lens, or empty.
         gate_mm: width and height of the film gate, where it is known.
     """
 

@@ -23,9 +23,9 @@ class Frame:
     """The film gate on the screen, in slopes.
 
     Attributes:
-        middle: of the gate, x right and y up; not (0, 0) for a shifted one.
-        width: of the gate.
-        height: likewise.
+        middle: middle of the gate, x right and y up; not (0, 0) for a shifted one.
+        width: width of the gate.
+        height: height of the gate.
     """
 
     middle: tuple[float, float]
@@ -34,11 +34,11 @@ class Frame:
 
     @classmethod
     def of(cls, camera: Camera, stretch: float = 1.0) -> Frame:
-        """The gate of a camera.
+        """Gate of a camera.
 
         Args:
-            camera: its gate and focal length are asked for.
-            stretch: image distance over focal length, of a lens that breathes.
+            camera: camera whose gate and focal length are used.
+            stretch: image distance over focal length, for a breathing lens.
         """
         distance_mm = camera.focal_length_mm * stretch
         return cls(
@@ -69,9 +69,9 @@ def bends(
     Args:
         places: ``(k, 2)`` slopes (`Frame.slopes`).
         offsets_mm: ``(k,)`` toward the lens; negative is away from it.
-        surface: what is focused without the offsets.
-        focal_length_mm: of the lens.
-        exponent: how local the offsets are.
+        surface: focal surface without the offsets.
+        focal_length_mm: focal length of the lens.
+        exponent: locality of the offsets.
 
     Returns:
         Values are changes of w in 1/m; None for no place.
@@ -98,7 +98,7 @@ def bends(
 
 
 def half_lenses(lenses: Sequence[tuple[float, float, float]], angle_rad: float, frame: Frame) -> tuple[HalfLens, ...]:
-    """Half lenses before the lens, as Hydra's cameras say them (``splitDiopter:*``).
+    """Half lenses (split diopters) in front of the lens, from Hydra's attributes (``splitDiopter:*``).
 
     With no turn the edge is upright and the half lens covers what is right of it. Offsets and widths are screen coordinates: 1 is
     half the frame's width, in every direction, so that the edge can turn. Where two half lenses cover the same place the second

@@ -6,7 +6,7 @@ A focus point comes and goes by its *fade*, from 1 (there) to 0 (not there): as 
 The surface changes continuously with it, everywhere at once, and for a fade of 0 it is the surface without the point. A smaller
 weight alone would not do that: at its place a point wins over all others whatever its weight, so that the others' surface would
 be left with a spike that grows thin but never low. So as a point fades its region shrinks with it, by its weight and its
-falloff, and its value is drawn back to what the stronger points say at its place (`_relax_values`).
+falloff, and its value relaxes toward that of the stronger points at its position (`_relax_values`).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _LEAST_PRIORITY = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
-    """Focus points at one time, as the focal surface sees them: k of each.
+    """Focus points at one time, as input of the focal surface: k of each.
 
     Attributes:
         names: for messages.
@@ -116,7 +116,7 @@ def focal_controls(
     near_priority: float = 0.0,
     sides: DoubleArray | None = None,
 ) -> Controls | None:
-    """Control points of the focal surface that focus points ask for.
+    """Control points of the focal surface that focus points request.
 
     At the place of a point that is all there, the surface has the focus that the point wants (`target_w`) and its extent,
     exactly. Soft points that overlap sharp ones on the screen fade with their distance to them (`render.focus.overlap`), and
@@ -125,7 +125,7 @@ def focal_controls(
 
     Args:
         points: at one time.
-        plane: where the lens is focused without them: what is left where none reaches, and as they fade.
+        plane: focus of the lens without them, which remains where none reaches, and as they fade.
         coc_slope_mm_m: growth of the circle of confusion with inverse depth, in mm of diameter for 1/m; 0 for a pinhole.
         frame_width: width of the film gate, slopes (`Frame`).
         exponent: β of Lee et al.: how local the points are; 2 to 4 look natural.
@@ -164,7 +164,7 @@ def focal_controls(
 
 
 def _prior_weights(points: SurfacePoints, order: IndexArray, near_priority: float) -> DoubleArray:
-    """Weights of those points of the given order, more for the nearer; the largest is at most 1."""
+    """Weights of the points in the given order, larger for nearer points; at most 1."""
     near = np.asarray(1 / points.depths_m[order])
     weights = points.weights[order] / points.weights[order].max()
     return np.asarray(weights * np.maximum((near / max(near.max(), 1e-300)) ** near_priority, _LEAST_PRIORITY))
@@ -173,10 +173,10 @@ def _prior_weights(points: SurfacePoints, order: IndexArray, near_priority: floa
 def target_w(
     points: SurfacePoints, plane: FocalPlane, coc_slope_mm_m: float, sides: DoubleArray | None = None
 ) -> DoubleArray:
-    """Inverse depth at which each point wants the focus.
+    """Inverse depth of the focus that each point requests.
 
-    A sharp point wants its own. A soft one wants it off itself: by its offset along the view axis, or where its blur is given by
-    as much as makes that circle of confusion, with its extent's smaller or larger pupil.
+    A sharp point requests its own depth. A soft one requests a focus beside it: by its offset along the view axis, or, where its
+    blur is given, by the distance that gives that circle of confusion with the pupil scaled by its extent.
 
     Args:
         points: at one time.
@@ -205,7 +205,7 @@ def target_w(
 
 
 def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleArray:
-    """On which side of each soft point the focus goes, over one frame or a whole shot.
+    """Side of each soft point on which the focus lies, over one frame or a whole shot.
 
     It goes to the side on which the lens is focused anyway, so that the surface bends as little as may be; but to the near side
     where the far one lies beyond infinity. A point that is followed through a shot must keep its side, or its blur would jump.
@@ -238,7 +238,7 @@ def _fading_falloffs(falloffs: DoubleArray, fades: DoubleArray, half_faded: floa
 
 
 def _relax_values(controls: Controls, fades: DoubleArray, base: DoubleArray) -> Controls:
-    """The control points with the values of those that fade drawn back to what stronger points say at their places.
+    """Relax the values of fading control points toward those of stronger points at their positions.
 
     A point of fade ``g`` has its own value by the share ``g``, and else the surface of those that are more there than it: each
     of them as far as ``1 − g / its own fade``. So for g toward 0 that is the whole surface of the others, and the order in which

@@ -27,16 +27,16 @@ STATES: tuple[PointState, ...] = get_args(PointState)
 Occluded = Literal["keep", "ignore", "fade"]
 
 SEEN = 0.5
-"""A point of which less is seen counts as hidden where hidden points are left out."""
+"""Visible share below which a point counts as hidden."""
 
 _INFINITE_DEPTH_M = 1e100
-"""Stands for an infinite depth where its logarithm is taken."""
+"""Finite depth used for infinity in logarithms."""
 
 
 def state_codes(
     targets: FocusTargets, has_pupil: BoolArray, *, keep_outside: bool = False, occluded: Occluded = "keep"
 ) -> NDArray[np.int8]:
-    """Whether points count, or why they do not: the first reason of those that hold.
+    """State codes of points: counted, or the first reason why not.
 
     Args:
         targets: k points over n frames.
@@ -72,7 +72,7 @@ def point_weights(
         targets: k points over n frames.
         used: ``(n, k)`` which count at all.
         near_priority: ``(n,)`` or one for all: see `solve_distances`.
-        occluded: whether points ``fade`` with what is seen of them.
+        occluded: ``fade`` reduces points by their visible share.
 
     Returns:
         ``(n, k)`` that add up to 1 in every frame, or are all 0 where no point counts.
@@ -97,12 +97,12 @@ def point_weights(
 
 
 def strengths(targets: FocusTargets, used: BoolArray, occluded: Occluded = "keep") -> DoubleArray:
-    """``(n, k)`` weights of points as they are seen: 0 of those that do not count, less of those that fade or overlap others.
+    """Effective weights ``(n, k)``: 0 for points that do not count, reduced for points that fade or overlap others.
 
     Args:
         targets: k points over n frames.
         used: ``(n, k)`` which count at all.
-        occluded: whether points ``fade`` with what is seen of them.
+        occluded: ``fade`` reduces points by their visible share.
     """
     seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
     weights = np.where(used, targets.weights * seen, 0.0)

@@ -1,12 +1,12 @@
-"""The focus that comes closest to what points ask for, for many frames at once.
+"""Least-squares focus between the requests of points, for many frames at once.
 
-Sought is the focus x, in inverse depth, that has least
+Sought is the focus x, in inverse depth, that minimises
 
     E(x) = Σ a_i · (s(x)·|w_i − x| − c_i)²            Σ a_i = 1
 
 with s the growth of the circle of confusion, which may depend on the focus (`render.model.lens_law`), and c_i the circle that
 point i
-shall have. With ``1/s(x) = α + β·x`` and x between two neighbouring points that want a circle, where every ``|w_i − x|`` has a
+requests. With ``1/s(x) = α + β·x`` and x between two neighbouring points that want a circle, where every ``|w_i − x|`` has a
 fixed sign and ``Σ a c |w − x| = σ·x + τ``, the derivative of E has one zero (μ the mean of w, V its variance, κ = σα − βτ):
 
     x = (μα + β(V + μ²) + ακ) / (α + βμ − βκ)
@@ -25,20 +25,20 @@ from render.model.arrays import BoolArray, DoubleArray
 from render.model.lens_law import LensLaw
 
 TIE = 1e-12
-"""Energies closer than this share of what could be are held equal: rounding must not choose."""
+"""Relative difference below which energies count as equal, so that rounding does not choose."""
 
 _ROUNDS = 4
-"""A law that is not straight is taken as straight about the place that was last found."""
+"""Rounds of linearisation of a law that is not straight."""
 
 
 @dataclass(frozen=True, eq=False)
 class BestFocus:
-    """The focus found.
+    """Focus of least error.
 
     Attributes:
-        w: ``(n,)`` inverse depth, 1/m, within what the lens reaches.
-        too_near: ``(n,)`` whether the points would have it nearer than the lens reaches.
-        too_far: ``(n,)`` whether they would have it farther.
+        w: ``(n,)`` inverse depth, 1/m, within the lens's range.
+        too_near: ``(n,)`` whether the points request a nearer focus than the lens reaches.
+        too_far: ``(n,)`` whether they request a farther one.
     """
 
     w: DoubleArray
@@ -48,7 +48,7 @@ class BestFocus:
 
 @dataclass(frozen=True, eq=False)
 class _Segments:
-    """The energy of each stretch between points that want a circle: ``(n, j)``, and ``(n, 1)`` for whole frames."""
+    """Energy of each segment between points that request a circle: ``(n, j)``, and ``(n, 1)`` for whole frames."""
 
     low: DoubleArray
     high: DoubleArray
@@ -60,7 +60,7 @@ class _Segments:
 
     @classmethod
     def from_points(cls, weights: DoubleArray, w: DoubleArray, circles: DoubleArray, law: LensLaw) -> _Segments:
-        """For points ``(n, k)``; those of no weight count for nothing, whatever their w."""
+        """Segments for points ``(n, k)``; points of weight 0 are ignored."""
         mean = (weights * w).sum(axis=1, keepdims=True)
         variance = (weights * (w - mean) ** 2).sum(axis=1, keepdims=True)
         wanting = (weights > 0) & (circles > 0)
@@ -83,7 +83,7 @@ class _Segments:
         )
 
     def minimum(self, start: DoubleArray, pitch: DoubleArray) -> DoubleArray:
-        """Where E would be least if the stretch had no ends, for ``1/s = start + pitch·x``: ``(n, j)``."""
+        """Minimum of E on each segment's unbounded parabola, for ``1/s = start + pitch·x``: ``(n, j)``."""
         kappa = self.sigma * start - pitch * self.tau
         above = self.mean * start + pitch * (self.variance + self.mean**2) + start * kappa
         below = start + pitch * (self.mean - kappa)
@@ -93,7 +93,7 @@ class _Segments:
             return np.where(below > 0, above / below, np.where(falls, np.inf, -np.inf))
 
     def energy(self, x: DoubleArray, slope: DoubleArray) -> DoubleArray:
-        """E at places ``(n, j)`` of the stretches."""
+        """E at positions ``(n, j)`` of the segments."""
         spread = self.variance + (x - self.mean) ** 2
         return np.asarray(slope**2 * spread - 2 * slope * (self.sigma * x + self.tau) + self.rest)
 
@@ -101,7 +101,7 @@ class _Segments:
 def best_focus(
     weights: DoubleArray, w: DoubleArray, circles: DoubleArray, law: LensLaw, camera_w: DoubleArray
 ) -> BestFocus:
-    """The exact minimiser of E, for every frame.
+    """Exact minimiser of E, for every frame.
 
     Args:
         weights: ``(n, k)`` that add up to 1 in every frame, 0 for points that do not count.
@@ -132,5 +132,5 @@ def best_focus(
 
 
 def _prefix_sums(values: DoubleArray) -> DoubleArray:
-    """``(n, b + 1)`` sums of the first 0, 1, ... b values of every row."""
+    """Prefix sums ``(n, b + 1)`` of every row."""
     return np.concatenate([np.zeros((len(values), 1)), np.cumsum(values, axis=1)], axis=1)

@@ -1,6 +1,6 @@
-"""Soft points that overlap sharp ones on the screen: the sharp ones win there.
+"""Overlap of soft and sharp points on the screen: the sharp ones win.
 
-A thing that must be soft and a thing that must be sharp at the same place of the picture ask for what cannot be. Lee, Eisemann &
+An object that must be soft and one that must be sharp at the same place of the picture contradict each other. Lee, Eisemann &
 Seidel (2010, section 5.2) let the influence of such points end with distance. Here a soft point i keeps of its weight
 within the reach r (`OVERLAP_FRAME_WIDTHS`), for every sharp point j at distance d on the screen,
 
@@ -26,7 +26,7 @@ OVERLAP_FRAME_WIDTHS = 0.05
 """Radius of a sharp point's influence on soft points: a face in a medium shot."""
 
 _CACHED = 1 << 16
-"""About how many pairs are looked at together, so that they stay in the processor's cache."""
+"""Pairs processed together, about, so that they stay in the processor's cache."""
 
 _FAR_SLOPE = 1e3  # what lies beyond is sought as if it were here: no farther from anything than it is
 _ROUNDING = 1e-5

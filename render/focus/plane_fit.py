@@ -1,4 +1,4 @@
-"""The plane of focus that points ask for, and what of it a lens can do.
+"""Plane of focus that points request, and the nearest plane that a lens can reach.
 
 Fits are weighted least squares in inverse depth w, in which every plane of the world is affine in the slopes s = (X/z, Y/z): the
 circle of confusion of a point is proportional to its w less the plane's. Over many frames planes are arrays ``(n, 3)`` of w0,
@@ -42,7 +42,7 @@ class PlaneFit:
 
     @property
     def reason(self) -> str:
-        """One sentence that says what the points fix."""
+        """Degrees of freedom that the points fix, in one sentence."""
         return _REASONS[self.rank]
 
 
@@ -73,7 +73,7 @@ def fit_planes(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike = 1.0) -> Pla
     """The planes that leave the points the least blur: weighted least squares in w, of least tilt where that leaves a choice.
 
     Args:
-        slopes: ``(n, k, 2)`` places of k points in n frames; what they are where a weight is 0 does not matter.
+        slopes: ``(n, k, 2)`` places of k points in n frames; positions of weight 0 are ignored.
         w: ``(n, k)`` inverse depths, 1/m.
         weights: ``(n, k)`` or one for all, 0 or more.
 
@@ -112,7 +112,7 @@ def plane_through(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike = 1.0) -> 
 def fit_targets(
     targets: FocusTargets, shares: DoubleArray, coc_slopes_mm_m: ArrayLike = 0.0
 ) -> tuple[PlaneFits, DoubleArray]:
-    """The planes that focus points ask for, sharp and soft ones.
+    """Planes that focus points request, sharp and soft ones.
 
     A soft point wants the plane off it by its circle of confusion, on the side on which the plane through the sharp points passes
     it (the plane through all, where none is sharp); a plane that passes right through it goes behind.
@@ -146,7 +146,7 @@ def limit_planes(
     w: ArrayLike,
     weights: ArrayLike = 1.0,
 ) -> tuple[DoubleArray, BoolArray]:
-    """Planes kept to what a lens can do, in the direction in which they are tilted.
+    """Limit planes to what a lens can reach, in the direction in which they are tilted.
 
     A plane that nears the pupil, where it would hold the view axis itself, needs a tilt without end: it is tilted by at most the
     largest angle. A plane that the view axis meets behind the camera cannot be written as a focus distance: it is tilted no
@@ -191,7 +191,7 @@ def limit_plane(
     w: ArrayLike,
     weights: ArrayLike = 1.0,
 ) -> tuple[FocalPlane, bool]:
-    """A plane kept to what a lens can do, and whether that changed it (`limit_planes`).
+    """Limit a plane to what a lens can reach (`limit_planes`); also return whether it was changed.
 
     Args:
         plane: the plane.
@@ -251,7 +251,7 @@ def _misses(planes: DoubleArray, s: DoubleArray, w: DoubleArray, shares: DoubleA
 
 
 def column_of(values: ArrayLike, frames: int) -> DoubleArray:
-    """``(n,)`` of what is given for every frame, or once for all."""
+    """Column ``(n,)`` from a value per frame, or from one for all."""
     return np.broadcast_to(np.asarray(values, np.float64), (frames,))
 
 

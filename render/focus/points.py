@@ -19,7 +19,7 @@ NEAREST_DEPTH_M = 1e-100
 """Depth below which a point counts as behind the camera, so that inverse depths can be squared."""
 
 LEAST_EXTENT = 1e-3
-"""As the schema has it: no depth of field is none."""
+"""Smallest extent in the schema, which stands for no depth of field."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class FocusTarget:
         slope: ``(X/z, Y/z)`` from the entrance pupil, x right and y up; NaN where that is not known.
         falloff: screen distance in frame widths at which its influence ends; 0 for nowhere.
         extent: of the depth of field around it, relative to the lens's own.
-        visible: how much of it is seen, from 0, where something stands before it, to 1.
+        visible: visible share, from 0, where something stands before it, to 1.
     """
 
     name: str
@@ -62,7 +62,7 @@ class FocusTarget:
 
     @property
     def aim_m(self) -> float:
-        """Depth at which it would have the focus: its own, or off it where it must be soft by a distance."""
+        """Depth of the focus that it requests: its own, or beside it for a soft point."""
         return self.depth_m + self.surface_offset_m if self.kind == "soft" and self.blur_mm == 0 else self.depth_m
 
 
@@ -232,7 +232,7 @@ class FocusTargets:
 
     @property
     def aims_m(self) -> DoubleArray:
-        """``(n, k)`` depth at which each would have the focus: its own, or off it where it must be soft by a distance."""
+        """Depths ``(n, k)`` of the focus that each point requests: its own, or beside it for a soft point."""
         offset = self.is_soft & (self.blurs_mm == 0)
         return np.where(offset, self.depths_m + self.surface_offsets_m, self.depths_m)
 

@@ -31,11 +31,11 @@ class Rack:
 
     Attributes:
         start_s: when the ring starts to turn.
-        end_s: when it has come to rest: later than was asked where the hand is too slow.
-        asked_end_s: when it was asked to rest.
+        end_s: end of the rack: later than requested where the hand is too slow.
+        asked_end_s: requested end.
         start_w: focus before, 1/m.
         end_w: focus after, 1/m.
-        ease: how it goes over.
+        ease: ease of the motion.
     """
 
     start_s: float
@@ -47,7 +47,7 @@ class Rack:
 
     @property
     def is_stretched(self) -> bool:
-        """Whether the hand needs longer than was asked."""
+        """Whether the hand needs longer than requested."""
         return self.end_s > self.asked_end_s
 
     def at(self, times_s: ArrayLike) -> DoubleArray:
@@ -67,7 +67,7 @@ def rack(
     ring: FocusRing | None = None,
     max_speed_rad_s: float = 0.0,
 ) -> Rack:
-    """A rack that keeps its start and, where the hand would have to turn faster than it can, ends later.
+    """Rack that keeps its start and ends later where the hand would have to turn too fast.
 
     Args:
         start_s: when the ring starts to turn.
@@ -79,7 +79,7 @@ def rack(
         max_speed_rad_s: how fast the hand turns it; 0 sets no bound.
 
     Raises:
-        SettingsError: it does not end after its start, a focus is behind the lens, or the ease is none.
+        SettingsError: it does not end after its start, a focus is behind the lens, or the ease is unknown.
     """
     if ease not in EASES:
         raise SettingsError(f"the ease of a rack must be one of {', '.join(EASES)}, got {ease!r}", code="bad_rack")

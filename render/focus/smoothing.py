@@ -56,7 +56,7 @@ def fade_weights(
     ``2 · (time between them) / time_s``, however fast it is switched.
 
     A point that has no place, or none in front of the camera, cannot count at all: where ``usable`` is False the answer is
-    0, and the crossing is over by then. `points_share` is what of the focus the points hold then.
+    0, and the crossing is over by then. `points_share` is the points' share of the focus then.
 
     Args:
         on: ``(n, k)`` switches, or shares from 0 to 1 such as what is seen of a point.
@@ -125,7 +125,7 @@ def over_time(what: str, value: ArrayLike, times_s: DoubleArray) -> DoubleArray:
 
 
 def _half_widths(t: DoubleArray, time_s: ArrayLike, stops: DoubleArray) -> DoubleArray:
-    """``(n,)`` by how much each window reaches either way: nowhere beyond a stop, and changing no faster than time."""
+    """Half widths ``(n,)`` of the windows: not beyond a stop, and changing no faster than time."""
     half = over_time("time of smoothing", time_s, t) / 2
     if len(stops):
         stops = np.unique(stops)
@@ -166,7 +166,7 @@ def _away_from(marked: NDArray[np.bool_], t: DoubleArray) -> DoubleArray:
 
 
 def _clearance(t: DoubleArray, time_s: ArrayLike) -> DoubleArray:
-    """``(n, 1)`` how far a point has to be from where it cannot count for its crossing not to reach there."""
+    """Distance ``(n, 1)`` in time from an unusable time at which a crossing must be over."""
     half = over_time("time of smoothing", time_s, t).max() / 2
     step_s = np.diff(t).max(initial=0.0)  # switches are joined by straight lines, which reach one step farther
     return np.full((len(t), 1), half + step_s if half > 0 else 0.0)

@@ -58,7 +58,7 @@ class FocusSolution:
     Attributes:
         focus_distance_m: depth of the plane of focus; infinite for infinity.
         source: ``points`` where points decided, ``camera`` where the camera's own distance was kept.
-        reason: one sentence that says why.
+        reason: reason in one sentence.
         shares: for each given point, its share of the weight that decided, 0 to 1; they add up to 1, or to 0 where no
             point counts.
         states: for each given point, what became of it.
@@ -150,7 +150,7 @@ def solve_distances(
         near_priority: ``(n,)`` or one for all: an exponent p that makes nearer points count more: weights are multiplied by
             (1 / depth in m)^p.
         occluded: of points that something stands before: ``keep`` them, ``ignore`` those of which less than half is seen, or
-            ``fade``: multiply weights by what is seen.
+            ``fade``: multiply weights by the visible share.
 
     Returns:
         The solutions.
@@ -297,7 +297,7 @@ def _at_the_end(limit: FocusLimit, near_w: float, far_w: float) -> str:
 
 
 def _frames(values: ArrayLike, frames: int, what: str) -> DoubleArray:
-    """``(n,)`` of what is given for every frame, or once for all."""
+    """Column ``(n,)`` from a value per frame, or from one for all."""
     array = np.asarray(values, np.float64)
     if array.shape not in ((), (1,), (frames,)):
         raise SettingsError(f"expected {frames} {what}, one for each frame of the focus points, got {array.shape}")

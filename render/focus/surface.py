@@ -1,4 +1,4 @@
-"""The one focal surface: where a place of the picture is focused, and how large the pupil is there.
+"""Evaluation of the focal surface: inverse depth in focus and relative pupil radius over the picture.
 
 `render/shaders/trace/focal_surface.comp` says the same for the tracer; a test holds the two together. The interpolation is
 Shepard's
@@ -49,7 +49,7 @@ def focused_at(surface: FocalSurface, slopes: DoubleArray) -> tuple[DoubleArray,
 
 
 def interpolated(controls: Controls, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Values at places, and how far they hold there.
+    """Interpolated values, and the share by which they apply.
 
     Args:
         controls: the control points.
@@ -75,7 +75,7 @@ def interpolated(controls: Controls, slopes: DoubleArray) -> tuple[DoubleArray, 
 
 
 def beyond_edge(half: HalfLens, slopes: DoubleArray) -> DoubleArray:
-    """``(...)`` how far places ``(..., 2)`` lie behind a half lens: 0 before its edge, 1 beyond."""
+    """Share ``(...)`` by which positions ``(..., 2)`` lie behind a half lens: 0 before its edge, 1 beyond."""
     along = slopes[..., 0] * half.direction[0] + slopes[..., 1] * half.direction[1] - half.offset
     t = np.clip(along / max(half.width, 1e-9) + 0.5, 0, 1)
     return np.asarray(t * t * (3 - 2 * t))

@@ -1,4 +1,4 @@
-"""From the focus that is wanted at each time to the focus that the lens has."""
+"""Drive of the focus: from the requested focus over time to the lens's focus."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def drive(
     max_speed_rad_s: ArrayLike = 0.0,
     close_focus_m: float = 0.0,
 ) -> DoubleArray:
-    """The focus of a lens that an assistant pulls, from the focus that is wanted.
+    """Focus of a lens driven by an assistant, from the requested focus.
 
     In this order:
 
-    1. limits: nobody tries for a focus beyond the ring's stops (`limits`). It comes first because a hand that waits
+    1. limits: the request is clamped to the ring's stops (`limits`). It comes first because a hand that waits
        beyond a stop would be late in coming back; what follows leaves the limits nowhere, as none of it overshoots.
     2. smoothing (`smooth`): exact at keys.
     3. dead zone, then lag (`tracked`): small wandering of the target is let go; the hand comes late, at keys too.

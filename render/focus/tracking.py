@@ -1,7 +1,7 @@
-"""An assistant's hand on the focus ring: when it starts, how late it comes, how fast it can be, and where the ring stops.
+"""Model of an assistant's hand on the focus ring: its start, delay and speed, and the ring's stops.
 
-Each is a function of the whole shot, settled at its first time: a frame's focus is the same whichever frame is looked at
-first. None of them overshoots: the result never leaves the range of what was asked for up to then.
+Each step is a function of the whole shot, settled at its first time: a frame's focus does not depend on the order in
+which frames are computed. No step overshoots: the result never leaves the range of the requests up to then.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def tracked(
 
 
 def speed_limited(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> DoubleArray:
-    """The ring's turn where the hand can turn it no faster than so: it comes late, and then stands where it was asked to be.
+    """Turn of the ring at limited speed: it arrives late, and then stays at the requested turn.
 
     Args:
         times_s: ``(n,)`` rising; the ring is where it is asked to be at the first.

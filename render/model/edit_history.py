@@ -41,7 +41,7 @@ class EditState:
     Attributes:
         packed: the layer's text, packed.
         revision: names the state.
-        label: what was done to come to it, such as "set fStop"; empty for the state that a history begins with.
+        label: label of the edit that led to it, such as "set fStop"; empty for the first state.
         made_at: when.
         gesture: names the drag of a hand that the edit was part of; empty for none.
     """
@@ -58,7 +58,7 @@ class EditState:
 
         Args:
             text: of the layer; empty for no edits.
-            label: what was done.
+            label: label of the edit.
             gesture: names the drag of a hand that it was part of.
         """
         return cls(zlib.compress(text.encode()), revision_of(text), label, datetime.now(UTC), gesture)
@@ -106,13 +106,13 @@ class EditHistory:
         return self.states[self.now + 1].label if self.now + 1 < len(self.states) else None
 
     def after(self, text: str, label: str, gesture: str = "") -> EditHistory:
-        """The history after an edit. What was undone before it cannot be done again.
+        """History after an edit. Undone edits are dropped.
 
         An edit that changes nothing leaves no trace. Edits of one gesture, one after the other, are one step.
 
         Args:
             text: of the layer after the edit.
-            label: what was done.
+            label: label of the edit.
             gesture: names the drag of a hand that it was part of.
         """
         if revision_of(text) == self.present.revision:

@@ -1,4 +1,4 @@
-"""Where the focus lies over the picture, as plain data. Beside `render.model.lens`; `render.focus.surface` evaluates it.
+"""Focal surface over the picture, as plain data. `render.focus.surface` evaluates it.
 
 Places are slopes of object space from the middle of the entrance pupil, ``(X/z, Y/z)``: x to the right, y *up*, so that they
 depend neither on the picture's size nor on its shape. What is said of them is inverse depth ``w = 1/z`` in 1/m, in which every
@@ -15,7 +15,7 @@ from render.errors import SettingsError
 from render.model.arrays import DoubleArray
 
 MAX_CONTROLS = 64
-"""Control points that a surface may have: what the tracer holds at once."""
+"""Limit on a surface's control points, from the tracer."""
 
 MAX_HALVES = 2
 """Half lenses that it may have, as USD's cameras do."""
@@ -26,7 +26,7 @@ class FocalPlane:
     """A plane of focus: ``w = w0 + x·slope_x + y·slope_y``.
 
     Attributes:
-        w0: where it meets the view axis, 1/m; 0 is infinity.
+        w0: inverse depth on the view axis, 1/m; 0 is infinity.
         slope_x: 1/m for each slope to the right; not 0 for a swung lens.
         slope_y: 1/m for each slope up; not 0 for a tilted one.
     """
@@ -43,7 +43,7 @@ class FocalPlane:
 
 @dataclass(frozen=True, eq=False)
 class Controls:
-    """Values at places of the picture, and how they go over into each other.
+    """Control points: values at positions of the picture, and their interpolation.
 
     The value anywhere is the mean of all, weighted by ``weight · reach(d) / d^exponent`` with d the distance on the screen (Lee,
     Eisemann & Seidel 2010, section 5.2): at a place it is that place's own. ``reach`` is ``(1 - (d / falloff)²)²`` and 0 from the
@@ -91,9 +91,9 @@ class HalfLens:
 
     Attributes:
         direction: unit ``(x, y)``, square to the edge and toward the half lens.
-        offset: how far the edge lies from the view axis along the direction, slopes.
+        offset: distance of the edge from the view axis along the direction, slopes.
         width: of the zone in which it fades in, slopes, half of it on either side of the edge.
-        w: what is sharp through it, 1/m.
+        w: inverse depth in focus through it, 1/m.
     """
 
     direction: tuple[float, float]
@@ -104,10 +104,10 @@ class HalfLens:
 
 @dataclass(frozen=True, eq=False)
 class FocalSurface:
-    """Where a lens is focused over the picture, and how large its pupil seems there.
+    """Focal surface of a lens, with its relative pupil radius.
 
     Attributes:
-        plane: what a lens can do.
+        plane: plane of focus of the lens.
         controls: what no lens can: values are w in 1/m and the natural logarithm of the depth of field's extent; None for none.
         blend: from the plane (0) to the controls (1).
         halves: half lenses, the first applied first.
@@ -121,7 +121,7 @@ class FocalSurface:
     bends: Controls | None = None
 
     def __post_init__(self) -> None:
-        """Check how many half lenses there are.
+        """Check the number of half lenses.
 
         Raises:
             SettingsError: more than `MAX_HALVES`.

@@ -52,7 +52,7 @@ def every_frame(start: float, end: float) -> list[float]:
 
     Args:
         start: time code of the first frame.
-        end: of the last; where it lies before the first, the first is all there is.
+        end: time of the last frame; where it lies before the first, only the first frame is returned.
 
     Raises:
         SettingsError: they are too many.

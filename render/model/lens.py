@@ -79,7 +79,7 @@ class Prescription:
         focus_group: first and last index of the surfaces that move to focus; None moves the whole lens.
         f_stop: f-number wide open; 0 where it is unknown.
         name: for messages.
-        notes: what was solved for or approximated, one sentence each.
+        notes: values that were computed or approximated, one sentence each.
     """
 
     surfaces: tuple[Surface, ...]
@@ -124,7 +124,7 @@ class SeidelErrors:
 
 @dataclass(frozen=True)
 class DataSheet:
-    """A lens known by what was measured of it: its errors against the height in the picture (Kyaw 2013, section 7.2).
+    """Lens described by measurements: its errors over the height in the picture (Kyaw 2013, section 7.2).
 
     A table has an entry for each height, or none where the error is not there (light: where it is even). In between they are
     joined smoothly, and beyond the last height they stay.
@@ -135,11 +135,11 @@ class DataSheet:
         light: illumination of the film over that on the axis, from all causes together.
         sagittal_blur_mm: standard deviation, across the radius, of the light of a point in the plane of focus: of all errors of
             one colour together.
-        tangential_blur_mm: likewise along the radius.
+        tangential_blur_mm: the same along the radius.
         spherical: share of the blur's spread that is spherical aberration, -1 to 1: positive gives the disc behind the focus a
             bright edge, negative a bright middle. What is left of the blur favours neither half of the disc.
         coma_mm: length of coma's flare along the radius, positive outward.
-        field_curvature_mm: how far before the film the sharp image lies.
+        field_curvature_mm: distance of the sharp image before the film.
         lateral_color_mm: image height at 650 nm less that at 475 nm.
         axial_color_mm: focus at 650 nm less focus at 475 nm, along the axis behind the lens.
         f_stop: at which it was measured; 0 takes the tables as they are at any.
@@ -218,7 +218,7 @@ class HeightField:
     Attributes:
         front: ``(h, w)`` float64, row 0 at the top and column 0 on the left as seen from the film, through the lens; mm toward
             the film are positive, and stay so many mm whatever the camera's focal length. None for none.
-        back: likewise, of the second surface.
+        back: the same for the second surface.
     """
 
     front: DoubleArray | None = None
@@ -243,7 +243,7 @@ class IrisShape:
     """The opening of the iris, of unit radius, as seen in the picture's bokeh.
 
     Attributes:
-        blades: 0 for a round iris, else how many edges, 3 or more.
+        blades: 0 for a round iris, else its number of edges, 3 or more.
         roundness: 0 straight blades to 1 round.
         rotation_rad: counter-clockwise.
         mask: ``(h, w)`` float64 transmission over the square that circumscribes the pupil, row 0 at the top; None for clear.
@@ -284,7 +284,7 @@ class Lens:
         close_focus_m: nearest marked distance, from the film; 0 where none is marked. The glass may focus nearer.
         pupil_power: refractive power at even steps of the pupil's radius from centre to edge, drawn by hand: it counts relative
             to the centre's and replaces the lens's own spherical aberration. Empty keeps the lens's own.
-        expressive_blend: from the lens's own (0) to what is drawn (1).
+        expressive_blend: from the lens's own (0) to the drawn power (1).
         ghosts: strength of the reflections between pairs of surfaces: 0 off, 1 as the surfaces have them.
         star: strength of the diffraction at the iris: 0 off, 1 as it is.
     """

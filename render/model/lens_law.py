@@ -170,7 +170,7 @@ class LensLaw:
         return low - pitch * (_beside(self.far_w, low) + step * _beside(width, low)), pitch
 
     def _place(self, w_f: ArrayLike) -> tuple[NDArray[np.intp], DoubleArray]:
-        """Which step a focus lies in, and how far along."""
+        """Index of a focus's step, and its fraction."""
         w = self._within(w_f)
         last = self.slopes_at_f1_mm_m.shape[1] - 1
         along = (w - _beside(self.far_w, w)) / _beside(self.near_w - self.far_w, w) * last

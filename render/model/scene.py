@@ -128,7 +128,7 @@ class Batch:
     """One draw: a geometry, its material and where its instances stand.
 
     Attributes:
-        geometry: what is drawn.
+        geometry: geometry that is drawn.
         material: with what.
         poses: ``(k, 4, 4)`` float64 world from geometry space, one for each instance.
         double_sided: whether back faces are drawn.
@@ -210,7 +210,7 @@ class Scene:
     """Everything that is drawn, at one time. The camera travels beside it, not in it.
 
     Attributes:
-        batches: what is drawn.
+        batches: batches that are drawn.
         lights: lights with a place or a direction.
         dome: light from all around, or None.
         prim_paths: the paths that prim ids index.

@@ -1,6 +1,6 @@
-"""When and where light reaches the film, as plain data and what follows from it. Beside `render.model.lens`: how long the
-shutter is
-open is the camera's, how it opens and in which order it bares the picture is said here.
+"""Shutter: exposure of the film over time and place, as plain data.
+
+The times at which it opens and closes belong to the camera; the way it opens and the order of the lines are here.
 
 Each place of the picture is exposed from ``open + delay`` to ``close + delay``, where the delay grows along the way that the
 shutter or the readout travels. Over that time the shutter lets through what its efficiency curve says: the slit of a focal plane
@@ -70,7 +70,7 @@ def moments(opens: float, closes: float, shutter: Shutter, count: int) -> Double
     Args:
         opens: when the first place opens, in time codes from the frame's own.
         closes: when the first place closes.
-        shutter: how it travels.
+        shutter: the shutter.
         count: of moments.
 
     Returns:
@@ -113,7 +113,7 @@ def shares(opens: float, closes: float, shutter: Shutter, count: int, width: int
 
 
 def at_once(parts: NDArray[np.float32 | np.float64]) -> int:
-    """At how many of the moments any place is exposed, at most: where lines are bared one after the other these are few.
+    """Greatest number of moments at which any place is exposed: few where lines are exposed one after the other.
 
     Args:
         parts: `shares`.

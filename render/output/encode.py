@@ -38,7 +38,7 @@ def encode(file_format: str, frame: FrameArrays, graded: FloatArray, metadata: F
         file_format: ``exr`` writes the frame; ``png`` and ``jpeg`` write the graded picture.
         frame: the rendered frame.
         graded: ``(height, width, 3)`` display-referred, 0 to 1.
-        metadata: what the file says about the frame.
+        metadata: metadata of the file.
 
     Raises:
         SettingsError: no such format, or an AOV that has no place in a file.
@@ -58,7 +58,7 @@ def encode_png(graded: FloatArray, metadata: FrameMetadata) -> bytes:
 
     Args:
         graded: ``(height, width, 3)`` display-referred, 0 to 1.
-        metadata: what the file says about the frame.
+        metadata: metadata of the file.
     """
     spec, pixels = _picture(graded, metadata)
     if code_points := OpenImageIO.ColorConfig("ocio://default").get_cicp(metadata.grade.picture_space_id or "unknown"):
@@ -73,7 +73,7 @@ def encode_jpeg(graded: FloatArray, metadata: FrameMetadata | None = None) -> by
 
     Args:
         graded: ``(height, width, 3)`` display-referred, 0 to 1.
-        metadata: what the file says about the frame; None says nothing, for what is looked at and gone.
+        metadata: metadata of the file; None for none, as in live pictures.
     """
     spec, pixels = _picture(graded, metadata)
     spec.attribute("compression", f"jpeg:{JPEG_QUALITY}")
@@ -85,7 +85,7 @@ def to_8_bit(graded: FloatArray) -> NDArray[np.uint8]:
     """Display-referred values rounded to the nearest of 256 levels, halves up; no dither.
 
     Args:
-        graded: any shape, 0 to 1; what lies outside is clipped.
+        graded: any shape, 0 to 1; values outside are clipped.
     """
     levels: NDArray[np.uint8] = np.floor(np.clip(graded, 0, 1) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
     return levels

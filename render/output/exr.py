@@ -1,4 +1,4 @@
-"""OpenEXR: light as it was rendered, and what was measured beside it.
+"""OpenEXR: rendered radiance and AOVs.
 
 Parts, in this order; a file with the colour alone has a single part:
 
@@ -55,7 +55,7 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
         color: ``(height, width, 4)`` scene-linear radiance, not exposed, times coverage; coverage in alpha. What is no
             number becomes 0, what a half float cannot hold becomes its largest number.
         aovs: measurements by name, each ``(height, width)``; ``color``, if there, is left out.
-        metadata: what the file says about the frame.
+        metadata: metadata of the file.
 
     Raises:
         SettingsError: an AOV has no place in a file, or not the picture's size.
@@ -106,7 +106,7 @@ def _spec(name: str, size: tuple[int, int], channels: list[str], kind: str) -> O
 
 
 def _ids(ids: NDArray[Any]) -> NDArray[np.uint32]:
-    """Ids with every negative one, which means nothing is there, as `NO_ID`."""
+    """Ids with `NO_ID` in place of negative ones, which are empty."""
     return np.where(ids < 0, NO_ID, ids).astype(np.uint32)
 
 

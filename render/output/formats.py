@@ -15,7 +15,7 @@ _MOVIE_ENDINGS = frozenset({".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".g
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
-    """The format that a file's name asks for; upper and lower case are the same.
+    """Format of a file name, by its suffix; case is ignored.
 
     Args:
         path: the file to be written.

@@ -69,7 +69,7 @@ def _write_parts(path: Path, parts: Sequence[Part]) -> None:
 
 
 def _is_whole(path: Path, content: bytes) -> bool:
-    """Whether an encoded file has its end. A writer's close() says nothing of a disk that had no room for the last bytes."""
+    """Whether an encoded file is complete. A writer's close() does not report a full disk."""
     if path.suffix in _LAST_BYTES:
         return content.endswith(_LAST_BYTES[path.suffix])
     picture = OpenImageIO.ImageInput.open(str(path))

@@ -29,9 +29,9 @@ class FrameMetadata:
         camera: as the frame was rendered, focus solved in.
         time: USD time code of the frame.
         frames_per_second: of the shot.
-        grade: how the picture was graded; its working space is the one that the radiance is in.
-        film: what the picture was developed on; None for nothing.
-        settings: how the frame was rendered (``dataclasses.asdict`` of the frame's settings); each becomes
+        grade: grade of the picture; its working space is that of the radiance.
+        film: film that the picture was developed on; None for none.
+        settings: settings of the render (``dataclasses.asdict`` of the frame's settings); each becomes
             ``pullfocus:<name>``.
         stage: the shot's name.
         prim_paths: what the ids of the ``prim_id`` AOV index: ``Scene.prim_paths``.
@@ -165,7 +165,7 @@ def _film_attributes(film: FilmSettings | None) -> list[Attribute]:
 
 
 def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
-    """Where the camera stands and what its frame takes in."""
+    """Attributes of the camera's pose and frustum."""
     width_at_one = view.width / view.fx
     return [
         ("worldToCamera", "matrix", _row_vector_matrix(np.diag([1.0, 1.0, -1.0, 1.0]) @ view.camera_from_world)),

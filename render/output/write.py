@@ -12,16 +12,16 @@ from render.output.metadata import FrameMetadata
 
 
 def write_frame(path: str | os.PathLike[str], frame: FrameArrays, graded: FloatArray, metadata: FrameMetadata) -> None:
-    """Write a frame in the format that the file's name asks for.
+    """Write a frame in the format of the file's name.
 
     Args:
         path: ends in ``.exr``, ``.png``, ``.jpg`` or ``.jpeg``. Its folder must exist; a file there is replaced.
         frame: the rendered frame, for EXR.
         graded: ``(height, width, 3)`` display-referred, 0 to 1, for PNG and JPEG.
-        metadata: what the file says about the frame.
+        metadata: metadata of the file.
 
     Raises:
         SettingsError: the name's ending is not known.
-        OutputError: the file cannot be written; what was there before is still there.
+        OutputError: the file cannot be written; an existing file is unchanged.
     """
     write_atomic(path, encode(format_of(path), frame, graded, metadata))

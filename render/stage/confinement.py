@@ -49,7 +49,7 @@ def is_inside(path: str, folder: Path) -> bool:
 
 
 def _layer(name: str) -> Sdf.Layer | None:
-    """The layer, or None for what is no layer (a texture), is missing or is damaged: opening the stage will say so."""
+    """Layer of a name, or None for a texture or a missing or damaged layer, which opening the stage will report."""
     try:
         return Sdf.Layer.FindOrOpen(name)
     except Tf.ErrorException:
@@ -62,7 +62,7 @@ def _references(name: str) -> list[str]:
 
 
 def _target(layer: Sdf.Layer, asset: str) -> str | None:
-    """Where an asset path that a layer names leads to; None where that cannot be told beforehand (an expression)."""
+    """Target of an asset path in a layer; None for an expression, which cannot be resolved here."""
     path = Sdf.Layer.SplitIdentifier(asset)[0]
     if path.startswith("`"):
         return None

@@ -9,7 +9,7 @@ from render.errors import one_line
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing to tell the user about a stage.
+    """Finding about a stage, for the user.
 
     Attributes:
         code: a short stable word for programs, such as ``unsupported_light``.
@@ -33,7 +33,7 @@ class FindingLog:
         self._findings: dict[tuple[str, str], Finding] = {}
 
     def add(self, code: str, path: object, message: str) -> None:
-        """Note a finding, unless the same one is there already."""
+        """Add a finding, unless the same one exists."""
         key = (code, str(path))
         self._findings.setdefault(key, Finding(code, str(path), message))
 

@@ -48,7 +48,7 @@ class LightReader:
     Args:
         stage: the stage.
         textures: reads dome textures.
-        log: notes what is not honoured.
+        log: receives requests that are not honoured.
     """
 
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
@@ -63,7 +63,7 @@ class LightReader:
 
         Args:
             lights: light prims, and with each the prims whose varying visibility may hide it.
-            transforms: at the asked time.
+            transforms: transforms at the time.
         """
         found: list[Light] = []
         dome: Dome | None = None
@@ -265,7 +265,7 @@ def _in_range(radiance: RGB, *measures: float) -> bool:
 
 
 def _scales(pose: DoubleArray) -> NDArray[np.float64]:
-    """Lengths of the axes: what a unit of the light's own space is in metres."""
+    """Lengths of the axes: metres per unit of the light's own space."""
     lengths: NDArray[np.float64] = np.linalg.norm(pose[:3, :3], axis=0)
     return lengths
 

@@ -1,4 +1,4 @@
-"""Opening stages: damage, missing files and references that reach outside are told apart, and named."""
+"""Opening of stages. Damage, missing files and references outside the folder are distinguished and named."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def quiet_diagnostics() -> Iterator[None]:
 
 @contextlib.contextmanager
 def read_quietly(stage: Usd.Stage) -> Iterator[None]:
-    """Read values quietly; damage that shows only now (usdc files are read as they are asked) becomes a StageError."""
+    """Context that reads values without diagnostics; damage that shows only then (usdc is read lazily) becomes a StageError."""
     try:
         with quiet_diagnostics():
             yield
@@ -152,7 +152,7 @@ def _check_times(stage: Usd.Stage, name: str) -> None:
 
 
 def _folder(stage: Usd.Stage) -> Path:
-    """The folder that messages name files from: what the stage is confined to, else where it lies."""
+    """Folder that messages name files from: the one that confines the stage, else the stage's own."""
     return confinement(stage) or Path(stage.GetRootLayer().realPath).parent
 
 

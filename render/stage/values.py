@@ -14,7 +14,7 @@ def why_unreadable(problem: Exception) -> str:
 
 
 def format_value(value: object) -> str:
-    """A value as a message shows it: its type too, since that is what is wrong, and not all of a long array."""
+    """Value formatted for a message, shortened, with its type, since the type is the fault."""
     text = repr(value) if len(repr(value)) <= 60 else f"{repr(value)[:60]}…"
     return f"{text} ({type(value).__name__})"
 

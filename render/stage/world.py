@@ -21,7 +21,7 @@ class FrameRange:
     Attributes:
         start: first frame, in time codes.
         end: last frame, included.
-        frames_per_second: how many time codes pass in a second.
+        frames_per_second: time codes per second.
     """
 
     start: float

@@ -58,7 +58,7 @@ class Exposure:
 
 @dataclass(frozen=True)
 class _Recipe:
-    """The variant of the shader that a film needs, and what it is told and reads; buffers by binding."""
+    """Shader variant of a film, with its uniforms, defines and buffers by binding."""
 
     uniforms: dict[str, Any]
     defines: dict[str, int | float | str] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class _Recipe:
 
 
 class FilmPass:
-    """Develops film on the device, on the context that it was made for. What it needs for it is kept between pictures."""
+    """Develops film on the device, in one context. Buffers and textures are kept between pictures."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache | None = None) -> None:
         self._ctx = ctx
@@ -81,7 +81,7 @@ class FilmPass:
         Args:
             light: RGB or RGBA floats, scene-linear, not exposed; a fourth channel is left out. NaN counts as black.
             target: RGBA floats, of the same size.
-            film: what it falls on.
+            film: film or sensor.
             exposure: how.
 
         Raises:
@@ -108,7 +108,7 @@ class FilmPass:
         self._ctx.memory_barrier()
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         self._halation.release()
         self._tables.release()
         self._scratch.release()

@@ -2,7 +2,7 @@
 
 OpenColorIO writes the transform as GLSL functions with tables in textures; ``film/grade.comp`` calls them for each pixel. The
 CDL's
-numbers are uniforms, so that they may change in each frame and nothing is compiled anew.
+numbers are uniforms, so that they may change in each frame without compiling again.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class _Transform:
     tables: tuple[moderngl.Texture | moderngl.Texture3D, ...]
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         for made in (self.program, *self.tables):
             made.release()
 
@@ -61,7 +61,7 @@ class DisplayPass:
 
         Args:
             light: ``(height, width, 3 or 4)`` float32, linear; a fourth channel is left out. NaN counts as black.
-            exposure_scale: what the camera's exposure multiplies it by.
+            exposure_scale: factor from the camera's exposure.
             grade: the display, view, looks and CDL.
             space: None for scene-linear light in the working space; else the space of a print's light, as for
                 `Grade.processor`.
@@ -105,7 +105,7 @@ class DisplayPass:
         self._ctx.memory_barrier()
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         while self._transforms:
             self._transforms.popitem()[1].release()
 
@@ -164,7 +164,7 @@ def _set_cdl(program: moderngl.ComputeShader, cdl: Cdl) -> None:
 def _tables(
     ctx: moderngl.Context, code: ocio.GpuShaderDesc
 ) -> Iterator[tuple[str, moderngl.Texture | moderngl.Texture3D]]:
-    """The tables of a transform as textures, each with the name of its sampler; whoever takes one owns it."""
+    """Tables of a transform as textures, each with the name of its sampler; the caller owns them."""
     for table in code.getTextures():
         channels = 1 if table.channel == ocio.GpuShaderDesc.TEXTURE_RED_CHANNEL else 3
         flat = ctx.texture((table.width, table.height), channels, _bytes(table.getValues()), dtype="f4")

@@ -1,4 +1,4 @@
-"""Halation on the device: the light's Fourier transform times the kernel's, and back. As `render.film.halation` has it."""
+"""Halation on the device: the light's Fourier transform times the kernel's. See `render.film.halation`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Spread:
     Attributes:
         buffer: RGB and nothing, row by row, on the device; the pass's own.
         width: of its rows.
-        reach: where the picture's corner lies in it.
+        reach: position of the picture's corner in it.
     """
 
     buffer: moderngl.Buffer
@@ -46,7 +46,7 @@ class HalationPass:
 
         Args:
             light: RGB or RGBA floats.
-            exposure: what it is multiplied by before it counts.
+            exposure: factor on the light.
             gains: then each channel.
             radius_px: of the ring, across and down.
 
@@ -69,7 +69,7 @@ class HalationPass:
         return Spread(one, size[0], reach)
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         self._scratch.release()
         if self._spectrum is not None:
             self._spectrum[1].release()

@@ -1,4 +1,4 @@
-"""Textures and buffers that are used anew for each picture, and made anew only when pictures change their size."""
+"""Scratch textures and buffers, reused between pictures and reallocated when their size changes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Scratch:
         self._textures: dict[str, moderngl.Texture] = {}
 
     def buffer(self, name: str, size: int) -> moderngl.Buffer:
-        """A buffer of so many bytes, with whatever is in it. Raises `TooLargeError` where shaders cannot read so many."""
+        """Buffer of ``size`` bytes with undefined contents. Raises `TooLargeError` above the device's limit."""
         most = self._ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]
         if size > most:
             raise TooLargeError(
@@ -50,7 +50,7 @@ class Scratch:
         return kept
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         for named in (self._buffers, self._textures):
             while named:
                 named.popitem()[1].release()

@@ -29,7 +29,7 @@ class Tables:
     Attributes:
         texture: a row for each record of each kind: density over log exposure (``curve``), granularity over density (``grain``),
             and where there is a print its density over log exposure (``print``).
-        ranges: by kind, what the records' rows begin with, and their steps for each unit.
+        ranges: by kind, first value of the records' rows, and steps per unit.
     """
 
     texture: moderngl.Texture
@@ -54,7 +54,7 @@ class TableCache:
         return self._tables[key]
 
     def release(self) -> None:
-        """Give the device's memory back."""
+        """Release the memory on the device."""
         while self._tables:
             self._tables.popitem()[1].texture.release()
 

@@ -70,7 +70,7 @@ def read_curve(
 
     Args:
         content: UTF-8.
-        rates: how time is counted where the file does not say, such as those of the shot.
+        rates: rates where the file gives none, such as the shot's.
         format: which kind of file it is; None looks at it.
         gaps: whether rows that are missing or cannot be used are refused, held or interpolated; see
             `render.focus.files.assembly`.
@@ -93,7 +93,7 @@ def read_curve(
 
 
 def retime(read: ReadCurve, rates: Rates, first_time_code: float | None = None) -> ReadCurve:
-    """A curve in the time of a shot. Seconds stay as they are, as they do when USD takes in a layer of another rate.
+    """Convert a curve to the time of a shot. Seconds stay, as with a USD layer of another rate.
 
     Args:
         read: the curve.

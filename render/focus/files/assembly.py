@@ -1,4 +1,4 @@
-"""From a file's rows to a focus curve: what cannot be used is named, and gaps are held or interpolated as asked, or refused.
+"""Assembly of a focus curve from a file's rows: unusable rows are reported, and gaps are held, interpolated or refused.
 
 A gap is a row that cannot be used, or a step in time that is longer than the file's own by half. The file's own step is the
 middle one of all, the lower where two are: a curve of every second frame has no gaps.
@@ -32,7 +32,7 @@ MAX_FRAMES = 100_000
 """Frames of one curve: more is a slip, such as one frame number with too many digits."""
 
 MOST = 1e6
-"""No f-number is larger, and no focal length in mm; single precision, and what is made of them, has room for such."""
+"""Upper bound on f-numbers and on focal lengths in mm, within single precision."""
 
 MOST_TIME_CODE = 1e9
 
@@ -47,7 +47,7 @@ _BETWEEN = "between the rows of the file"
 
 @dataclass(frozen=True)
 class CurveFinding:
-    """One thing about a file that its reader should know.
+    """Finding about a file, for its reader.
 
     Attributes:
         code: a short stable word: ``bad_row``, ``gap``, ``odd_units``, ``not_used`` or ``other_rate``.
@@ -65,9 +65,9 @@ class ReadCurve:
     """A focus curve from a file.
 
     Attributes:
-        curve: NaN where the file does not say.
+        curve: the curve, NaN where the file gives no value.
         said: which of focus_distance_m, f_stop, focal_length_mm, tilt_rad and swing_rad the file gives.
-        findings: what was found, and what was done about it.
+        findings: faults of the file, and their handling.
         on_shot_time: whether its times are those of a shot, and not of a clock that ran beside it.
     """
 
@@ -112,7 +112,7 @@ def _given_attributes(rows: Sequence[Row]) -> frozenset[str]:
 
 
 def _check_rows(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
-    """The rows, with what is wrong with each one noted in it."""
+    """Rows, with the fault of each noted in it."""
     checked, last = [], -math.inf
     for row in rows:
         problem = row.problem or _problem(row, said)
@@ -185,7 +185,7 @@ def _every_time(good: Sequence[Row], bad: Sequence[Row]) -> tuple[DoubleArray, l
 def _gap_findings(
     good: Sequence[Row], bad: Sequence[Row], missing: Sequence[DoubleArray], gaps: Gaps, rows: Rows
 ) -> list[CurveFinding]:
-    """Each gap, and what is done about it.
+    """Findings about the gaps and their handling.
 
     Raises:
         InputError: they are refused.

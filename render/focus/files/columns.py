@@ -21,7 +21,7 @@ class Column:
         attribute: name in `FocusCurve`.
         csv: name in CSV, with its unit.
         json: name in JSON, with its unit.
-        factor: what a number in the file is multiplied by.
+        factor: factor on the file's numbers.
         drives: whether it drives the camera; the others follow from those that do.
         units: what the number may be given in, in a CSV that others wrote: factors by the ending of the name.
     """

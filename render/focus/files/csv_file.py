@@ -6,7 +6,7 @@ columns come five for each focus point, named ``<point>.state``, ``<point>.depth
 Read: that, and less of it. A header row is needed, with one column of time (``frame``, ``time_code`` or ``seconds``) and
 ``focus_distance_m``. Case, spaces and brackets do not matter (``Focus Distance (m)``), and other units are named by the ending:
 ``_m``, ``_cm``, ``_mm``, ``_ft`` or ``_in`` for distances, ``_deg`` or ``_rad`` for angles. Semicolons or tabs may stand in
-place of commas, as spreadsheets write them where the comma is the decimal point. Columns that nobody knows are named, not used.
+place of commas, as spreadsheets write them where the comma is the decimal point. Unknown columns are reported and ignored.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def rows_of_csv(text: str, rates: Rates) -> Rows:
 
     Args:
         text: its content.
-        rates: how time is counted where the file does not show it by two columns of time.
+        rates: rates where the file does not give them by two columns of time.
 
     Raises:
         InputError: there is no header, no time or no focus distance in it, or a column's unit is missing or unknown.
@@ -87,7 +87,7 @@ class _Layout:
     """Which cell is what.
 
     Attributes:
-        width: how many cells a row has.
+        width: number of cells in a row.
         times: index of each column of time that there is.
         numbers: index, column and factor of each column of numbers.
         words: index of each column of words that there is.
@@ -134,7 +134,7 @@ class _Layout:
 
 
 def _numbers_column(name: str) -> tuple[Column, float] | None:
-    """The column of a title, and what its numbers are multiplied by; None where nobody knows it."""
+    """Column of a title, and the factor on its numbers; None for an unknown title."""
     for column in COLUMNS:
         if not column.units:
             if name == column.stem:

@@ -111,7 +111,7 @@ def rows_of_dict(data: Any, what: str) -> Rows:
 
     Args:
         data: as `curve_to_dict` gives them.
-        what: where they come from, for messages.
+        what: source of the data, for messages.
 
     Raises:
         InputError: they are no focus curve of a version that is known.

@@ -1,4 +1,4 @@
-"""Reads OpenTrackIO samples, from whoever wrote them, as a focus curve.
+"""Reading of OpenTrackIO samples, of any origin, as a focus curve.
 
 Read: such an array, one sample, an object with a list ``samples``, or one sample on each line, of versions 0.9 to 1.0 (whose
 older ones say ``focalLength`` for ``pinholeFocalLength`` and ``timecode.format.frameRate`` for ``timecode.frameRate``). What the
@@ -41,7 +41,7 @@ def rows_of_opentrackio(text: str, rates: Rates) -> Rows:
 
     Args:
         text: its content.
-        rates: how time is counted where the samples do not say.
+        rates: rates where the samples give none.
 
     Raises:
         InputError: it holds no OpenTrackIO samples.
@@ -76,11 +76,11 @@ def rows_of_opentrackio(text: str, rates: Rates) -> Rows:
 
 @dataclass(frozen=True)
 class _Clock:
-    """A way to tell when a sample is.
+    """Clock of the samples.
 
     Attributes:
         name: for messages.
-        time_codes: of each sample; NaN where it does not say.
+        time_codes: time code of each sample; NaN where it has none.
         is_shot_time: whether it counts as the shot does.
     """
 
@@ -181,7 +181,7 @@ def _choose_clock(samples: Sequence[Any], own: Sequence[dict[str, Any]], rates: 
     """The first clock that most samples have and that runs.
 
     Raises:
-        InputError: there is none.
+        InputError: there is no usable clock.
     """
     timings = [_part(sample, "timing") for sample in samples]
     per_second, per_frame = rates.time_codes_per_second, rates.time_codes_per_frame
@@ -209,7 +209,7 @@ def _runs(times: Sequence[float | None]) -> bool:
 
 
 def _over_midnight(timings: Sequence[dict[str, Any]]) -> list[float | None]:
-    """Seconds by timecode, which begins anew after a day: the days that have passed are added."""
+    """Seconds from timecode, which wraps around after a day: passed days are added."""
     days, last, passed = 0, -math.inf, list[float | None]()
     for timing in timings:
         time = _timecode_seconds(timing)

@@ -53,7 +53,7 @@ def rows_of_otio(text: str) -> Rows:
         text: OpenTimelineIO's JSON.
 
     Raises:
-        InputError: it is none, or no clip in it has a focus curve.
+        InputError: the text is not OTIO, or no clip in it has a focus curve.
     """
     # Not by the library, whose reader goes as deep as a file is nested, beyond the end of the stack.
     root = load_json(text)

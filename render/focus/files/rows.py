@@ -48,12 +48,12 @@ class Row:
 
     Attributes:
         place: where in the file it is, such as ``row 7``.
-        time_code: of the file's own rate; NaN where it cannot be read.
-        numbers: by the names of `FocusCurve`'s columns, in their units; what is absent is not said.
+        time_code: time code at the file's own rate; NaN where it cannot be read.
+        numbers: numbers by the names of `FocusCurve`'s columns, in their units; missing ones are absent.
         problem: why it cannot be used, or empty.
-        limited: whether the lens could not do what was asked.
+        limited: whether the lens could not reach the requested focus.
         source: whose focus it is.
-        reason: one sentence that says why.
+        reason: reason in one sentence.
         points: the focus points by name.
     """
 
@@ -72,14 +72,14 @@ class Rows:
     """A file, taken apart.
 
     Attributes:
-        what: what it is, for messages, such as ``the CSV``.
-        rates: how it counts time.
+        what: name of the source for messages, such as ``the CSV``.
+        rates: its rates.
         rows: in the order of the file.
         camera: prim path, or empty.
         lens_name: or empty.
         gate_mm: width and height of the film gate, where it says so.
         on_shot_time: whether its times are those of a shot, and not of a clock that ran beside it.
-        notes: what was found beside the rows.
+        notes: findings beside the rows.
     """
 
     what: str
@@ -96,11 +96,11 @@ def json_number(value: Any, name: str) -> float:
     """A number of a JSON file.
 
     Args:
-        value: what stands there.
+        value: value in the file.
         name: its name, for the message.
 
     Raises:
-        BadRowError: it is none.
+        BadRowError: the value is not a number.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise BadRowError(f"{name} must be a number, but it is {quote_value(value)}")
@@ -123,11 +123,11 @@ def known_state(value: Any) -> PointState:
 
 
 def quote_value(value: Any) -> str:
-    """Something of a file as a message quotes it: not too long."""
+    """Value of a file quoted for a message, shortened."""
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
 def given_numbers(numbers: dict[str, float]) -> dict[str, float]:
-    """The numbers without those that are none (NaN)."""
+    """Numbers without missing ones (NaN)."""
     return {name: value for name, value in numbers.items() if not math.isnan(value)}

@@ -11,7 +11,7 @@ _SLACK = 1e-5
 """Relative. 23.976 and 24000/1001 are as near to each other as this; 24 and 24000/1001 are a hundred times farther apart."""
 
 MAX_TIMECODE_RATE = 120
-"""SMPTE timecode counts at most so many frames in a second (its frames end at 119)."""
+"""Greatest number of frames in a second of SMPTE timecode (its frames end at 119)."""
 
 _DROPPED_A_MINUTE = {30: 2, 60: 4}
 _MINUTES_A_DAY = 24 * 60
@@ -60,7 +60,7 @@ class Timecode:
 
     @classmethod
     def from_frame(cls, frame: int, rate: Fraction) -> Timecode:
-        """Number a frame, none dropped; after a day it begins anew.
+        """Timecode of a frame, without dropped numbers; it wraps around after a day.
 
         Args:
             frame: 0 or more.

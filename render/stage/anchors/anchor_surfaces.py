@@ -1,4 +1,4 @@
-"""Where the triangles are that focus points are anchored to: of large surfaces, little is read."""
+"""Surfaces that focus points are anchored to; of large ones only the needed points are read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from usd_schemas import FocusPoint
 
 
 class AnchorSurface:
-    """The surface of one prim, whose faces and points are read once where they do not change.
+    """Surface of one prim. Faces and points that do not vary over time are read once.
 
     Args:
         prim: any prim with a place.
@@ -33,7 +33,7 @@ class AnchorSurface:
         self._moves = prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().ValueMightBeTimeVarying()
 
     def triangle(self, point: FocusPoint, time: Usd.TimeCode) -> LongArray | None:
-        """``(3,)`` which of the surface's points a focus point's triangle has; None where it is on no face.
+        """Point indices ``(3,)`` of a focus point's triangle; None where it is on no face.
 
         Raises:
             NotFoundError: there is no such triangle.

@@ -1,4 +1,4 @@
-"""Where a focus point is in the world at a time: it sticks to its face, whatever moves, bends or multiplies that face."""
+"""World positions of focus points: a point sticks to its face as the face moves, deforms or is instanced."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from usd_schemas import FocusPoint
 
 
 def anchor_position(stage: Usd.Stage, focus_point: FocusPoint, time: float) -> DoubleArray:
-    """Where a focus point is at a time.
+    """World position of a focus point at a time.
 
     It follows transforms, point animation, skeletons and blend shapes, native instances and point instancers.
 
@@ -87,7 +87,7 @@ class AnchorReader:
         return positions_m.reshape(len(times), len(focus_points), 3)
 
     def read_anchors(self, focus_points: Sequence[Sequence[FocusPoint]], times: Sequence[float]) -> Anchored:
-        """Where focus points are over some times; one that has no place keeps none of the others from theirs.
+        """World positions of focus points over some times; points without a position do not affect the others.
 
         Faces that do not change and transforms that do not move are read once for all times, and of a mesh's points only those
         that are asked for are bent.
@@ -154,7 +154,7 @@ class _Sources:
         return self._surfaces[path]
 
     def chains(self, instancer: str, prim: Usd.Prim) -> list[tuple[InstancerLink, ...]]:
-        """The ways from an instancer to a prim below its prototypes; none where it is no instancer."""
+        """Chains from an instancer to a prim below its prototypes; empty where the prim is not an instancer."""
         key = (instancer, str(prim.GetPath()))
         if key not in self._chains:
             found = self.stage.GetPrimAtPath(instancer) if Sdf.Path.IsValidPathString(instancer) else None

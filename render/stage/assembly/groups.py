@@ -1,4 +1,4 @@
-"""Surfaces gathered into few draws, each of which remembers what it made and remakes only what time changes.
+"""Groups of surfaces that are drawn together. A group caches its draws and rebuilds only what changes over time.
 
 Surfaces that stand still against each other and share a material become one geometry, in the space of whatever carries
 them. Surfaces that occur many times, or that bend, keep a geometry of their own and a pose for each place.

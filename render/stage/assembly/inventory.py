@@ -45,7 +45,7 @@ class Occurrence:
         mover: nearest prim at or above whose transform varies, or None.
         hiders: prims at or above whose visibility varies.
         chain: point instancers from the outermost inwards, empty for a surface that stands by itself.
-        moves: whether anything in where it stands varies.
+        moves: whether its transform varies over time.
     """
 
     prim: Usd.Prim
@@ -78,7 +78,7 @@ class Inventory:
     """Everything found.
 
     Attributes:
-        surfaces: what is drawn.
+        surfaces: surfaces that are drawn.
         lights: UsdLux light prims with the prims that may hide them.
     """
 
@@ -137,7 +137,7 @@ class _Walk:
         self._descend(prim, below)
 
     def _inherit(self, prim: Usd.Prim, state: _State) -> _State | None:
-        """The state below a prim, or None where it is invisible for good."""
+        """State below a prim, or None where the prim is always invisible."""
         imageable = UsdGeom.Imageable(prim)
         if not imageable:
             return state

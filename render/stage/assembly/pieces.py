@@ -22,10 +22,10 @@ class Piece:
         occurrence: the surface and its place.
         material: path of the material prim, or empty.
         part: which of the surface's parts by material this is.
-        part_count: how many such parts it has.
+        part_count: number of such parts.
         double_sided: whether back faces are drawn.
         deforms: whether the surface's polygons or primvars vary.
-        wanted: the primvars that the material reads.
+        wanted: primvars that the material reads.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
     """
 
@@ -53,7 +53,7 @@ class ShapeReader:
         self._shapes: dict[Hashable, Shape | None] = {}
 
     def shape(self, piece: Piece) -> Shape | None:
-        """The triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
+        """Triangles of a piece, in the prim's space and units; None where there are none or they cannot be used."""
         whole = self.whole(piece)
         if whole is None or piece.part_count == 1:
             return whole

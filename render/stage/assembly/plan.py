@@ -34,10 +34,10 @@ def plan_groups(
     """Gather surfaces into groups.
 
     Args:
-        surfaces: what is drawn.
+        surfaces: surfaces that are drawn.
         looks: reads materials.
         skeletons: which surfaces a skeleton bends.
-        time: any time: the plan does not depend on it, but what the materials want is read there.
+        time: time at which the materials' primvars are read; the plan does not depend on it.
         log: for findings.
     """
     shapes = ShapeReader(skeletons, time, log)

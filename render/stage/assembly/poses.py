@@ -38,7 +38,7 @@ class _Instances:
         matrices: ``(n, 4, 4)`` instancer from prototype root.
         prototypes: ``(n,)`` which prototype each is of.
         visible: ``(n,)`` bool.
-        names: ``(n,)`` by what they are told apart over time: their ids, else their indices.
+        names: ``(n,)`` ids that identify them over time, else their indices.
     """
 
     matrices: DoubleArray
@@ -84,7 +84,7 @@ class InstanceReader:
         return matrices, indices, len(every.prototypes)
 
     def names(self, instancer: Usd.Prim) -> IntArray:
-        """``(n,)`` by what an instancer's instances are told apart over time: their ids, or their indices where it has none."""
+        """Ids ``(n,)`` that identify an instancer's instances over time, or their indices where it has none."""
         return self._of(instancer).names
 
     def _of(self, instancer: Usd.Prim) -> _Instances:
@@ -162,7 +162,7 @@ def instance_poses(
     *,
     drawn: bool = True,
 ) -> tuple[DoubleArray, IntArray]:
-    """Where the instances of a surface below one or more point instancers stand.
+    """Poses of the instances of a surface below one or more point instancers.
 
     An instance's number is its id, by which USD tells it from the others while they come and go, or its index where its
     instancer has no ids. Nested instancers number theirs by index, as digits: ``outer · (inner count) + inner``.
@@ -170,7 +170,7 @@ def instance_poses(
     Args:
         chain: the instancers, outermost first.
         prim: the surface below the last prototype.
-        transforms: at the asked time.
+        transforms: transforms at the time.
         world: world from stage.
         instances: reads instancers, at the same time.
         drawn: whether those alone are meant that are visible.
@@ -202,7 +202,7 @@ def pose_of_instance(
     world: DoubleArray,
     instances: InstanceReader,
 ) -> DoubleArray | None:
-    """``(4, 4)`` pose of one numbered instance, or None where it does not exist at this time; it may be invisible."""
+    """Pose ``(4, 4)`` of one numbered instance, visible or not; None where it does not exist at this time."""
     poses, numbers = instance_poses(chain, prim, transforms, world, instances, drawn=False)
     found = np.flatnonzero(numbers == number)
     return poses[found[0]] if len(found) else None

@@ -17,7 +17,7 @@ def camera_number(attribute: Usd.Attribute, time: Usd.TimeCode) -> float:
     """A number of a camera.
 
     Raises:
-        CameraError: it is none.
+        CameraError: the value is not a number.
     """
     try:
         return number(attribute, time)

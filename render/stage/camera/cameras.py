@@ -87,11 +87,11 @@ def read_camera(
         time: USD time code.
         aspect: width over height of the picture; None keeps the film gate as it is.
         conform: how the gate becomes the picture's shape: a token of UsdRenderSettings' aspectRatioConformPolicy; by
-            default what the stage's own render settings say, else ``expandAperture``.
+            default the stage's own render settings, else ``expandAperture``.
 
     Raises:
         CameraError: there is no camera at the path, or its numbers are impossible.
-        StageError: its transform is not finite, or the render settings' conform policy is none.
+        StageError: its transform is not finite, or the render settings' conform policy is invalid.
     """
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
     if not prim or not prim.IsA(UsdGeom.Camera):
@@ -187,7 +187,7 @@ def _no_camera(stage: Usd.Stage, path: str, prim: Usd.Prim | None) -> CameraErro
 
 
 def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
-    """Where the camera stands, and its film gate."""
+    """Pose of the camera, and its film gate."""
     transforms = UsdGeom.XformCache(time)
 
     def mm(attribute: Usd.Attribute) -> float:

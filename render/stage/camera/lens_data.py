@@ -1,4 +1,4 @@
-"""A prescription or a data sheet as LensAPI has it: the way back from `render.stage.camera.lenses`."""
+"""LensAPI data of a prescription or a data sheet: the inverse of `render.stage.camera.lenses`."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> L
     """The lens in front of the film.
 
     Args:
-        data: what LensAPI says.
+        data: LensAPI's values.
         camera: prim path, for messages.
         confined_to: the folder that height fields must lie in, or None.
 
@@ -96,7 +96,7 @@ def make_iris(data: ApertureData, camera: str, confined_to: Path | None = None) 
     """The opening of the iris; the same numbers and files give the same object.
 
     Args:
-        data: what ApertureAPI says.
+        data: ApertureAPI's values.
         camera: prim path, for messages.
         confined_to: the folder that a mask must lie in, or None.
 
@@ -233,7 +233,7 @@ def _height_field(data: LensData, camera: str, confined_to: Path | None) -> Heig
 
 
 class _ArrayKey:
-    """An array as the key of a cache: equal where it is the same object, which `read_plane` gives for the same file."""
+    """Array as a cache key, compared by identity; `read_plane` returns the same object for the same file."""
 
     def __init__(self, array: DoubleArray | None) -> None:
         self.array = array
@@ -247,7 +247,7 @@ class _ArrayKey:
 
 @lru_cache(maxsize=16)
 def _scaled_heights(front: _ArrayKey, back: _ArrayKey, scale_mm: tuple[float, float]) -> HeightField:
-    """The same object for the same files and scales, so that what is made of it for the GPU is kept."""
+    """Scale height maps. The same files and scales give the same object, so that uploads are reused."""
     return HeightField(
         None if front.array is None or scale_mm[0] == 0 else front.array * scale_mm[0],
         None if back.array is None or scale_mm[1] == 0 else back.array * scale_mm[1],

@@ -17,9 +17,9 @@ MAX_SIDE = 2048  # beyond it, neighbours are averaged: a pupil has no finer deta
 
 
 def read_plane(resolved_path: str, confined_to: Path | None) -> DoubleArray:
-    """The first channel of an image, as raw numbers; 0 to 1 where the file has whole numbers.
+    """Read the first channel of an image as raw numbers, 0 to 1 for integer formats.
 
-    The same file gives the same array, until it is written anew.
+    The same file gives the same array, until it is rewritten.
 
     Args:
         resolved_path: as Ar resolves it; may be inside a package.
@@ -29,7 +29,7 @@ def read_plane(resolved_path: str, confined_to: Path | None) -> DoubleArray:
         ``(h, w)`` float64, row 0 at the top.
 
     Raises:
-        TextureError: the file is missing, outside the folder, damaged or holds what is no number; ends a sentence.
+        TextureError: the file is missing, outside the folder, damaged or holds invalid numbers; the message ends a sentence.
     """
     if not resolved_path:
         raise TextureError("is missing")
@@ -84,7 +84,7 @@ def _downsample(values: DoubleArray, factor: int) -> DoubleArray:
 
 
 def _stamp(resolved_path: str) -> tuple[int, int]:
-    """Tells one writing of a file from another."""
+    """Stamp that changes when a file is rewritten."""
     while Ar.IsPackageRelativePath(resolved_path):
         resolved_path = Ar.SplitPackageRelativePathOuter(resolved_path)[0]
     try:

@@ -45,7 +45,7 @@ def implicit_polygons(prim: Usd.Prim, time: Usd.TimeCode) -> Polygons:
     """The polygons of an implicit prim at a time, in its own space and units.
 
     Raises:
-        BadGeometry: a measure is not one number or out of range, or the axis is none.
+        BadGeometry: a dimension is not one number or out of range, or the axis is invalid.
     """
     kind = str(prim.GetTypeName())
     names = _SHAPE_ATTRIBUTES[kind]
@@ -66,7 +66,7 @@ def _measure(prim: Usd.Prim, name: str, time: Usd.TimeCode) -> float:
 def _rotate_axis(polygons: Polygons, axis: str) -> Polygons:
     """Turn from the Z axis to another one.
 
-    As UsdGeomPlane has it: a plane's width stays on X for axis Y, its length stays on Y for axis X.
+    As in UsdGeomPlane, a plane's width stays on X for axis Y, its length stays on Y for axis X.
     """
     if axis == "Z" or polygons.normals is None:
         return polygons

@@ -17,7 +17,7 @@ from render.model.arrays import DoubleArray, FloatArray, IntArray, LongArray
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """A primvar: values and how they sit on the polygons.
+    """Primvar: values and their interpolation.
 
     Attributes:
         values: ``(m, k)`` float32.
@@ -75,7 +75,7 @@ FARTHEST_POINT = 1e9
 
 
 class BadGeometry(ValueError):  # noqa: N818 - it is a finding about a prim, not an error of ours
-    """The polygons contradict themselves; the message says how."""
+    """Inconsistent polygons; the message explains the fault."""
 
 
 def check(polygons: Polygons) -> None:
@@ -205,7 +205,7 @@ def transfer_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values
         moved: ``(n, 3)`` where its points have gone.
 
     Returns:
-        The normals after the move, or None where there are none.
+        The normals after the deformation, or None without normals.
 
     Raises:
         BadGeometry: the normals do not fit the polygons.
@@ -266,7 +266,7 @@ def weld(polygons: Polygons, value_indices: Sequence[LongArray]) -> tuple[LongAr
 def merge_duplicates(values: FloatArray) -> tuple[FloatArray, LongArray]:
     """Equal rows made one: ``(u, k)`` distinct rows and ``(m,)`` which of them each row is.
 
-    Rows are told apart by a 64-bit hash of their bits (splitmix64's mixer), since sorting whole rows is ten times slower;
+    Rows are compared by a 64-bit hash of their bits (splitmix64's mixer), since sorting whole rows is ten times slower;
     should two rows ever share a hash, nothing is merged.
     """
     bits = np.ascontiguousarray(values + np.float32(0)).view(np.uint32).astype(np.uint64)  # + 0 makes -0 and 0 equal

@@ -28,7 +28,7 @@ class FoundPrimvar:
         return bool(self.primvar.ValueMightBeTimeVarying())
 
     def read(self, time: Usd.TimeCode, width: int) -> Values | None:
-        """Its values at a time with ``width`` components, or None where it has none of that width."""
+        """Values at a time with ``width`` components, or None for another width."""
         values = as_rows(self.primvar.Get(time), width)
         if values is None:
             return None

@@ -1,4 +1,4 @@
-"""One prim's surface as vertices and triangles, with the primvars that its material asks for."""
+"""Surface of one prim as vertices and triangles, with the primvars that its material reads."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Wanted:
         color: name of the colour that multiplies base_color, or None.
         opacity: name of the opacity that multiplies the material's, or None.
         color_fallback: linear Rec. 709 colour where the mesh has no such primvar.
-        opacity_fallback: likewise.
+        opacity_fallback: opacity where the mesh has no such primvar.
     """
 
     uv: str | None = "st"

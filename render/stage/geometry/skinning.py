@@ -32,7 +32,7 @@ class Skeletons:
     """Which prims of a stage a skeleton bends, and how.
 
     Args:
-        stage: the stage. It is searched for skeletons when first asked about a prim below a SkelRoot.
+        stage: the stage. It is searched for skeletons at the first query of a prim below a SkelRoot.
     """
 
     def __init__(self, stage: Usd.Stage) -> None:
@@ -55,14 +55,14 @@ class Skeletons:
     def bend_points(
         self, prim: Usd.Prim, points: Vt.Vec3fArray, time: Usd.TimeCode, log: FindingLog, rows: LongArray | None = None
     ) -> FloatArray:
-        """Where a prim's points are at a time, in its own space; where they rest if no skeleton is bound or none works.
+        """Points of a prim at a time, in its own space; its rest points without a usable skeleton.
 
         Args:
             prim: a mesh.
             points: all of its points, at rest.
             time: when.
             log: for findings.
-            rows: the indices of the points that are wanted, None for all; few cost less.
+            rows: indices of the points to compute, None for all.
 
         Returns:
             ``(n, 3)`` or ``(len(rows), 3)``.
@@ -175,7 +175,7 @@ def _pick_rows(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:
 
 
 def _in_prim_space(points: FloatArray, skeleton: Usd.Prim, prim: Usd.Prim, time: Usd.TimeCode) -> FloatArray:
-    """Points from the skeleton's space to the prim's, so that the prim's transform puts them where the skeleton is."""
+    """Transform points from the skeleton's space to the prim's."""
     transforms = UsdGeom.XformCache(time)
     world_from_skeleton = column_matrix(transforms.GetLocalToWorldTransform(skeleton))
     world_from_prim = column_matrix(transforms.GetLocalToWorldTransform(prim))

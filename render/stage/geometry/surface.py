@@ -38,7 +38,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, skeletons: Skeletons, log: 
     """The polygons of a mesh or an implicit prim.
 
     Raises:
-        BadGeometry: the values are of other types than the schema's, or contradict themselves; the message says how.
+        BadGeometry: the values are of other types than the schema's, or are inconsistent; the message explains the fault.
     """
     with _translate_errors():
         return implicit_polygons(prim, time) if is_implicit(prim) else _mesh_polygons(prim, time, skeletons, log)
@@ -67,7 +67,7 @@ def resting_points(prim: Usd.Prim, time: Usd.TimeCode) -> Vt.Vec3fArray:
     """The points of a mesh in its own space, before a skeleton bends them.
 
     Raises:
-        BadGeometry: there are none, or they are no points.
+        BadGeometry: there are no points, or they are not valid.
     """
     attribute = UsdGeom.Mesh(prim).GetPointsAttr()
     with _translate_errors():
@@ -153,7 +153,7 @@ def _is_subdivided(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> bool:
 
 
 def _authored_normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode) -> Values | None:
-    """``primvars:normals`` if it is there, else ``normals``, as UsdGeomPointBased prescribes."""
+    """Authored normals: ``primvars:normals``, else ``normals``, as UsdGeomPointBased prescribes."""
     primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar("normals")
     if primvar and primvar.HasAuthoredValue():
         rows = as_rows(primvar.Get(time), 3)

@@ -30,7 +30,7 @@ class BoundPart:
 def bound_parts(prim: Usd.Prim, time: Usd.TimeCode, log: FindingLog) -> list[BoundPart]:
     """The parts of a prim by material; the part of all other faces comes last.
 
-    Subsets are those of the ``materialBind`` family, as UsdShade says. Where two claim a face the first keeps it.
+    Subsets are those of the ``materialBind`` family, as in UsdShade. Where two contain a face the first one wins.
     """
     parts: list[BoundPart] = []
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.IsA(UsdGeom.Mesh) else []

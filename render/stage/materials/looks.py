@@ -23,7 +23,7 @@ class LookReader:
     Args:
         stage: the stage.
         textures: reads image files.
-        log: notes what is not honoured.
+        log: receives requests that are not honoured.
     """
 
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
@@ -36,7 +36,7 @@ class LookReader:
     def look(self, path: str, time: Usd.TimeCode) -> BoundMaterial:
         """The look of the material at a path, or the default look for an empty path.
 
-        A material that varies is read anew, and stays the same object where nothing came out differently.
+        A varying material is read at each time, and stays the same object where nothing has changed.
         """
         known = self._looks.get(path)
         if known is not None and not known.varies:

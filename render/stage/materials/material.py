@@ -30,11 +30,11 @@ _TEXTURED_SCALARS = ("metallic", "roughness", "opacity", "occlusion")
 
 @dataclass(frozen=True, eq=False)
 class BoundMaterial:
-    """A material, and what it wants from the meshes that wear it.
+    """Material, and the primvars that it reads from meshes.
 
     Attributes:
         material: for the renderer.
-        wanted: the primvars it reads.
+        wanted: primvars that it reads.
         varies: whether it may change over time.
     """
 

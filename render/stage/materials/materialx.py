@@ -2,7 +2,7 @@
 
 A ``standard_surface`` gives its base colour, metalness, roughness, normal and emission, as constants or as image files. That
 is enough for a wooden or a painted thing to look like itself; transmission, subsurface scattering, coats and everything
-computed by nodes other than ``image``, ``tiledimage`` and ``normalmap`` are left out, and a finding says so.
+computed by nodes other than ``image``, ``tiledimage`` and ``normalmap`` are left out, with a finding.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class MaterialXFiles:
     Args:
         stage: the stage.
         textures: reads the image files.
-        log: notes what is approximated.
+        log: receives approximations.
     """
 
     def __init__(self, stage: Usd.Stage, textures: TextureCache, log: FindingLog) -> None:
@@ -42,7 +42,7 @@ class MaterialXFiles:
         self._documents: dict[str, ET.Element | None] = {}
 
     def look(self, path: str) -> BoundMaterial | None:
-        """The look of a material prim that should have come out of a .mtlx reference, or None where there is none."""
+        """Look of a material prim that a .mtlx reference should have provided; None where there is none."""
         file = self._file_for(Sdf.Path(path))
         root = self._document(file) if file else None
         if file is None or root is None:
@@ -109,7 +109,7 @@ class _SurfaceReader:
         return BoundMaterial(material, Wanted(uv="st" if self._lookups else None))
 
     def _weighted_base_color(self) -> tuple[float, float, float]:
-        """base · base_color, and for glass the colour of what it lets through, which is its look from afar."""
+        """base · base_color, and for glass its transmission colour, which it shows from afar."""
         color = self._numbers("base_color", _GREY) * self._numbers("base", (1.0,))[0]
         transmission = self._numbers("transmission", (0.0,))[0]
         through = self._numbers("transmission_color", (1.0, 1.0, 1.0))

@@ -40,7 +40,7 @@ class TextureNodes:
 
     Args:
         cache: reads the image files.
-        log: notes what is not honoured.
+        log: receives requests that are not honoured.
     """
 
     def __init__(self, cache: TextureCache, log: FindingLog) -> None:
@@ -54,7 +54,7 @@ class TextureNodes:
         """Read a UsdUVTexture.
 
         Args:
-            network: reads inputs at the asked time.
+            network: reads inputs at the time.
             source: the texture shader and which of its outputs is taken.
             purpose: ``color``, ``data`` for a single channel, or ``normal``.
             material_path: for findings.
@@ -100,7 +100,7 @@ class TextureNodes:
             return None
 
     def _resolve(self, asset: Sdf.AssetPath, shader: UsdShade.Shader) -> str:
-        """Where the file is; empty where it cannot be found."""
+        """Resolve an asset to a file path; empty where it cannot be found."""
         if "<UDIM>" not in asset.path:
             return str(asset.resolvedPath)
         path = shader.GetPath()

@@ -25,7 +25,7 @@ _MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before 
 
 
 class TextureError(ValueError):
-    """A texture cannot be read; the message says why."""
+    """Texture that cannot be read; the message gives the reason."""
 
 
 class TextureCache:
@@ -55,7 +55,7 @@ class TextureCache:
             source: its colour space: a token of :func:`render.colour.to_working` or ``auto``.
             purpose: ``color`` or ``data``.
             scale: applied to linear values, before the change of primaries.
-            bias: likewise, after the scale.
+            bias: addend after the scale.
 
         Raises:
             TextureError: the file is missing, damaged, too large or in an unknown colour space.
@@ -179,7 +179,7 @@ def _downsample(pixels: FloatArray, factor: int) -> FloatArray:
 
 @contextlib.contextmanager
 def as_file(resolved_path: str) -> Iterator[str]:
-    """A plain file with the asset's bytes: itself, or a temporary copy of what lies in a package."""
+    """Plain file with the asset's bytes: itself, or a temporary copy of a file inside a package."""
     if not Ar.IsPackageRelativePath(resolved_path):
         if not (os.path.isabs(resolved_path) and os.path.isfile(resolved_path)):
             raise TextureError("is missing")

@@ -67,6 +67,18 @@ class Watching:
             pictures.append(heard)
         return pictures
 
+    def picture_and_readout(self, request: int) -> tuple[Picture, dict[str, Any]]:
+        """Wait for the first picture of a request and its readout, in either order."""
+        picture: Picture | None = None
+        readout: dict[str, Any] | None = None
+        while picture is None or readout is None:
+            heard = self.hear()
+            if isinstance(heard, Picture):
+                picture = heard if heard.head["id"] == request else picture
+            elif heard["id"] == request:
+                readout = heard["readout"]
+        return picture, readout
+
     def problem(self) -> dict[str, Any]:
         heard = self.hear()
         assert isinstance(heard, dict)
@@ -209,12 +221,10 @@ def test_a_focus_point_is_tried_where_it_is_dragged_to(client, room, live):
     focused = {}
     for number, x in enumerate((0.1, 0.9)):
         live.ask(id=number, moving=True, changes=[moved_to(x, 0.5)])
-        assert live.hear().head["id"] == number
-        focused[x] = live.hear()["readout"]["focusDistanceM"]
+        focused[x] = live.picture_and_readout(number)[1]["focusDistanceM"]
     assert focused == {0.1: pytest.approx(3, abs=0.01), 0.9: pytest.approx(8, abs=0.01)}
     live.ask(id=9, moving=True, changes=[moved_to(0.9, 0.02)])  # where there is nothing it stays
-    assert live.hear().head["id"] == 9
-    assert live.hear()["readout"]["focusDistanceM"] == pytest.approx(3, abs=0.01)
+    assert live.picture_and_readout(9)[1]["focusDistanceM"] == pytest.approx(3, abs=0.01)
 
 
 def test_a_pick_does_not_wait_for_a_picture_that_takes_long(service, client, room, live):

@@ -28,9 +28,13 @@ docs:    ## build the documentation site into build/docs
 bench:   ## measure the engines: quality and seconds
 	@scripts/bench
 
-schema:  ## write the camera schema's generated files anew
+schema:  ## write what derives from the declared settings: the USD schema, the OpenAPI document, the page's tables
 	@scripts/environment
 	@.venv/bin/python -m usd_schemas.generate
+	@.venv/bin/python -m service.http.openapi >web/openapi.json
+	@.venv/bin/python -m service.http.page_settings >web/src/model/settings.gen.ts
+	@scripts/web install
+	@scripts/node npm --prefix web run --silent types
 
 lock:    ## write the lock files anew from pyproject.toml
 	@scripts/lock

@@ -26,7 +26,7 @@ const walls = (room, forbidden) => ({
 });
 
 export default tseslint.config(
-  { ignores: ["web/src/net/schema.d.ts"] },
+  { ignores: ["web/src/net/schema.d.ts", "web/src/model/settings.gen.ts"] },
   js.configs.recommended,
   ...tseslint.configs.strictTypeChecked,
   ...tseslint.configs.stylisticTypeChecked,

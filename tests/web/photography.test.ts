@@ -15,29 +15,17 @@ import {
   type FilmSettings,
   type FilmSummary,
 } from "@/model/photography";
-import { ISOS } from "@/model/scale";
+import { scaleOf } from "@/model/scale";
+import { EXPOSURE_DEFAULTS, EXPOSURE_SLIDERS } from "@/model/settings.gen";
 
 const EXPOSURE: ExposureSettings = {
-  exposureTimeS: 1,
-  iso: 100,
-  exposureFStop: 1,
-  exposureStop: "exposure",
-  stopMarking: "f",
-  compensationStops: 0,
-  neutralDensity: 0,
-  transmittance: 1,
-  naturalVignetting: false,
-  breathing: false,
-  flareGhosts: 0,
-  flareStar: 0,
+  ...EXPOSURE_DEFAULTS,
+  shutterEfficiency: [],
+  meteringSpot: [0.5, 0.5],
   shutterAngleDeg: 180,
-  shutterType: "global",
-  shutterTravelS: 0,
-  meteringMode: "manual",
-  meteringFocusPoint: "",
-  meteringCompensationStops: 0,
   keys: {},
 };
+const ISOS = scaleOf(EXPOSURE_SLIDERS.iso.slider);
 const READOUT: ExposureReadout = {
   fStop: 1,
   effectiveTStop: 1,

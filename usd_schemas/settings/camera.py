@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import Bounds, Option, Setting, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Option, Setting, Slider, schema_group, setting
 
 
 @schema_group("Lens", rest="camera")
@@ -42,8 +42,8 @@ class ExposureData:
         "exposure:time",
         1.0,
         "Exposure Time",
-        "USD's `exposure:time`: the time that brightness goes by.",
-        "Motion is blurred by the shutter's own times.",
+        "Time that the picture is exposed for.",
+        "It is USD's `exposure:time`, by which brightness goes; motion is blurred by the shutter's own times.",
         unit="seconds",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
@@ -53,37 +53,43 @@ class ExposureData:
         "exposure:iso",
         100.0,
         "ISO",
-        "USD's `exposure:iso`: the speed that the camera is set to; twice the speed is a stop.",
+        "Speed that the camera is set to; twice the speed is a stop.",
+        "It is USD's `exposure:iso`.",
         unit="ISO",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
         option=Option("--iso"),
+        slider=Slider(12.5, 51_200, 2 ** (1 / 3), "iso"),
     )
     exposure_f_stop: float = setting(
         "exposure:fStop",
         1.0,
         "Exposure Stop",
-        "USD's `exposure:fStop`: an f-number of its own, beside the iris's `fStop`.",
+        "f-number that the exposure goes by, which need not be the iris's.",
+        "It is USD's `exposure:fStop`.",
         unit="f-number",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
         option=Option("--exposure-stop"),
+        slider=Slider(0.7, 32, 2 ** (1 / 6), "log", label="Stop", panel="stop"),
     )
     compensation_stops: float = setting(
         "exposure",
         0.0,
         "Compensation",
-        "USD's `exposure`: brighter (positive) or darker than what is set.",
-        "It does not count where a meter decides the exposure.",
+        "Stops brighter (positive) or darker than what is set; it does not count where the meter exposes.",
+        "It is USD's `exposure`.",
         unit="stops",
         usd_type="float",
         bounds=Bounds(-100, 100),
+        slider=Slider(-6, 6, 1 / 3, unit="stops"),
     )
     responsivity: float = setting(
         "exposure:responsivity",
         1.0,
         "Responsivity",
-        "USD's `exposure:responsivity`: a factor on the light.",
+        "Factor on the light.",
+        "It is USD's `exposure:responsivity`.",
         unit="none, a factor",
         usd_type="float",
         bounds=Bounds(0, 1e9, above=True),
@@ -92,14 +98,16 @@ class ExposureData:
         "shutter:open",
         0.0,
         "Shutter Opens",
-        "USD's `shutter:open`, time codes from the frame's own.",
+        "Time at which the shutter opens, in time codes from the frame's own.",
+        "It is USD's `shutter:open`.",
         unit="time codes",
     )
     shutter_close: float = setting(
         "shutter:close",
         0.0,
         "Shutter Closes",
-        "USD's `shutter:close`, time codes from the frame's own.",
+        "Time at which the shutter closes, in time codes from the frame's own.",
+        "It is USD's `shutter:close`.",
         unit="time codes",
     )
 
@@ -114,6 +122,7 @@ SHUTTER_ANGLE = Setting(
     bounds=Bounds(0, 360_000),
     keyable=False,
     rest="exposure",
+    slider=Slider(0, 360, 7.5, unit="°", zero="still", panel="shutter"),
     name="shutter_angle_deg",
     type=float,
     group="Exposure",

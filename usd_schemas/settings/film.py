@@ -10,7 +10,7 @@ from typing import Literal
 from usd_schemas.settings.film_curves import CharacteristicCurve, PrintCurve
 from usd_schemas.settings.grade import GradeData
 from usd_schemas.settings.metering import Exposing, Metering, Shutter
-from usd_schemas.settings.setting import Bounds, Range, Triple, group, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Range, Slider, Triple, group, schema_group, setting
 
 FilmProcess = Literal["none", "negative", "reversal", "monochrome", "digital"]
 
@@ -29,6 +29,7 @@ class Grain:
         hard=(0, None),
         soft=(None, 3),
         accepts=Range(0.0, 100.0),
+        slider=Slider(0, 2, 0.1, unit="×", label="Grain"),
     )
     rms: Triple = setting(
         "film:grain:rms",
@@ -76,6 +77,7 @@ class Halation:
         hard=(0, 1),
         soft=(None, 0.2),
         bounds=Bounds(0, 1e9),
+        slider=Slider(0, 0.1, 0.005, unit="%", label="Halation"),
     )
     radius_mm: float = setting(
         "film:halation:radius",
@@ -222,6 +224,7 @@ class FilmData:
         unit="stops",
         hard=(-5, 5),
         soft=(-2, 2),
+        slider=Slider(-2, 3, 0.5, unit="stops", zero="none"),
     )
     white_balance_k: float = setting(
         "film:whiteBalance",
@@ -231,6 +234,7 @@ class FilmData:
         unit="kelvin",
         hard=(0, 40000),
         soft=(2000, 10000),
+        slider=Slider(2000, 10_000, 100, unit="K", zero="as lit", label="Balance"),
     )
     tint: float = setting(
         "film:tint",

@@ -9,7 +9,7 @@ from typing import Literal
 
 from usd_schemas.settings.lens_errors import AberrationScales, DataSheet, HydraDistortion, Seidel, SplitDiopter
 from usd_schemas.settings.prescription import HeightField, Prescription
-from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Range, group, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Range, Slider, group, schema_group, setting
 
 LensModel = Literal["pinhole", "thin", "seidel", "spherical", "heightField", "prescription", "dataSheet"]
 
@@ -79,6 +79,7 @@ class LensData:
         hard=(0, 1),
         soft=(0.5, None),
         rest="exposure",
+        slider=Slider(0, 1, 0.05, unit="%", label="Passes", panel="glass"),
     )
     neutral_density: float = setting(
         "lens:neutralDensity",
@@ -91,6 +92,7 @@ class LensData:
         rest="exposure",
         bounds=Bounds(0, 20),
         option=Option("--filter", "ND", Range(0, 12), "a density"),
+        slider=Slider(0, 3, 0.3, zero="none", label="ND"),
     )
     stop_marking: Literal["f", "t"] = setting(
         "lens:stopMarking",
@@ -202,6 +204,7 @@ class LensData:
         soft=(None, 5),
         group="Lens:Flare",
         rest="exposure",
+        slider=Slider(0, 5, 0.25, unit="×", zero="off", label="Ghosts", panel="glass"),
     )
     flare_star: float = setting(
         "lens:flare:star",
@@ -213,6 +216,7 @@ class LensData:
         soft=(None, 5),
         group="Lens:Flare",
         rest="exposure",
+        slider=Slider(0, 5, 0.25, unit="×", zero="off", label="Star", panel="glass"),
     )
     prescription: Prescription = group(Prescription)
     seidel: Seidel = group(Seidel)

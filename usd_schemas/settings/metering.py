@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Slider, schema_group, setting
 
 
 @schema_group("Film:Shutter", rest="exposure")
@@ -118,6 +118,7 @@ class Metering:
         unit="stops",
         hard=(-20, 20),
         soft=(-3, 3),
+        slider=Slider(-6, 6, 1 / 3, unit="stops", label="Brighter", panel="meter"),
     )
     smoothing_s: float = setting(
         "film:metering:smoothing",

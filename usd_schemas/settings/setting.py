@@ -114,8 +114,9 @@ class Slider:
         step: of an arrow key; a ratio where the scale is logarithmic.
         scale: equal travel for equal differences or for equal ratios; ``iso`` is logarithmic with the values of the ISO dial.
         zero: word that stands for 0; empty for the number.
-        unit: behind the number.
+        unit: behind the number; a share is shown in ``%``.
         label: beside the slider, where the property's display name is too long.
+        panel: of the page that has it; empty for the panel of the setting's resource.
     """
 
     least: float
@@ -125,6 +126,7 @@ class Slider:
     zero: str = ""
     unit: str = ""
     label: str = ""
+    panel: str = ""
 
 
 @dataclass(frozen=True)

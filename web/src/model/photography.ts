@@ -1,76 +1,38 @@
 /** How a camera takes the picture: its exposure, shutter, film and grade, and what a light meter says. */
 
+import type { components } from "../net/schema";
 import type { Keyed, KeyedSetting } from "./keys";
+import { EXPOSURE_CHOICES } from "./settings.gen";
 
-export interface ExposureSettings {
-  readonly exposureTimeS: number;
-  readonly iso: number;
-  readonly exposureFStop: number;
-  /** Whether the exposure goes by `exposureFStop`, or by the iris, so that stopping down darkens the picture. */
-  readonly exposureStop: "exposure" | "iris";
-  /** Whether the stops on the barrel are f-numbers or T-stops. */
-  readonly stopMarking: "f" | "t";
-  readonly compensationStops: number;
-  readonly neutralDensity: number;
-  /** Share of the light that the glass lets through. */
-  readonly transmittance: number;
-  readonly naturalVignetting: boolean;
-  readonly breathing: boolean;
-  /** Strength of reflections in the lens; 0 is off. */
-  readonly flareGhosts: number;
-  /** Strength of the star around bright points; 0 is off. */
-  readonly flareStar: number;
-  /** Of the shutter that motion is seen through; 0 is open for a moment. */
-  readonly shutterAngleDeg: number;
-  readonly shutterType: ShutterType;
-  readonly shutterTravelS: number;
-  readonly meteringMode: MeteringMode;
-  /** Name of the focus point that a spot is on; empty for a place. */
-  readonly meteringFocusPoint: string;
-  /** What a meter that decides adds to middle grey. */
-  readonly meteringCompensationStops: number;
-  readonly keys: Keyed;
-}
+type Json = components["schemas"];
+type NotSettings = "camera" | "time" | "etag" | "keys";
 
-export interface FilmSettings {
-  /** What the body is called; may be empty. */
-  readonly body: string;
+export type ExposureSettings = Omit<Json["ExposureSettings"], NotSettings> & { readonly keys: Keyed };
+
+export type FilmSettings = Omit<Json["FilmSettings"], NotSettings> & {
   /** Width over height of the picture. */
   readonly aspect: number;
-  readonly gateMm: readonly [number, number];
-  readonly process: FilmProcess;
-  readonly stock: string;
-  readonly printStock: string;
-  readonly curveSource: "stock" | "knots" | "parametric";
-  readonly push: number;
-  /** 0 leaves the light as it is. */
-  readonly whiteBalanceK: number;
-  readonly tint: number;
-  readonly grainAmount: number;
-  readonly halationAmount: number;
-  readonly display: string;
-  readonly view: string;
-  readonly look: string;
   readonly keys: Keyed;
-}
+};
 
-/** The numbers that take keys. */
 export type ExposureNumber = Extract<NumbersOf<ExposureSettings>, KeyedSetting>;
 export type FilmNumber = Extract<NumbersOf<FilmSettings>, KeyedSetting>;
 type NumbersOf<Settings> = { [Name in keyof Settings]: Settings[Name] extends number ? Name : never }[keyof Settings];
 
 export type ExposureChange = Partial<Omit<ExposureSettings, "keys">>;
-export type FilmChange = Partial<Omit<FilmSettings, "keys" | "body" | "aspect" | "gateMm" | "stock">> & {
+export type FilmChange = Partial<
+  Omit<FilmSettings, "keys" | "body" | "aspect" | "gateMm" | "ocioConfig" | "cdlFile" | "stock">
+> & {
   /** A stock of the library, null for no film. */
   readonly stock?: string | null;
 };
 
-export const SHUTTER_TYPES = ["global", "rolling", "focalPlane", "leaf"] as const;
-export type ShutterType = (typeof SHUTTER_TYPES)[number];
-export const METERING_MODES = ["manual", "center", "average", "spot"] as const;
-export type MeteringMode = (typeof METERING_MODES)[number];
+export const SHUTTER_TYPES = EXPOSURE_CHOICES.shutterType;
+export const METERING_MODES = EXPOSURE_CHOICES.meteringMode;
+export type ShutterType = ExposureSettings["shutterType"];
+export type MeteringMode = ExposureSettings["meteringMode"];
 export type MeterMode = Exclude<MeteringMode, "manual">;
-export type FilmProcess = "none" | "negative" | "reversal" | "monochrome" | "digital";
+export type FilmProcess = FilmSettings["process"];
 
 /** What the exposure is worth. */
 export interface ExposureReadout {

@@ -1,5 +1,7 @@
 /** How a slider's travel stands for a number: positions run from 0 to 1. */
 
+import { EXPOSURE_SLIDERS, type SliderRange } from "./settings.gen";
+
 export interface Scale {
   readonly min: number;
   readonly max: number;
@@ -53,9 +55,6 @@ export function multipleOf(unit: number): (value: number) => number {
   return (value) => Number((Math.round(value / unit) * unit).toFixed(6));
 }
 
-const THIRD_OF_A_STOP = 2 ** (1 / 6);
-
-export const F_NUMBERS = logScale(0.7, 32, THIRD_OF_A_STOP, significant(2));
 export const FOCAL_LENGTHS_MM = logScale(8, 400, 1.02, (mm) => multipleOf(mm < 100 ? 0.5 : 1)(mm));
 export const FOCUS_DISTANCES_M = focusScale(0.05, 200);
 
@@ -90,14 +89,13 @@ function onIsoDial(iso: number): number {
   return near.reduce((a, b) => (Math.abs(Math.log(b / iso)) < Math.abs(Math.log(a / iso)) ? b : a));
 }
 
-export const ISOS = logScale(12.5, 51_200, 2 ** (1 / 3), onIsoDial);
-export const SHUTTER_ANGLES_DEG = linearScale(0, 360, 7.5);
-export const DENSITIES = linearScale(0, 3, 0.3);
-export const COMPENSATIONS = linearScale(-6, 6, 1 / 3);
-export const PUSHES = linearScale(-2, 3, 0.5);
-export const TEMPERATURES_K = linearScale(2000, 10_000, 100);
-export const AMOUNTS = linearScale(0, 2, 0.1);
-export const HALATIONS = linearScale(0, 0.1, 0.005);
 export const RING_SPEEDS_DEG_S = linearScale(0, 720, 15);
 export const CIRCLES_MM = linearScale(0, 0.1, 0.001);
-export const FLARES = linearScale(0, 5, 0.25);
+
+/** The scale of a slider as a setting declares it. */
+export function scaleOf({ least, most, step, scale }: SliderRange): Scale {
+  if (scale === "linear") return linearScale(least, most, step);
+  return logScale(least, most, step, scale === "iso" ? onIsoDial : significant(2));
+}
+
+export const F_NUMBERS = scaleOf(EXPOSURE_SLIDERS.exposureFStop.slider);

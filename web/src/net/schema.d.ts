@@ -2303,7 +2303,7 @@ export interface components {
             readonly camera: string;
             /**
              * Compensationstops
-             * @description USD's `exposure`: brighter (positive) or darker than what is set. It does not count where a meter decides the exposure.
+             * @description Stops brighter (positive) or darker than what is set; it does not count where the meter exposes. It is USD's `exposure`.
              */
             readonly compensationStops: number;
             /**
@@ -2313,7 +2313,7 @@ export interface components {
             readonly etag: string;
             /**
              * Exposurefstop
-             * @description USD's `exposure:fStop`: an f-number of its own, beside the iris's `fStop`.
+             * @description f-number that the exposure goes by, which need not be the iris's. It is USD's `exposure:fStop`.
              */
             readonly exposureFStop: number;
             /**
@@ -2326,7 +2326,7 @@ export interface components {
             readonly exposureStop: "exposure" | "iris";
             /**
              * Exposuretimes
-             * @description USD's `exposure:time`: the time that brightness goes by. Motion is blurred by the shutter's own times.
+             * @description Time that the picture is exposed for. It is USD's `exposure:time`, by which brightness goes; motion is blurred by the shutter's own times.
              */
             readonly exposureTimeS: number;
             /**
@@ -2341,7 +2341,7 @@ export interface components {
             readonly flareStar: number;
             /**
              * Iso
-             * @description USD's `exposure:iso`: the speed that the camera is set to; twice the speed is a stop.
+             * @description Speed that the camera is set to; twice the speed is a stop. It is USD's `exposure:iso`.
              */
             readonly iso: number;
             /**
@@ -2397,7 +2397,7 @@ export interface components {
             readonly neutralDensity: number;
             /**
              * Responsivity
-             * @description USD's `exposure:responsivity`: a factor on the light.
+             * @description Factor on the light. It is USD's `exposure:responsivity`.
              */
             readonly responsivity: number;
             /**
@@ -2407,7 +2407,7 @@ export interface components {
             readonly shutterAngleDeg: number;
             /**
              * Shutterclose
-             * @description USD's `shutter:close`, time codes from the frame's own.
+             * @description Time at which the shutter closes, in time codes from the frame's own. It is USD's `shutter:close`.
              */
             readonly shutterClose: number;
             /**
@@ -2423,7 +2423,7 @@ export interface components {
             readonly shutterEfficiency: readonly number[];
             /**
              * Shutteropen
-             * @description USD's `shutter:open`, time codes from the frame's own.
+             * @description Time at which the shutter opens, in time codes from the frame's own. It is USD's `shutter:open`.
              */
             readonly shutterOpen: number;
             /**
@@ -2474,12 +2474,12 @@ export interface components {
             readonly breathing?: boolean | null;
             /**
              * Compensationstops
-             * @description USD's `exposure`: brighter (positive) or darker than what is set. It does not count where a meter decides the exposure.
+             * @description Stops brighter (positive) or darker than what is set; it does not count where the meter exposes. It is USD's `exposure`.
              */
             readonly compensationStops?: number | null;
             /**
              * Exposurefstop
-             * @description USD's `exposure:fStop`: an f-number of its own, beside the iris's `fStop`.
+             * @description f-number that the exposure goes by, which need not be the iris's. It is USD's `exposure:fStop`.
              */
             readonly exposureFStop?: number | null;
             /**
@@ -2491,7 +2491,7 @@ export interface components {
             readonly exposureStop?: ("exposure" | "iris") | null;
             /**
              * Exposuretimes
-             * @description USD's `exposure:time`: the time that brightness goes by. Motion is blurred by the shutter's own times.
+             * @description Time that the picture is exposed for. It is USD's `exposure:time`, by which brightness goes; motion is blurred by the shutter's own times.
              */
             readonly exposureTimeS?: number | null;
             /**
@@ -2506,7 +2506,7 @@ export interface components {
             readonly flareStar?: number | null;
             /**
              * Iso
-             * @description USD's `exposure:iso`: the speed that the camera is set to; twice the speed is a stop.
+             * @description Speed that the camera is set to; twice the speed is a stop. It is USD's `exposure:iso`.
              */
             readonly iso?: number | null;
             /**
@@ -2554,7 +2554,7 @@ export interface components {
             readonly neutralDensity?: number | null;
             /**
              * Responsivity
-             * @description USD's `exposure:responsivity`: a factor on the light.
+             * @description Factor on the light. It is USD's `exposure:responsivity`.
              */
             readonly responsivity?: number | null;
             /**
@@ -2564,7 +2564,7 @@ export interface components {
             readonly shutterAngleDeg?: number | null;
             /**
              * Shutterclose
-             * @description USD's `shutter:close`, time codes from the frame's own.
+             * @description Time at which the shutter closes, in time codes from the frame's own. It is USD's `shutter:close`.
              */
             readonly shutterClose?: number | null;
             /**
@@ -2579,7 +2579,7 @@ export interface components {
             readonly shutterEfficiency?: readonly number[] | null;
             /**
              * Shutteropen
-             * @description USD's `shutter:open`, time codes from the frame's own.
+             * @description Time at which the shutter opens, in time codes from the frame's own. It is USD's `shutter:open`.
              */
             readonly shutterOpen?: number | null;
             /**

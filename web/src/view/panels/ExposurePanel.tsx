@@ -1,20 +1,14 @@
 /** Light meter, stop, shutter, sensitivity, filter and compensation: what makes the picture as bright as it is. */
 
 import type { JSX } from "preact";
-import type { CameraPhotography } from "../../editor/photography";
 import type { Session } from "../../editor/session";
-import {
-  agrees,
-  formatStops,
-  formatTime,
-  parseShutter,
-  type ExposureNumber,
-  type ExposureSettings,
-  type Photography,
-} from "../../model/photography";
-import { COMPENSATIONS, DENSITIES, F_NUMBERS, ISOS, SHUTTER_ANGLES_DEG, type Scale } from "../../model/scale";
+import { agrees, formatTime, parseShutter, type ExposureSettings, type Photography } from "../../model/photography";
+import { F_NUMBERS } from "../../model/scale";
+import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 import type { Readout } from "../../model/shot";
 import { LightMeter } from "./LightMeter";
+import { ExposureField, type ExposureSlider } from "../controls/ExposureField";
+import { quantityOf, type Quantity } from "../controls/quantity";
 import { parseQuantity, trim } from "../numbers";
 import { Setting } from "../controls/Setting";
 
@@ -144,14 +138,13 @@ function Shutter({ session, said }: PartProps): JSX.Element {
         setting="shutterClose"
         keyValue={exposure.shutterAngleDeg / 360}
         keys={exposure.keys}
-        label="Shutter"
-        hint="Twice the angle is twice the blur and twice the light; type 180° or 1/50 s"
+        {...quantityOf(EXPOSURE_SLIDERS.shutterAngleDeg, {
+          hint: "Twice the angle is twice the blur and twice the light; type 180° or 1/50 s",
+          example: "180° or 1/50 s",
+          parse: (text) => (text.trim() === "still" ? 0 : parseShutter(text, perSecond)),
+        })}
         value={exposure.shutterAngleDeg}
-        scale={SHUTTER_ANGLES_DEG}
         fresh={photography.fresh.value}
-        example="180° or 1/50 s"
-        format={(angle) => (angle === 0 ? "still" : `${trim(angle, 1)}°`)}
-        parse={(text) => (text.trim() === "still" ? 0 : parseShutter(text, perSecond))}
         startDrag={() => photography.dragShutter(exposure)}
       />
       <p class="setting-said muted">
@@ -176,32 +169,15 @@ function Shutter({ session, said }: PartProps): JSX.Element {
   );
 }
 
-interface NumberRow {
-  readonly name: ExposureNumber;
-  readonly label: string;
-  readonly hint: string;
-  readonly scale: Scale;
-  readonly example: string;
-  readonly format: (value: number) => string;
-  readonly parse: (text: string) => number | null;
-}
-
 const LOG2_10 = Math.log2(10);
-const NUMBERS: readonly NumberRow[] = [
-  {
-    name: "iso",
-    label: "ISO",
-    hint: "Twice the speed is a stop",
-    scale: ISOS,
-    example: "800",
+
+/** What is shown or typed in its own way. */
+const SPECIAL: Readonly<Record<string, Partial<Quantity>>> = {
+  iso: {
     format: (iso) => trim(iso, iso < 100 ? 1 : 0),
     parse: (text) => parseQuantity(text.replace(/^iso/i, ""), ""),
   },
-  {
-    name: "neutralDensity",
-    label: "ND",
-    hint: "Density of the filter in front; 0.3 takes a stop",
-    scale: DENSITIES,
+  neutralDensity: {
     example: "0.6 or 2 stops",
     format: (density) => (density === 0 ? "none" : `${trim(density, 2)} (−${trim(density * LOG2_10, 1)})`),
     parse: (text) => {
@@ -210,35 +186,25 @@ const NUMBERS: readonly NumberRow[] = [
       return text.trim() === "none" ? 0 : parseQuantity(text.replace(/^nd/i, "").replace(/\(.*\)$/, ""), "");
     },
   },
-  {
-    name: "compensationStops",
-    label: "Compensation",
-    hint: "Brighter or darker than what is set; it does not count where the meter exposes",
-    scale: COMPENSATIONS,
-    example: "+1",
-    format: (stops) => `${formatStops(stops)} stops`,
-    parse: (text) => parseQuantity(text.replace("±", ""), text.trim().endsWith("stop") ? "stop" : "stops"),
-  },
+};
+
+const IN_PANEL = Object.values(EXPOSURE_SLIDERS).filter(
+  ({ panel }) => panel === "exposure",
+) as readonly ExposureSlider[];
+const [AMOUNTS, COMPENSATION] = [
+  IN_PANEL.filter(({ name }) => name !== "compensationStops"),
+  EXPOSURE_SLIDERS.compensationStops,
 ];
 
 function Numbers({ session, exposure }: { session: Session; exposure: ExposureSettings }): JSX.Element {
-  const photography: CameraPhotography = session.photography;
   const byMeter = exposure.meteringMode !== "manual";
+  const props = { session, exposure };
   return (
     <>
-      {NUMBERS.map(({ name, ...row }) => (
-        <Setting
-          {...row}
-          key={name}
-          session={session}
-          setting={name}
-          keys={exposure.keys}
-          value={exposure[name]}
-          disabled={byMeter && name === "compensationStops"}
-          fresh={photography.fresh.value}
-          startDrag={() => photography.dragExposure(row.label, name, exposure)}
-        />
+      {AMOUNTS.map((declared) => (
+        <ExposureField key={declared.name} {...props} declared={declared} special={SPECIAL[declared.name]} />
       ))}
+      <ExposureField {...props} declared={COMPENSATION} disabled={byMeter} />
     </>
   );
 }

@@ -4,16 +4,10 @@ import type { JSX } from "preact";
 import { useEffect } from "preact/hooks";
 import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
-import {
-  formatStops,
-  groupedFilms,
-  type FilmNumber,
-  type FilmSettings,
-  type FilmSummary,
-} from "../../model/photography";
-import { AMOUNTS, HALATIONS, PUSHES, TEMPERATURES_K, type Scale } from "../../model/scale";
+import { groupedFilms, type FilmSettings, type FilmSummary } from "../../model/photography";
+import { FILM_SLIDERS, type Declared } from "../../model/settings.gen";
 import { Choice, Options } from "../controls/Choice";
-import { parseQuantity, trim } from "../numbers";
+import { quantityOf } from "../controls/quantity";
 import { Setting } from "../controls/Setting";
 
 const [NO_FILM, SENSOR, DRAWN] = ["", "*digital", "*drawn"];
@@ -47,13 +41,10 @@ export function FilmPanel({ editor, session, film }: PartProps & { readonly edit
         <p class="reason">{descriptionOf(film, stock)}</p>
         {inCamera && film.process !== "reversal" && <PrintChoice session={session} film={film} films={films} />}
         <Balance session={session} film={film} stock={stock} />
-        {inCamera && (
-          <>
-            <Number session={session} film={film} row={PUSH} />
-            <Number session={session} film={film} row={GRAIN} />
-            <Number session={session} film={film} row={HALATION} />
-          </>
-        )}
+        {inCamera &&
+          Object.values(OF_FILM).map((declared) => (
+            <Number key={declared.name} session={session} film={film} declared={declared} />
+          ))}
       </div>
     </section>
   );
@@ -121,66 +112,23 @@ function descriptionOf({ process }: FilmSettings, stock: FilmSummary | undefined
   return `${speed}${stock.description}`;
 }
 
-interface Row {
-  readonly name: FilmNumber;
-  readonly label: string;
-  readonly hint: string;
-  readonly scale: Scale;
-  readonly example: string;
-  readonly format: (value: number) => string;
-  readonly parse: (text: string) => number | null;
+const { whiteBalanceK: BALANCE, ...OF_FILM } = FILM_SLIDERS;
+
+interface NumberProps extends PartProps {
+  readonly declared: Declared & { readonly name: keyof typeof FILM_SLIDERS };
 }
 
-const PUSH: Row = {
-  name: "push",
-  label: "Push",
-  hint: "Developed longer, or (below 0) pulled",
-  scale: PUSHES,
-  example: "+1",
-  format: (stops) => (stops === 0 ? "none" : `${formatStops(stops)} stops`),
-  parse: (text) => (text.trim() === "none" ? 0 : parseQuantity(text, "stops")),
-};
-const GRAIN: Row = {
-  name: "grainAmount",
-  label: "Grain",
-  hint: "1 is as much as the stock has on this format",
-  scale: AMOUNTS,
-  example: "1",
-  format: (amount) => `${trim(amount, 2)}×`,
-  parse: (text) => parseQuantity(text, "×"),
-};
-const HALATION: Row = {
-  name: "halationAmount",
-  label: "Halation",
-  hint: "Light that the base throws back around what is bright",
-  scale: HALATIONS,
-  example: "1 %",
-  format: (share) => `${trim(100 * share, 1)} %`,
-  parse: (text) => {
-    const percent = parseQuantity(text, "%");
-    return percent === null ? null : percent / 100;
-  },
-};
-const BALANCE: Row = {
-  name: "whiteBalanceK",
-  label: "Balance",
-  hint: "Colour temperature that looks neutral",
-  scale: TEMPERATURES_K,
-  example: "3200 K",
-  format: (kelvin) => (kelvin === 0 ? "as lit" : `${trim(kelvin, 0)} K`),
-  parse: (text) => (text.trim() === "as lit" ? 0 : parseQuantity(text, "K")),
-};
-
-function Number({ session, film, row: { name, ...row } }: PartProps & { readonly row: Row }): JSX.Element {
+function Number({ session, film, declared }: NumberProps): JSX.Element {
+  const { name, label } = declared;
   return (
     <Setting
-      {...row}
+      {...quantityOf(declared)}
       session={session}
       setting={name}
       keys={film.keys}
       value={film[name]}
       fresh={session.photography.fresh.value}
-      startDrag={() => session.photography.dragFilm(row.label, name, film)}
+      startDrag={() => session.photography.dragFilm(label, name, film)}
     />
   );
 }
@@ -194,7 +142,7 @@ const LIGHTS: readonly (readonly [name: string, kelvin: number])[] = [
 function Balance({ session, film, stock }: PartProps & { readonly stock: FilmSummary | undefined }): JSX.Element {
   return (
     <>
-      <Number session={session} film={film} row={BALANCE} />
+      <Number session={session} film={film} declared={BALANCE} />
       <div class="group presets" role="group" aria-label="Light that looks neutral">
         {LIGHTS.map(([name, kelvin]) => (
           <button

@@ -9,9 +9,9 @@ import {
   type MeterMode,
   type MeterReading,
 } from "../../model/photography";
-import { parseQuantity, trim } from "../numbers";
-import { Setting } from "../controls/Setting";
-import { COMPENSATIONS } from "../../model/scale";
+import { trim } from "../numbers";
+import { ExposureField } from "../controls/ExposureField";
+import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 
 const REACH = 4;
 const [WIDTH, HEIGHT, MARGIN] = [264, 40, 14];
@@ -91,22 +91,7 @@ function Head({ session, exposure }: MeterProps): JSX.Element {
 
 /** How much over middle grey a meter that decides exposes. */
 function Aim({ session, exposure }: MeterProps): JSX.Element {
-  return (
-    <Setting
-      session={session}
-      setting="meteringCompensationStops"
-      keys={exposure.keys}
-      label="Brighter"
-      hint="How much over middle grey the metered light shall be"
-      value={exposure.meteringCompensationStops}
-      scale={COMPENSATIONS}
-      fresh={session.photography.fresh.value}
-      example="+1"
-      format={(stops) => `${formatStops(stops)} stops`}
-      parse={(text) => parseQuantity(text.replace("±", ""), "stops")}
-      startDrag={() => session.photography.dragExposure("meter’s compensation", "meteringCompensationStops", exposure)}
-    />
-  );
+  return <ExposureField session={session} exposure={exposure} declared={EXPOSURE_SLIDERS.meteringCompensationStops} />;
 }
 
 function SetToMeter({ session, exposure, meter }: MeterProps & { readonly meter: MeterReading | null }): JSX.Element {

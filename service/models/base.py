@@ -1,4 +1,4 @@
-"""What all models share: camelCase names, no unknown fields, finite numbers."""
+"""Base class and types of the models: camelCase names, no unknown fields, finite numbers."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ KEYS_AT = (
 
 
 class Finding(Model):
-    """One thing that was found, and what it is about."""
+    """A finding and its subject."""
 
     path: str = Field(description="File, prim or parameter.")
     detail: str = Field(description="One sentence.")

@@ -1,4 +1,4 @@
-"""Cameras: the lens as it is, what may be set on it, and what it holds sharp."""
+"""Cameras: the state of the lens, the values that can be set, and the depth of field."""
 
 from __future__ import annotations
 
@@ -62,9 +62,9 @@ class CameraState(Model):
     focus_mode: FocusMode = Field(description="Whether it is focused by hand or by its focus points.")
     horizontal_aperture_mm: float
     vertical_aperture_mm: float
-    exposure_scale: float = Field(description="What the camera's exposure attributes multiply radiance by.")
-    lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
-    lens_model: LensModel = Field(description="How light passes it.")
+    exposure_scale: float = Field(description="Factor of radiance by the camera's exposure attributes.")
+    lens_name: str = Field(description="Engraving of the lens, the `title` of one of the library; may be empty.")
+    lens_model: LensModel = Field(description="Model of how light passes the lens.")
     etag: str = Field(
         description="Its `ETag`, which changes when the camera is edited, its focus points aside: for `If-Match`."
     )
@@ -87,7 +87,7 @@ class CameraList(Model):
 
 
 class CameraEdit(Model):
-    """What to set on a camera; what is left out stays as it is."""
+    """Values to set on a camera; a value left out stays as it is."""
 
     model_config = shown_as({"fStop": 2.8, "focusDistanceM": 3.5})
 
@@ -117,7 +117,7 @@ class CameraEdit(Model):
 
 
 class Readout(Model):
-    """What the lens does at one time: the numbers that a focus puller reads off."""
+    """Readout of the lens at one time: the numbers that a focus puller reads off."""
 
     model_config = shown_as(READOUT_EXAMPLE)
 
@@ -133,15 +133,15 @@ class Readout(Model):
     coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
     source: str = Field(description="Whether focus points decided, or the camera's own focus distance was kept.")
     reason: str = Field(description="One sentence that says why.")
-    note: str = Field(description="What could not be done as asked, in a sentence; or empty.")
+    note: str = Field(description="Sentence about a setting that the lens cannot follow; or empty.")
     tilt_deg: float = Field(description="Turn of the lens: positive looks up.")
     swing_deg: float = Field(description="Turn of the lens, before the tilt: positive looks left.")
-    lens_name: str = Field(description="What is engraved on the lens, the `title` of one of the library; may be empty.")
-    lens_model: LensModel = Field(description="How light passes it.")
+    lens_name: str = Field(description="Engraving of the lens, the `title` of one of the library; may be empty.")
+    lens_model: LensModel = Field(description="Model of how light passes the lens.")
 
 
 class PlaceReadout(Model):
-    """What the lens does at one place of the picture at one time."""
+    """Readout of the lens at one place of the picture at one time."""
 
     model_config = shown_as(
         {
@@ -162,7 +162,7 @@ class PlaceReadout(Model):
 
     camera: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
     time: float = Field(description="USD time code.")
-    point: str | None = Field(description="Name of the focus point that was asked for, if any.")
+    point: str | None = Field(description="Name of the requested focus point, if any.")
     screen: tuple[float, float] = Field(description="The place, 0 to 1 from the picture's top left corner.")
     depth_m: Distance = Field(description="Of the thing there, along the view axis; null is infinity.")
     focus_distance_m: Distance = Field(description="Depth of the focal surface at that place; null is infinity.")

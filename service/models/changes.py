@@ -208,7 +208,7 @@ class SetSettingTangents(Model):
 
 
 class MeteredStops(Model):
-    """What a light meter says of one frame."""
+    """Reading of a light meter at one frame."""
 
     time: TimeCode = Field(description="USD time code.")
     compensation_stops: Stops | None = Field(
@@ -242,7 +242,7 @@ class ImportCurve(Model):
 
     type: Literal["importCurve"] = "importCurve"
     content: FileContent = Field(description="A csv, json, OpenTrackIO or OpenTimelineIO file, in base64.")
-    gaps: GapPolicy = Field(default="refuse", description="What becomes of rows that are missing or cannot be used.")
+    gaps: GapPolicy = Field(default="refuse", description="Treatment of rows that are missing or cannot be used.")
     first_frame: TimeCode | None = Field(
         default=None,
         description="Time code where the file's first frame comes to lie. Left out: frame numbers are kept, and what ran by "

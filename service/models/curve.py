@@ -1,4 +1,4 @@
-"""The focus curve as JSON, and what came of one that was sent."""
+"""The focus curve as JSON, and the result of an import."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class CurveSample(Model):
     tilt_deg: float = Field(description="Turn of the lens about the axis to the right; positive looks up.")
     swing_deg: float = Field(description="Turn of the lens about the axis up, before the tilt; positive looks left.")
     limited: bool = Field(
-        description="Whether the lens could not do what was asked: its close focus, infinity, speed or largest angle."
+        description="Whether the lens could not follow: its close focus, infinity, speed or largest angle."
     )
     source: Literal["points", "camera"]
     reason: str
@@ -98,7 +98,7 @@ class FocusCurve(Model):
     format: Literal["pullfocus.focusCurve"]
     version: int
     camera: str
-    lens: str = Field(description="What is engraved on the lens; empty where it has no name.")
+    lens: str = Field(description="Engraving of the lens; empty where it has no name.")
     gate_mm: tuple[float, float] | None = Field(description="Width and height of the film gate.")
     frames_per_second: float
     time_codes_per_second: float
@@ -106,15 +106,15 @@ class FocusCurve(Model):
 
 
 class CurveFinding(Model):
-    """One thing about a file that was sent."""
+    """A finding about an imported file."""
 
     code: str = Field(description="`bad_row`, `gap`, `odd_units`, `not_used`, `other_rate` or `other_clock`.")
     place: str = Field(description="Which row, sample or frames; empty for the file.")
-    message: str = Field(description="One sentence, with what was done about it.")
+    message: str = Field(description="One sentence, with the remedy.")
 
 
 class ImportedCurve(Model):
-    """What came of a focus curve that was sent."""
+    """Result of the import of a focus curve."""
 
     model_config = shown_as(IMPORTED_EXAMPLE)
 
@@ -123,6 +123,6 @@ class ImportedCurve(Model):
     last_time: float
     frames: int
     drives: list[Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]] = Field(
-        description="What of the camera the file said."
+        description="Attributes of the camera that the file has."
     )
-    findings: list[CurveFinding] = Field(description="What was found in the file, and what was done about it.")
+    findings: list[CurveFinding] = Field(description="Findings about the file, with their remedies.")

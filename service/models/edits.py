@@ -42,7 +42,7 @@ class EditRequest(Model):
     )
 
     label: str = Field(
-        default="", max_length=200, description="Name of the edit in the history; left out, what its changes are."
+        default="", max_length=200, description="Name of the edit in the history; left out, the labels of its changes."
     )
     gesture: str = Field(
         default="",
@@ -81,7 +81,7 @@ class CameraStateAfter(Model):
 class HistoryPosition(Model):
     """The present state of the edits, and its neighbours in the history."""
 
-    revision: str = Field(description="Of the present state.")
+    revision: str = Field(description="Revision of the present state.")
     before: str | None = Field(description="Revision that an undo goes back to; null for none.")
     after: str | None = Field(description="Revision that a redo goes on to; null for none.")
     undo: str | None = Field(description="Label of the edit that an undo takes back.")
@@ -123,13 +123,15 @@ class EditResult(Model):
     history: HistoryPosition
     changed: list[ChangedResource] = Field(description="With their new tags, for `If-Match`; empty for no difference.")
     added: list[str] = Field(description="Names of the added focus points, in order.")
-    racks: list[Rack] = Field(description="The racks as they were made, in order.")
-    imported: ImportedCurve | None = Field(description="What came of an imported curve, the last if there are several.")
+    racks: list[Rack] = Field(description="The racks as authored, in order.")
+    imported: ImportedCurve | None = Field(
+        description="Result of the import of a curve, the last if there are several."
+    )
     state: CameraStateAfter | None = Field(description="As `answer` asked for it.")
 
 
 class Restore(Model):
-    """Which state of the edits to go back to."""
+    """State of the edits to go back to."""
 
     model_config = shown_as({"revision": "5f70bf18a0860070"})
 
@@ -140,7 +142,7 @@ class EditStep(Model):
     """A state of the edits."""
 
     revision: str = Field(description="Names it; a shot's `revision` is that of its present one.")
-    label: str = Field(description="What was done to come to it; empty for the oldest that is kept.")
+    label: str = Field(description="Label of the edit that led to it; empty for the oldest that is kept.")
     made_at: datetime
 
 
@@ -164,8 +166,8 @@ class EditHistory(Model):
         }
     )
 
-    revision: str = Field(description="Of the present state.")
+    revision: str = Field(description="Revision of the present state.")
     now: int = Field(description="Index of the present state in `steps`; those behind it were undone.")
-    undo: str | None = Field(description="What an undo takes back; null for nothing.")
-    redo: str | None = Field(description="What a redo does again; null for nothing.")
+    undo: str | None = Field(description="Label of the edit that an undo takes back; null for none.")
+    redo: str | None = Field(description="Label of the edit that a redo does again; null for none.")
     steps: list[EditStep]

@@ -38,7 +38,7 @@ else:
 
 @with_settings("exposure")
 class ExposureSettings(Model):
-    """How a camera exposes at one time."""
+    """Exposure settings of a camera at one time."""
 
     model_config = shown_as(EXPOSURE_EXAMPLE)
 
@@ -50,7 +50,7 @@ class ExposureSettings(Model):
 
 @with_edits("exposure")
 class ExposureSettingsEdit(Model):
-    """What to change of how a camera exposes; what is left out stays as it is."""
+    """Exposure settings to change; a setting left out stays as it is."""
 
     model_config = shown_as({"iso": 800, "shutterAngleDeg": 172.8, "exposureTimeS": 0.02, "exposureStop": "iris"})
 

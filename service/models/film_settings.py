@@ -39,7 +39,7 @@ else:
 
 @with_settings("film")
 class FilmSettings(Model):
-    """What a camera's light falls on at one time, and what becomes of it."""
+    """Film, sensor and grade of a camera at one time."""
 
     model_config = shown_as(FILM_EXAMPLE)
 
@@ -52,7 +52,7 @@ class FilmSettings(Model):
 
 @with_edits("film")
 class FilmSettingsEdit(Model):
-    """What to change of film and grade; what is left out stays as it is."""
+    """Film, sensor and grade settings to change; a setting left out stays as it is."""
 
     model_config = shown_as({"stock": "5219", "push": 1, "whiteBalanceK": 3200})
 
@@ -78,7 +78,7 @@ class DisplayChoice(Model):
 
 
 class GradeChoices(Model):
-    """What a camera's picture can be graded by."""
+    """Displays, views and looks that a camera's picture can be graded by."""
 
     model_config = shown_as(
         {

@@ -1,4 +1,4 @@
-"""Focus points, where they sit and what keys they have."""
+"""Focus points, their anchors and their keys."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ Offset = tuple[Length, Length, Length]
 
 
 class Anchor(Model):
-    """A place on a surface that stays with it, however it moves."""
+    """A point on a surface that moves with it."""
 
     target: tuple[PrimPath, ...] = Field(
         min_length=1, max_length=2, description="The mesh; or a PointInstancer, then the prototype's mesh."
@@ -72,7 +72,7 @@ class Anchor(Model):
 
 
 class Pick(Model):
-    """What is under a pixel."""
+    """The surface under a pixel."""
 
     model_config = shown_as(
         {
@@ -90,15 +90,15 @@ class Pick(Model):
 
 
 class FocusPointCreate(Anchor):
-    """A new focus point: the anchor that a pick gave, and what is wanted there."""
+    """A new focus point: the anchor of a pick, and the values of the point."""
 
     model_config = shown_as(ANCHOR_EXAMPLE | {"name": "driver", "weight": 1.0})
 
-    name: PointName | None = Field(default=None, description="A free name is made up when left out.")
+    name: PointName | None = Field(default=None, description="Left out: a free name.")
     offset: Offset = Field(default=(0.0, 0.0, 0.0), description="From the anchor; scene units, the target's own space.")
     kind: Kind = "sharp"
     blur_mm: Amount = Field(
-        default=0.0, description="Wanted circle of confusion of a soft point: diameter on the film."
+        default=0.0, description="Circle of confusion that a soft point asks for: diameter on the film."
     )
     weight: Amount = 1.0
     falloff: Amount = Field(default=0.0, description="Distance in frame widths where its influence ends; 0: nowhere.")
@@ -110,7 +110,7 @@ class FocusPointCreate(Anchor):
 
 
 class FocusPointEdit(Model):
-    """What to change on a focus point; what is left out stays as it is."""
+    """Values to change on a focus point; a value left out stays as it is."""
 
     model_config = shown_as({"weight": 0.5, "enabled": True})
 
@@ -158,9 +158,9 @@ class Key(Model):
     model_config = shown_as(KEY_EXAMPLE)
 
     time: float = Field(description="USD time code.")
-    value: Distance = Field(description="For `enabled`: 0 or 1. For `blur`: mm. null: the shot says no finite number.")
+    value: Distance = Field(description="For `enabled`: 0 or 1. For `blur`: mm. null: the shot has no finite number.")
     interpolation: Interpolation = Field(
-        default="linear", description="From this key to the next; `enabled` holds, whatever this says."
+        default="linear", description="From this key to the next; `enabled` holds, whatever its value here."
     )
     tangents: Tangents | None = Field(
         default=None, description="Of a `bezier` key; left out, those that an `auto` key would have now."

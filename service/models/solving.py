@@ -1,4 +1,4 @@
-"""How a camera's focus is found: solver, hand, tilt; the keys of all that; and racks."""
+"""Focus settings of a camera: solver, hand, tilt, and their keys; and racks."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ Angle = Annotated[float, Field(ge=-89, le=89)]
 Offset = Annotated[float, Field(ge=-1e3, le=1e3)]
 FieldOffsets = Annotated[tuple[tuple[Ratio, Ratio, Offset], ...], Field(max_length=64)]
 
-_SAID: dict[str, str] = {
+_DESCRIPTIONS: dict[str, str] = {
     "mode": "`manual`: by hand. `points`: the distance that serves the focus points best. `tiltPlane`: the plane through them, "
     "by tilting the lens. `surface`: a surface through all of them, which no lens has.",
     "solve_stop": "Whether the points also set the f-number.",
@@ -93,31 +93,31 @@ _SAID: dict[str, str] = {
 
 
 class FocusSettings(Model):
-    """How a camera's focus is found at one time."""
+    """Focus settings of a camera at one time."""
 
     model_config = shown_as(SETTINGS_EXAMPLE)
 
     camera: str = Field(description="Prim path.")
     time: float = Field(description="USD time code.")
-    mode: FocusMode = Field(description=_SAID["mode"])
-    solve_stop: bool = Field(description=_SAID["solve_stop"])
-    circle_of_confusion_mm: float = Field(description=_SAID["circle_of_confusion_mm"])
-    smoothing_s: float = Field(description=_SAID["smoothing_s"])
-    lag_s: float = Field(description=_SAID["lag_s"])
-    dead_zone_mm: float = Field(description=_SAID["dead_zone_mm"])
-    max_speed_deg_s: float = Field(description=_SAID["max_speed_deg_s"])
-    near_priority: float = Field(description=_SAID["near_priority"])
-    off_screen: OffScreen = Field(description=_SAID["off_screen"])
-    occluded: Occluded = Field(description=_SAID["occluded"])
-    surface_exponent: float = Field(description=_SAID["surface_exponent"])
-    expressive: float = Field(description=_SAID["expressive"])
-    field_offsets: list[tuple[float, float, float]] = Field(description=_SAID["field_offsets"])
-    tilt_deg: float = Field(description=_SAID["tilt_deg"])
-    swing_deg: float = Field(description=_SAID["swing_deg"])
-    rise_mm: float = Field(description=_SAID["rise_mm"])
-    shift_mm: float = Field(description=_SAID["shift_mm"])
-    driven_by_points: bool = Field(description=_SAID["driven_by_points"])
-    max_angle_deg: float = Field(description=_SAID["max_angle_deg"])
+    mode: FocusMode = Field(description=_DESCRIPTIONS["mode"])
+    solve_stop: bool = Field(description=_DESCRIPTIONS["solve_stop"])
+    circle_of_confusion_mm: float = Field(description=_DESCRIPTIONS["circle_of_confusion_mm"])
+    smoothing_s: float = Field(description=_DESCRIPTIONS["smoothing_s"])
+    lag_s: float = Field(description=_DESCRIPTIONS["lag_s"])
+    dead_zone_mm: float = Field(description=_DESCRIPTIONS["dead_zone_mm"])
+    max_speed_deg_s: float = Field(description=_DESCRIPTIONS["max_speed_deg_s"])
+    near_priority: float = Field(description=_DESCRIPTIONS["near_priority"])
+    off_screen: OffScreen = Field(description=_DESCRIPTIONS["off_screen"])
+    occluded: Occluded = Field(description=_DESCRIPTIONS["occluded"])
+    surface_exponent: float = Field(description=_DESCRIPTIONS["surface_exponent"])
+    expressive: float = Field(description=_DESCRIPTIONS["expressive"])
+    field_offsets: list[tuple[float, float, float]] = Field(description=_DESCRIPTIONS["field_offsets"])
+    tilt_deg: float = Field(description=_DESCRIPTIONS["tilt_deg"])
+    swing_deg: float = Field(description=_DESCRIPTIONS["swing_deg"])
+    rise_mm: float = Field(description=_DESCRIPTIONS["rise_mm"])
+    shift_mm: float = Field(description=_DESCRIPTIONS["shift_mm"])
+    driven_by_points: bool = Field(description=_DESCRIPTIONS["driven_by_points"])
+    max_angle_deg: float = Field(description=_DESCRIPTIONS["max_angle_deg"])
     keys: dict[CameraKeyed, list[Key]] = Field(
         description="Keys in order of time, for each of these settings and of the lens's that has any; switches as 0 and 1."
     )
@@ -125,31 +125,35 @@ class FocusSettings(Model):
 
 
 class FocusSettingsEdit(Model):
-    """What to change of how the focus is found; what is left out stays as it is."""
+    """Focus settings to change; a setting left out stays as it is."""
 
     model_config = shown_as({"mode": "tiltPlane", "smoothingS": 0.25, "maxAngleDeg": 12.0})
 
-    mode: FocusMode | None = Field(default=None, description=_SAID["mode"])
-    solve_stop: bool | None = Field(default=None, description=_SAID["solve_stop"])
-    circle_of_confusion_mm: Positive | None = Field(default=None, description=_SAID["circle_of_confusion_mm"])
-    smoothing_s: Positive | None = Field(default=None, description=_SAID["smoothing_s"])
-    lag_s: Positive | None = Field(default=None, description=_SAID["lag_s"])
-    dead_zone_mm: Positive | None = Field(default=None, description=_SAID["dead_zone_mm"])
-    max_speed_deg_s: Positive | None = Field(default=None, description=_SAID["max_speed_deg_s"])
-    near_priority: Annotated[float, Field(ge=0, le=16)] | None = Field(default=None, description=_SAID["near_priority"])
-    off_screen: OffScreen | None = Field(default=None, description=_SAID["off_screen"])
-    occluded: Occluded | None = Field(default=None, description=_SAID["occluded"])
-    surface_exponent: Annotated[float, Field(ge=1, le=16)] | None = Field(
-        default=None, description=_SAID["surface_exponent"]
+    mode: FocusMode | None = Field(default=None, description=_DESCRIPTIONS["mode"])
+    solve_stop: bool | None = Field(default=None, description=_DESCRIPTIONS["solve_stop"])
+    circle_of_confusion_mm: Positive | None = Field(default=None, description=_DESCRIPTIONS["circle_of_confusion_mm"])
+    smoothing_s: Positive | None = Field(default=None, description=_DESCRIPTIONS["smoothing_s"])
+    lag_s: Positive | None = Field(default=None, description=_DESCRIPTIONS["lag_s"])
+    dead_zone_mm: Positive | None = Field(default=None, description=_DESCRIPTIONS["dead_zone_mm"])
+    max_speed_deg_s: Positive | None = Field(default=None, description=_DESCRIPTIONS["max_speed_deg_s"])
+    near_priority: Annotated[float, Field(ge=0, le=16)] | None = Field(
+        default=None, description=_DESCRIPTIONS["near_priority"]
     )
-    expressive: Ratio | None = Field(default=None, description=_SAID["expressive"])
-    field_offsets: FieldOffsets | None = Field(default=None, description=_SAID["field_offsets"])
-    tilt_deg: Angle | None = Field(default=None, description=_SAID["tilt_deg"])
-    swing_deg: Angle | None = Field(default=None, description=_SAID["swing_deg"])
-    rise_mm: Offset | None = Field(default=None, description=_SAID["rise_mm"])
-    shift_mm: Offset | None = Field(default=None, description=_SAID["shift_mm"])
-    driven_by_points: bool | None = Field(default=None, description=_SAID["driven_by_points"])
-    max_angle_deg: Annotated[float, Field(ge=0, le=89)] | None = Field(default=None, description=_SAID["max_angle_deg"])
+    off_screen: OffScreen | None = Field(default=None, description=_DESCRIPTIONS["off_screen"])
+    occluded: Occluded | None = Field(default=None, description=_DESCRIPTIONS["occluded"])
+    surface_exponent: Annotated[float, Field(ge=1, le=16)] | None = Field(
+        default=None, description=_DESCRIPTIONS["surface_exponent"]
+    )
+    expressive: Ratio | None = Field(default=None, description=_DESCRIPTIONS["expressive"])
+    field_offsets: FieldOffsets | None = Field(default=None, description=_DESCRIPTIONS["field_offsets"])
+    tilt_deg: Angle | None = Field(default=None, description=_DESCRIPTIONS["tilt_deg"])
+    swing_deg: Angle | None = Field(default=None, description=_DESCRIPTIONS["swing_deg"])
+    rise_mm: Offset | None = Field(default=None, description=_DESCRIPTIONS["rise_mm"])
+    shift_mm: Offset | None = Field(default=None, description=_DESCRIPTIONS["shift_mm"])
+    driven_by_points: bool | None = Field(default=None, description=_DESCRIPTIONS["driven_by_points"])
+    max_angle_deg: Annotated[float, Field(ge=0, le=89)] | None = Field(
+        default=None, description=_DESCRIPTIONS["max_angle_deg"]
+    )
     time: TimeCode | None = Field(
         default=None,
         description="USD time code of keys; without it, keys go and the values hold for all time. Words and lists hold for "
@@ -170,7 +174,7 @@ class RackCreate(Model):
 
 
 class Rack(Model):
-    """A rack as it was made: keys of the two points' weights."""
+    """A rack as authored: keys of the two points' weights."""
 
     model_config = shown_as(
         RACK_EXAMPLE

@@ -99,7 +99,7 @@ class PlaceQuery(Model):
 
 @router.get("/shots/{shot}/readout/place", operation_id="getPlaceReadout")
 async def get_place_readout(service: ServiceDep, shot: ShotId, query: Annotated[PlaceQuery, Query()]) -> PlaceReadout:
-    """What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there."""
+    """Depth of field at a focus point or at a place of the picture, and the circle of confusion of the surface there."""
     record = service.store.get(shot)
     place = query.point or await _pointed_at(service, record, query)
     return await service.call_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)

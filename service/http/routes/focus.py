@@ -31,7 +31,7 @@ from service.stage.calls import focus_points
 router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 EDITED = problems(412)
 
-AttributeInPath = Annotated[KeyedAttribute, Path(description="What the key is of.", examples=["weight"])]
+AttributeInPath = Annotated[KeyedAttribute, Path(description="The keyed attribute.", examples=["weight"])]
 
 
 @router.get("/shots/{shot}/focus-points", operation_id="listFocusPoints")
@@ -59,7 +59,7 @@ async def create_focus_point(
     context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusPoint:
-    """Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag."""
+    """Place a focus point: send the `anchor` that a pick gave, with the values of the point. `If-Match` takes the list's tag."""
     change = AddPoint(point=point)
     added = await service.call_stage(
         focus_points.add_focus_point, service.store.get(shot), camera, change, time, context

@@ -1,4 +1,4 @@
-"""How a camera exposes, and on what: settings, their keys, and what a picture can be graded by."""
+"""Routes of exposure, film and grade settings, of their keys, and of the grades to choose from."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from service.stage.calls import photography
 router = APIRouter(tags=["cameras"], responses=problems(404, 503, 504))
 EDITED = problems(412)
 
-_OF = "What the key is of, in the unit of its name."
-ExposureInPath = Annotated[ExposureKeyed, Path(alias="attribute", description=_OF, examples=["compensationStops"])]
-FilmInPath = Annotated[FilmKeyed, Path(alias="attribute", description=_OF, examples=["push"])]
+_KEYED = "The keyed setting, in the unit of its name."
+ExposureInPath = Annotated[ExposureKeyed, Path(alias="attribute", description=_KEYED, examples=["compensationStops"])]
+FilmInPath = Annotated[FilmKeyed, Path(alias="attribute", description=_KEYED, examples=["push"])]
 
 
 @router.get("/shots/{shot}/camera/exposure", operation_id="getExposureSettings")
 async def get_exposure_settings(
     service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> ExposureSettings:
-    """How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's."""
+    """Exposure settings of a camera at one time, and their keys. The `ETag` is the camera's."""
     settings = await service.call_stage(photography.read_exposure_settings, service.store.get(shot), camera, time)
     set_etag(response, settings.etag)
     return settings
@@ -41,7 +41,7 @@ async def edit_exposure_settings(
     context: EditContextDep,
     camera: CameraQuery = None,
 ) -> ExposureSettings:
-    """Change how a camera exposes: for all time, or as keys at `time`."""
+    """Change exposure settings: for all time, or as keys at `time`."""
     change = SetExposure(values=edit)
     settings = await service.call_stage(
         photography.change_exposure_settings, service.store.get(shot), camera, change, edit.time, context
@@ -92,7 +92,7 @@ async def delete_exposure_key(
 async def get_film_settings(
     service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FilmSettings:
-    """What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's."""
+    """Film, sensor and grade of a camera at one time, and their keys. The `ETag` is the camera's."""
     settings = await service.call_stage(photography.read_film_settings, service.store.get(shot), camera, time)
     set_etag(response, settings.etag)
     return settings
@@ -107,7 +107,7 @@ async def edit_film_settings(
     context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FilmSettings:
-    """Change film and grade: for all time, or as keys at `time`. What makes no picture is refused."""
+    """Change film and grade: for all time, or as keys at `time`. Settings that make no picture are refused."""
     change = SetFilm(values=edit)
     settings = await service.call_stage(
         photography.change_film_settings, service.store.get(shot), camera, change, edit.time, context

@@ -1,4 +1,4 @@
-"""How a camera's focus is found: solver modes, the keys of the camera, and racks."""
+"""Routes of the focus settings of a camera, of its keys, and of racks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ router = APIRouter(tags=["focus"], responses=problems(404, 503, 504))
 EDITED = problems(412)
 
 AttributeInPath = Annotated[
-    CameraKeyed, Path(description="What the key is of, in the unit of its name.", examples=["focusDistanceM"])
+    CameraKeyed, Path(description="The keyed setting, in the unit of its name.", examples=["focusDistanceM"])
 ]
 
 
@@ -25,7 +25,7 @@ AttributeInPath = Annotated[
 async def get_focus_settings(
     service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> FocusSettings:
-    """How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's."""
+    """Focus settings of a camera at one time, and the keys of those and of its lens. The `ETag` is the camera's."""
     settings = await service.call_stage(solving.read_focus_settings, service.store.get(shot), camera, time)
     set_etag(response, settings.etag)
     return settings
@@ -40,7 +40,7 @@ async def edit_focus_settings(
     context: EditContextDep,
     camera: CameraQuery = None,
 ) -> FocusSettings:
-    """Change how the focus is found: for all time, or as keys at `time`."""
+    """Change focus settings: for all time, or as keys at `time`."""
     change = SetFocus(values=edit)
     settings = await service.call_stage(
         solving.change_focus_settings, service.store.get(shot), camera, change, edit.time, context
@@ -100,6 +100,8 @@ async def create_rack(
 
     `If-Match` takes the tag of the list of focus points.
     """
-    made = await service.call_stage(solving.make_rack, service.store.get(shot), camera, MakeRack(rack=rack), context)
-    set_etag(response, made.etag)
-    return made
+    authored = await service.call_stage(
+        solving.make_rack, service.store.get(shot), camera, MakeRack(rack=rack), context
+    )
+    set_etag(response, authored.etag)
+    return authored

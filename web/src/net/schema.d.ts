@@ -325,7 +325,7 @@ export interface paths {
         };
         /**
          * Get Exposure Settings
-         * @description How a camera exposes at one time, and the keys of that. Its `ETag` is the camera's.
+         * @description Exposure settings of a camera at one time, and their keys. The `ETag` is the camera's.
          */
         readonly get: operations["getExposureSettings"];
         readonly put?: never;
@@ -335,7 +335,7 @@ export interface paths {
         readonly head?: never;
         /**
          * Edit Exposure Settings
-         * @description Change how a camera exposes: for all time, or as keys at `time`.
+         * @description Change exposure settings: for all time, or as keys at `time`.
          */
         readonly patch: operations["editExposureSettings"];
         readonly trace?: never;
@@ -373,7 +373,7 @@ export interface paths {
         };
         /**
          * Get Film Settings
-         * @description What a camera's light falls on at one time and how it is graded, and the keys of that. Its `ETag` is the camera's.
+         * @description Film, sensor and grade of a camera at one time, and their keys. The `ETag` is the camera's.
          */
         readonly get: operations["getFilmSettings"];
         readonly put?: never;
@@ -383,7 +383,7 @@ export interface paths {
         readonly head?: never;
         /**
          * Edit Film Settings
-         * @description Change film and grade: for all time, or as keys at `time`. What makes no picture is refused.
+         * @description Change film and grade: for all time, or as keys at `time`. Settings that make no picture are refused.
          */
         readonly patch: operations["editFilmSettings"];
         readonly trace?: never;
@@ -421,7 +421,7 @@ export interface paths {
         };
         /**
          * Get Focus Settings
-         * @description How a camera's focus is found at one time, and the keys of that and of its lens. Its `ETag` is the camera's.
+         * @description Focus settings of a camera at one time, and the keys of those and of its lens. The `ETag` is the camera's.
          */
         readonly get: operations["getFocusSettings"];
         readonly put?: never;
@@ -431,7 +431,7 @@ export interface paths {
         readonly head?: never;
         /**
          * Edit Focus Settings
-         * @description Change how the focus is found: for all time, or as keys at `time`.
+         * @description Change focus settings: for all time, or as keys at `time`.
          */
         readonly patch: operations["editFocusSettings"];
         readonly trace?: never;
@@ -651,7 +651,7 @@ export interface paths {
         readonly put?: never;
         /**
          * Create Focus Point
-         * @description Place a focus point: send the `anchor` that a pick gave, with what is wanted there. `If-Match` takes the list's tag.
+         * @description Place a focus point: send the `anchor` that a pick gave, with the values of the point. `If-Match` takes the list's tag.
          */
         readonly post: operations["createFocusPoint"];
         readonly delete?: never;
@@ -950,7 +950,7 @@ export interface paths {
         };
         /**
          * Get Place Readout
-         * @description What is in focus at a focus point or at a place of the picture, and the circle of confusion of the thing there.
+         * @description Depth of field at a focus point or at a place of the picture, and the circle of confusion of the surface there.
          */
         readonly get: operations["getPlaceReadout"];
         readonly put?: never;
@@ -1046,7 +1046,7 @@ export interface components {
         };
         /**
          * Anchor
-         * @description A place on a surface that stays with it, however it moves.
+         * @description A point on a surface that moves with it.
          */
         readonly Anchor: {
             /**
@@ -1340,7 +1340,7 @@ export interface components {
         };
         /**
          * CameraEdit
-         * @description What to set on a camera; what is left out stays as it is.
+         * @description Values to set on a camera; a value left out stays as it is.
          * @example {
          *       "fStop": 2.8,
          *       "focusDistanceM": 3.5
@@ -1446,7 +1446,7 @@ export interface components {
             readonly etag: string;
             /**
              * Exposurescale
-             * @description What the camera's exposure attributes multiply radiance by.
+             * @description Factor of radiance by the camera's exposure attributes.
              */
             readonly exposureScale: number;
             /** Focallengthmm */
@@ -1471,13 +1471,13 @@ export interface components {
             readonly horizontalApertureMm: number;
             /**
              * Lensmodel
-             * @description How light passes it.
+             * @description Model of how light passes the lens.
              * @enum {string}
              */
             readonly lensModel: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
             /**
              * Lensname
-             * @description What is engraved on the lens, the `title` of one of the library; may be empty.
+             * @description Engraving of the lens, the `title` of one of the library; may be empty.
              */
             readonly lensName: string;
             /**
@@ -1530,7 +1530,7 @@ export interface components {
         };
         /**
          * CurveFinding
-         * @description One thing about a file that was sent.
+         * @description A finding about an imported file.
          */
         readonly CurveFinding: {
             /**
@@ -1540,7 +1540,7 @@ export interface components {
             readonly code: string;
             /**
              * Message
-             * @description One sentence, with what was done about it.
+             * @description One sentence, with the remedy.
              */
             readonly message: string;
             /**
@@ -1603,7 +1603,7 @@ export interface components {
             readonly hyperfocalM: number | null;
             /**
              * Limited
-             * @description Whether the lens could not do what was asked: its close focus, infinity, speed or largest angle.
+             * @description Whether the lens could not follow: its close focus, infinity, speed or largest angle.
              */
             readonly limited: boolean;
             /** Nearm */
@@ -1686,19 +1686,19 @@ export interface components {
             readonly now: number;
             /**
              * Redo
-             * @description What a redo does again; null for nothing.
+             * @description Label of the edit that a redo does again; null for none.
              */
             readonly redo: string | null;
             /**
              * Revision
-             * @description Of the present state.
+             * @description Revision of the present state.
              */
             readonly revision: string;
             /** Steps */
             readonly steps: readonly components["schemas"]["EditStep"][];
             /**
              * Undo
-             * @description What an undo takes back; null for nothing.
+             * @description Label of the edit that an undo takes back; null for none.
              */
             readonly undo: string | null;
         };
@@ -1760,7 +1760,7 @@ export interface components {
             readonly gesture?: string;
             /**
              * Label
-             * @description Name of the edit in the history; left out, what its changes are.
+             * @description Name of the edit in the history; left out, the labels of its changes.
              * @default
              */
             readonly label?: string;
@@ -2082,11 +2082,11 @@ export interface components {
              */
             readonly changed: readonly components["schemas"]["ChangedResource"][];
             readonly history: components["schemas"]["HistoryPosition"];
-            /** @description What came of an imported curve, the last if there are several. */
+            /** @description Result of the import of a curve, the last if there are several. */
             readonly imported: components["schemas"]["ImportedCurve"] | null;
             /**
              * Racks
-             * @description The racks as they were made, in order.
+             * @description The racks as authored, in order.
              */
             readonly racks: readonly components["schemas"]["Rack"][];
             /** @description As `answer` asked for it. */
@@ -2099,7 +2099,7 @@ export interface components {
         readonly EditStep: {
             /**
              * Label
-             * @description What was done to come to it; empty for the oldest that is kept.
+             * @description Label of the edit that led to it; empty for the oldest that is kept.
              */
             readonly label: string;
             /**
@@ -2246,7 +2246,7 @@ export interface components {
         };
         /**
          * ExposureSettings
-         * @description How a camera exposes at one time.
+         * @description Exposure settings of a camera at one time.
          * @example {
          *       "breathing": false,
          *       "camera": "/World/Camera",
@@ -2458,7 +2458,7 @@ export interface components {
         };
         /**
          * ExposureSettingsEdit
-         * @description What to change of how a camera exposes; what is left out stays as it is.
+         * @description Exposure settings to change; a setting left out stays as it is.
          * @example {
          *       "exposureStop": "iris",
          *       "exposureTimeS": 0.02,
@@ -2833,7 +2833,7 @@ export interface components {
         };
         /**
          * FilmSettings
-         * @description What a camera's light falls on at one time, and what becomes of it.
+         * @description Film, sensor and grade of a camera at one time.
          * @example {
          *       "body": "Super 35 4-perf",
          *       "camera": "/World/Camera",
@@ -3219,7 +3219,7 @@ export interface components {
         };
         /**
          * FilmSettingsEdit
-         * @description What to change of film and grade; what is left out stays as it is.
+         * @description Film, sensor and grade settings to change; a setting left out stays as it is.
          * @example {
          *       "push": 1,
          *       "stock": "5219",
@@ -3525,7 +3525,7 @@ export interface components {
         };
         /**
          * Finding
-         * @description One thing that was found, and what it is about.
+         * @description A finding and its subject.
          */
         readonly Finding: {
             /**
@@ -3607,7 +3607,7 @@ export interface components {
             ] | null;
             /**
              * Lens
-             * @description What is engraved on the lens; empty where it has no name.
+             * @description Engraving of the lens; empty where it has no name.
              */
             readonly lens: string;
             /** Samples */
@@ -3774,7 +3774,7 @@ export interface components {
         };
         /**
          * FocusPointCreate
-         * @description A new focus point: the anchor that a pick gave, and what is wanted there.
+         * @description A new focus point: the anchor of a pick, and the values of the point.
          * @example {
          *       "barycentric": [
          *         0.2,
@@ -3808,7 +3808,7 @@ export interface components {
             ];
             /**
              * Blurmm
-             * @description Wanted circle of confusion of a soft point: diameter on the film.
+             * @description Circle of confusion that a soft point asks for: diameter on the film.
              * @default 0
              */
             readonly blurMm?: number;
@@ -3855,7 +3855,7 @@ export interface components {
             readonly kind?: "sharp" | "soft";
             /**
              * Name
-             * @description A free name is made up when left out.
+             * @description Left out: a free name.
              */
             readonly name?: string | null;
             /**
@@ -3891,7 +3891,7 @@ export interface components {
         };
         /**
          * FocusPointEdit
-         * @description What to change on a focus point; what is left out stays as it is.
+         * @description Values to change on a focus point; a value left out stays as it is.
          * @example {
          *       "enabled": true,
          *       "weight": 0.5
@@ -4004,7 +4004,7 @@ export interface components {
         };
         /**
          * FocusSettings
-         * @description How a camera's focus is found at one time.
+         * @description Focus settings of a camera at one time.
          * @example {
          *       "camera": "/World/Camera",
          *       "circleOfConfusionMm": 0,
@@ -4167,7 +4167,7 @@ export interface components {
         };
         /**
          * FocusSettingsEdit
-         * @description What to change of how the focus is found; what is left out stays as it is.
+         * @description Focus settings to change; a setting left out stays as it is.
          * @example {
          *       "maxAngleDeg": 12,
          *       "mode": "tiltPlane",
@@ -4340,7 +4340,7 @@ export interface components {
         };
         /**
          * GradeChoices
-         * @description What a camera's picture can be graded by.
+         * @description Displays, views and looks that a camera's picture can be graded by.
          * @example {
          *       "defaultDisplay": "sRGB - Display",
          *       "displays": [
@@ -4403,7 +4403,7 @@ export interface components {
             readonly redo: string | null;
             /**
              * Revision
-             * @description Of the present state.
+             * @description Revision of the present state.
              */
             readonly revision: string;
             /**
@@ -4440,7 +4440,7 @@ export interface components {
             readonly firstFrame?: number | null;
             /**
              * Gaps
-             * @description What becomes of rows that are missing or cannot be used.
+             * @description Treatment of rows that are missing or cannot be used.
              * @default refuse
              * @enum {string}
              */
@@ -4453,7 +4453,7 @@ export interface components {
         };
         /**
          * ImportedCurve
-         * @description What came of a focus curve that was sent.
+         * @description Result of the import of a focus curve.
          * @example {
          *       "camera": {
          *         "etag": "\"92c4bf18a0860070\"",
@@ -4490,12 +4490,12 @@ export interface components {
             readonly camera: components["schemas"]["CameraState"];
             /**
              * Drives
-             * @description What of the camera the file said.
+             * @description Attributes of the camera that the file has.
              */
             readonly drives: readonly ("focusDistance" | "fStop" | "focalLength" | "tilt" | "swing")[];
             /**
              * Findings
-             * @description What was found in the file, and what was done about it.
+             * @description Findings about the file, with their remedies.
              */
             readonly findings: readonly components["schemas"]["CurveFinding"][];
             /**
@@ -4626,7 +4626,7 @@ export interface components {
         readonly Key: {
             /**
              * Interpolation
-             * @description From this key to the next; `enabled` holds, whatever this says.
+             * @description From this key to the next; `enabled` holds, whatever its value here.
              * @default linear
              * @enum {string}
              */
@@ -4640,7 +4640,7 @@ export interface components {
             readonly time: number;
             /**
              * Value
-             * @description For `enabled`: 0 or 1. For `blur`: mm. null: the shot says no finite number.
+             * @description For `enabled`: 0 or 1. For `blur`: mm. null: the shot has no finite number.
              */
             readonly value: number | null;
         };
@@ -4656,7 +4656,7 @@ export interface components {
         readonly KeyEdit: {
             /**
              * Interpolation
-             * @description From this key to the next; `enabled` holds, whatever this says.
+             * @description From this key to the next; `enabled` holds, whatever its value here.
              * @default linear
              * @enum {string}
              */
@@ -5706,7 +5706,7 @@ export interface components {
         };
         /**
          * MeteredStops
-         * @description What a light meter says of one frame.
+         * @description Reading of a light meter at one frame.
          */
         readonly MeteredStops: {
             /**
@@ -5884,7 +5884,7 @@ export interface components {
         };
         /**
          * Pick
-         * @description What is under a pixel.
+         * @description The surface under a pixel.
          * @example {
          *       "anchor": {
          *         "barycentric": [
@@ -5976,7 +5976,7 @@ export interface components {
         };
         /**
          * PlaceReadout
-         * @description What the lens does at one place of the picture at one time.
+         * @description Readout of the lens at one place of the picture at one time.
          * @example {
          *       "camera": "/World/Camera",
          *       "cocLimitMm": 0.019,
@@ -6038,7 +6038,7 @@ export interface components {
             readonly nearM: number | null;
             /**
              * Point
-             * @description Name of the focus point that was asked for, if any.
+             * @description Name of the requested focus point, if any.
              */
             readonly point: string | null;
             /**
@@ -6092,7 +6092,7 @@ export interface components {
         };
         /**
          * Rack
-         * @description A rack as it was made: keys of the two points' weights.
+         * @description A rack as authored: keys of the two points' weights.
          * @example {
          *       "ease": "smooth",
          *       "end": 41.5,
@@ -6188,7 +6188,7 @@ export interface components {
         };
         /**
          * Readout
-         * @description What the lens does at one time: the numbers that a focus puller reads off.
+         * @description Readout of the lens at one time: the numbers that a focus puller reads off.
          * @example {
          *       "camera": "/World/Camera",
          *       "cocLimitMm": 0.019,
@@ -6240,13 +6240,13 @@ export interface components {
             readonly hyperfocalM: number | null;
             /**
              * Lensmodel
-             * @description How light passes it.
+             * @description Model of how light passes the lens.
              * @enum {string}
              */
             readonly lensModel: "pinhole" | "thin" | "seidel" | "spherical" | "heightField" | "prescription" | "dataSheet";
             /**
              * Lensname
-             * @description What is engraved on the lens, the `title` of one of the library; may be empty.
+             * @description Engraving of the lens, the `title` of one of the library; may be empty.
              */
             readonly lensName: string;
             /**
@@ -6256,7 +6256,7 @@ export interface components {
             readonly nearM: number;
             /**
              * Note
-             * @description What could not be done as asked, in a sentence; or empty.
+             * @description Sentence about a setting that the lens cannot follow; or empty.
              */
             readonly note: string;
             /**
@@ -6304,7 +6304,7 @@ export interface components {
         };
         /**
          * Restore
-         * @description Which state of the edits to go back to.
+         * @description State of the edits to go back to.
          * @example {
          *       "revision": "5f70bf18a0860070"
          *     }
@@ -7868,7 +7868,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -7952,7 +7952,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -8174,7 +8174,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -8258,7 +8258,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -8544,7 +8544,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -8628,7 +8628,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of, in the unit of its name. */
+                /** @description The keyed setting, in the unit of its name. */
                 readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
                 /** @description A shot's id. */
                 readonly shot: string;
@@ -9845,7 +9845,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of. */
+                /** @description The keyed attribute. */
                 readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
                 /** @description A focus point's name. */
                 readonly name: string;
@@ -9931,7 +9931,7 @@ export interface operations {
                 readonly "if-match"?: string | null;
             };
             readonly path: {
-                /** @description What the key is of. */
+                /** @description The keyed attribute. */
                 readonly attribute: "weight" | "enabled" | "blur" | "falloff" | "surfaceOffset" | "extent";
                 /** @description A focus point's name. */
                 readonly name: string;

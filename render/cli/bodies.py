@@ -1,4 +1,4 @@
-"""`pullfocus bodies`: camera bodies and film formats, and what each of them shows through a lens."""
+"""`pullfocus bodies`: camera bodies and film formats, with their fields of view and framing guides."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.report import print_json, print_result
+from render.cli.console import print_json, print_result
 from render.errors import SettingsError
 from render.optics.framing import FieldOfView, FramingGuide, Gate, field_of_view, framing_guides
 from usd_schemas import LibraryBody, SchemaError, library_bodies, library_body
 
 USUAL_LENSES_MM = (18.0, 25.0, 35.0, 50.0, 75.0, 100.0)
-"""What the field of view is told for where no lens is asked for."""
+"""Focal lengths of the table of fields of view, without --lens-mm."""
 
 
 def add_parser(commands: Any) -> None:
@@ -33,12 +33,12 @@ def add_parser(commands: Any) -> None:
     show.add_argument(
         "--lens-mm", metavar="MM", type=float, help=f"focal length to tell the field of view for; else {usual}"
     )
-    # Without a default: what was asked for before `show` stays asked for.
+    # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
 
 
 def gate_of(body: LibraryBody) -> Gate:
-    """What a body exposes."""
+    """Exposed area of a body."""
     return Gate(*body.gate_mm, body.squeeze, body.resolution)
 
 
@@ -71,7 +71,7 @@ def run_list(arguments: argparse.Namespace) -> None:
 
 
 def run_show(arguments: argparse.Namespace) -> None:
-    """Print all about one body.
+    """Print the numbers of one body.
 
     Args:
         arguments: as `add_parser` declares them.

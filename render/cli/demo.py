@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from render.cli.report import print_json, say
+from render.cli.console import print_json, print_message
 from render.demo.shot import write_demo
 
 
@@ -21,7 +21,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the demo shot and say what to do with it.
+    """Write the demo shot and print how to render it.
 
     Args:
         arguments: as `add_parser` declares them.
@@ -33,4 +33,4 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({"stage": str(stage)})
     else:
-        say(f"the demo shot is {stage}; a frame of it: pullfocus record {stage} frame.png")
+        print_message(f"the demo shot is {stage}; a frame of it: pullfocus record {stage} frame.png")

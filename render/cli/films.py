@@ -1,4 +1,4 @@
-"""`pullfocus films`: the film library, and all that can be said and drawn of one stock."""
+"""`pullfocus films`: the film library, and the report and sheet of one stock."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.film_numbers import as_json, as_table, wedge_table
-from render.cli.report import print_json, print_result, say
-from render.cli.sheet_path import sheet_path
+from render.cli.console import print_json, print_message, print_result
+from render.cli.tables.film import film_json, film_table, wedge_table
+from render.cli.tables.sheet_path import sheet_path
 from render.files import write_atomic
 from render.film.report import film_report
 from usd_schemas import LibraryFilm, library_films
@@ -38,7 +38,7 @@ def add_parser(commands: Any) -> None:
         metavar="NAME",
         help="the stock that a negative is printed on, or that a print is made from; without it the usual one",
     )
-    # Without a default: what was asked for before `show` stays asked for.
+    # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
 
 
@@ -66,27 +66,27 @@ def run_list(arguments: argparse.Namespace) -> None:
 
 
 def run_show(arguments: argparse.Namespace) -> None:
-    """Print all about one stock, and draw it where that is asked for.
+    """Print the report of one stock, and draw its sheet with --out.
 
     Args:
         arguments: as `add_parser` declares them.
 
     Raises:
-        SettingsError: the library has no such stock, or it does not go with the other one.
+        SettingsError: the library has no such stock, or it cannot be combined with the other one.
         OutputError: the sheet cannot be written.
     """
     report = film_report(arguments.film, push=arguments.push, partner=arguments.partner)
     target = None if arguments.out is None else sheet_path(arguments.out, report.entry.name)
     if arguments.json:
-        print_json(as_json(report))
+        print_json(film_json(report))
     else:
-        print_result(as_table(report))
+        print_result(film_table(report))
         print_result(wedge_table(report))
     if target is not None:
         from render.drawing.film_sheet import film_sheet  # matplotlib takes a second to load
 
         write_atomic(target, film_sheet(report, target.suffix.lower().removeprefix(".")))
-        say(f"drawn: {target}")
+        print_message(f"drawn: {target}")
 
 
 def _film_json(film: LibraryFilm) -> dict[str, Any]:

@@ -1,6 +1,6 @@
-"""`pullfocus focus-curve`: the solved focus over time, for programs, spreadsheets, editorial, the set, and as a USD layer.
+"""`pullfocus focus-curve`: write the solved focus over time for other tools, or as a USD layer.
 
-It goes both ways: with ``--import`` the curve comes from a file that another tool made, and becomes a layer over the shot.
+With ``--import`` the curve is read from a file of another tool, and becomes a layer over the shot.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from render.cli import arguments as shared
-from render.cli.report import say, warn_of
+from render.cli.console import print_findings, print_message
+from render.cli.options import shared
 from render.errors import CameraError, InputError, SettingsError
 from render.files import check_writable, write_atomic
 from render.focus.files import FORMATS, GAPS, ReadCurve, curve_to_text
@@ -23,7 +23,7 @@ from render.shot.focus.curve_layer import curve_layer
 from usd_schemas.curves import EXACT
 
 LAYER = "usda"
-MAX_NAMED = 8
+MAX_WARNINGS = 8
 _MAX_FILE_BYTES = 1 << 30
 
 
@@ -87,10 +87,10 @@ def run(arguments: argparse.Namespace) -> None:
         InputError: the shot, its camera or the file to import cannot be used.
         OutputError: the file cannot be written.
     """
-    wanted = arguments.format or (LAYER if arguments.source else "json")
-    _check(arguments, wanted)
-    asked = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
-    lens = shared.asked_lens(arguments.lens)
+    format = arguments.format or (LAYER if arguments.source else "json")
+    _check_options(arguments, format)
+    frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
+    lens = shared.read_lens(arguments.lens)
     shot = Shot.open(arguments.stage, edits=arguments.edits)
     if arguments.out is not None:
         shot.check_not_own(arguments.out)
@@ -99,24 +99,24 @@ def run(arguments: argparse.Namespace) -> None:
     if camera is None:
         raise _no_camera(arguments.stage, shot.cameras())
     if arguments.source is not None:
-        text = _imported(shot, camera, wanted, arguments)
+        text = _import_curve(shot, camera, format, arguments)
     else:
-        shared.mount(shot, camera, lens)
-        frames = asked or every_frame(shot.frame_range.start, shot.frame_range.end)
-        text = _solved(shot, camera, frames, wanted, arguments)
-        warn_of(shot.findings(), arguments.stage)
+        shared.mount_lens(shot, camera, lens)
+        frames = frames or every_frame(shot.frame_range.start, shot.frame_range.end)
+        text = _solve_curve(shot, camera, frames, format, arguments)
+        print_findings(shot.findings(), arguments.stage)
     if arguments.out is None:
         sys.stdout.write(text)
     else:
         write_atomic(arguments.out, text.encode())
 
 
-def _check(arguments: argparse.Namespace, wanted: str) -> None:
-    if arguments.baked and wanted != LAYER:
-        raise SettingsError(f"--baked is for --format usda alone, got {wanted}")
-    of_import = {"--gaps": arguments.gaps, "--first-frame": arguments.first_frame}
-    of_solving = {"--frames": arguments.frames, "--lens": arguments.lens}
-    misplaced = of_solving if arguments.source else of_import
+def _check_options(arguments: argparse.Namespace, format: str) -> None:
+    if arguments.baked and format != LAYER:
+        raise SettingsError(f"--baked is for --format usda alone, got {format}")
+    import_options = {"--gaps": arguments.gaps, "--first-frame": arguments.first_frame}
+    solve_options = {"--frames": arguments.frames, "--lens": arguments.lens}
+    misplaced = solve_options if arguments.source else import_options
     for option, value in misplaced.items():
         if value is not None:
             word = "not for" if arguments.source else "for"
@@ -131,22 +131,22 @@ def _no_camera(stage: str, cameras: Sequence[str]) -> CameraError:
     return CameraError(f"{stage} has no camera, and so no focus to pull; give it one with a layer over it")
 
 
-def _solved(shot: Shot, camera: str, frames: Sequence[float], wanted: str, arguments: argparse.Namespace) -> str:
-    if wanted == LAYER:
+def _solve_curve(shot: Shot, camera: str, frames: Sequence[float], format: str, arguments: argparse.Namespace) -> str:
+    if format == LAYER:
         return shot.focus.layer(camera, frames, baked=arguments.baked, tolerance=arguments.tolerance)
-    return curve_to_text(shot.focus.curve(camera, frames), wanted)  # type: ignore[arg-type]
+    return curve_to_text(shot.focus.curve(camera, frames), format)  # type: ignore[arg-type]
 
 
-def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespace) -> str:
-    shot.focus.read(camera, shot.frame_range.start)  # it is a camera, and can be used
+def _import_curve(shot: Shot, camera: str, format: str, arguments: argparse.Namespace) -> str:
+    shot.focus.read(camera, shot.frame_range.start)  # raises where the camera cannot be used
     read = read_for_shot(
         shot.stage,
-        _content(arguments.source),
+        _read_file(arguments.source),
         gaps=arguments.gaps or "refuse",
         first_frame=arguments.first_frame,
     )
-    _tell(read)
-    if wanted == LAYER:
+    _print_findings(read)
+    if format == LAYER:
         comment = f"Focus of {camera}, from {arguments.source.name}, by Pullfocus: sublayer this over the shot."
         return curve_layer(
             shot.stage,
@@ -157,22 +157,21 @@ def _imported(shot: Shot, camera: str, wanted: str, arguments: argparse.Namespac
             comment=comment,
             tolerance=arguments.tolerance,
         )
-    return curve_to_text(read.curve, wanted)  # type: ignore[arg-type]
+    return curve_to_text(read.curve, format)  # type: ignore[arg-type]
 
 
-def _tell(read: ReadCurve) -> None:
-    """What was found in the file, on standard error."""
-    for finding in read.findings[:MAX_NAMED]:
-        say(f"warning: {finding.message}")
-    if len(read.findings) > MAX_NAMED:
-        say(f"warning: and {len(read.findings) - MAX_NAMED} more like these")
+def _print_findings(read: ReadCurve) -> None:
+    for finding in read.findings[:MAX_WARNINGS]:
+        print_message(f"warning: {finding.message}")
+    if len(read.findings) > MAX_WARNINGS:
+        print_message(f"warning: and {len(read.findings) - MAX_WARNINGS} more like these")
 
 
-def _content(path: Path) -> bytes:
-    """A file's content.
+def _read_file(path: Path) -> bytes:
+    """Read a file.
 
     Raises:
-        InputError: it cannot be read, or is no curve by its size alone.
+        InputError: it cannot be read, or is too large for a curve.
     """
     try:
         if path.stat().st_size > _MAX_FILE_BYTES:

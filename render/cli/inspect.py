@@ -1,4 +1,4 @@
-"""`pullfocus inspect`: what a shot holds, what of it is not honoured, and what is wrong with it."""
+"""`pullfocus inspect`: contents of a shot, settings that are not honoured, and problems."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from render.cli import arguments as shared
-from render.cli.exposure_numbers import exposed_line, exposure_json
-from render.cli.report import camel_case_keys, finite, print_json
+from render.cli.console import camel_case_keys, finite, print_json
+from render.cli.options import shared
+from render.cli.tables.exposure import exposure_json, exposure_line
 from render.errors import one_line
 from render.optics.photometry.exposure import ExposureSettings
 from render.shot import Readout, Shot
@@ -26,7 +26,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Read the shot at its first frame and print what is in it.
+    """Print the contents of a shot at its first frame.
 
     Args:
         arguments: as `add_parser` declares them.
@@ -34,55 +34,55 @@ def run(arguments: argparse.Namespace) -> None:
     Raises:
         StageError: it cannot be read.
     """
-    found = inspect_shot(Shot.open(arguments.stage, edits=arguments.edits))
+    inspection = inspect_shot(Shot.open(arguments.stage, edits=arguments.edits))
     if arguments.json:
-        print_json({"stage": arguments.stage, **as_json(found)})
+        print_json({"stage": arguments.stage, **inspection_json(inspection)})
     else:
-        print("\n".join(map(one_line, _lines(arguments.stage, found))))
+        print("\n".join(map(one_line, _lines(arguments.stage, inspection))))
 
 
-def as_json(found: Inspection) -> dict[str, Any]:
-    """What was found, under the names that the service uses too; an infinite distance is null.
+def inspection_json(inspection: Inspection) -> dict[str, Any]:
+    """Convert an inspection to JSON with the keys of the REST service; infinite distances are null.
 
     Args:
-        found: what to write.
+        inspection: of a shot.
     """
     return {
-        "frameRange": camel_case_keys(asdict(found.frame_range)),
-        "upAxis": found.up_axis,
-        "metersPerUnit": found.metres_per_unit,
-        "cameras": list(found.cameras),
-        "defaultCamera": {"path": found.default_camera.path, "reason": found.default_camera.reason},
-        "readouts": [finite(camel_case_keys(asdict(readout))) for readout in found.readouts],
-        "exposures": [{"camera": read.camera, **exposure_json(read)} for read in found.exposures],
-        "primCount": found.prim_count,
-        "triangleCount": found.triangle_count,
-        "lightCount": found.light_count,
-        "notes": [asdict(note) for note in found.notes],
-        "validation": [asdict(problem) for problem in found.validation],
+        "frameRange": camel_case_keys(asdict(inspection.frame_range)),
+        "upAxis": inspection.up_axis,
+        "metersPerUnit": inspection.metres_per_unit,
+        "cameras": list(inspection.cameras),
+        "defaultCamera": {"path": inspection.default_camera.path, "reason": inspection.default_camera.reason},
+        "readouts": [finite(camel_case_keys(asdict(readout))) for readout in inspection.readouts],
+        "exposures": [{"camera": read.camera, **exposure_json(read)} for read in inspection.exposures],
+        "primCount": inspection.prim_count,
+        "triangleCount": inspection.triangle_count,
+        "lightCount": inspection.light_count,
+        "notes": [asdict(note) for note in inspection.notes],
+        "validation": [asdict(problem) for problem in inspection.validation],
     }
 
 
-def _lines(stage: str, found: Inspection) -> Iterator[str]:
-    frames = found.frame_range
+def _lines(stage: str, inspection: Inspection) -> Iterator[str]:
+    frames = inspection.frame_range
     yield stage
     yield f"  frames    {frames.start:g} to {frames.end:g}, {frames.frames_per_second:g} a second"
-    yield f"  units     {found.metres_per_unit:g} m, {found.up_axis} up"
+    yield f"  units     {inspection.metres_per_unit:g} m, {inspection.up_axis} up"
     yield (
-        f"  drawn     {found.prim_count:,} prims, {found.triangle_count:,} triangles, {found.light_count:,} lights"
+        f"  drawn     {inspection.prim_count:,} prims, {inspection.triangle_count:,} triangles, {inspection.light_count:,} lights"
         f" at frame {frames.start:g}"
     )
     yield "cameras"
-    default = found.default_camera
-    exposed = {read.camera: exposed_line(read) for read in found.exposures if read.settings != ExposureSettings()}
-    described = {readout.camera: _lens(readout) for readout in found.readouts}
-    for path in found.cameras:
+    default = inspection.default_camera
+    exposed = {read.camera: exposure_line(read) for read in inspection.exposures if read.settings != ExposureSettings()}
+    described = {readout.camera: _lens(readout) for readout in inspection.readouts}
+    for path in inspection.cameras:
         yield f"  {path}  {described.get(path, 'cannot be used')}{' (default)' if path == default.path else ''}"
         if path in exposed:
             yield f"    exposed {exposed[path]}"
     yield f"  without --camera: {default.path or 'one that frames the stage'} ({default.reason})"
-    yield from _section("not honoured", [note.message for note in found.notes])
-    problems = [f"{problem.severity}: {problem.path}: {problem.message}" for problem in found.validation]
+    yield from _section("not honoured", [note.message for note in inspection.notes])
+    problems = [f"{problem.severity}: {problem.path}: {problem.message}" for problem in inspection.validation]
     yield from _section("validation", problems)
 
 

@@ -1,4 +1,4 @@
-"""`pullfocus lenses`: the lens library, and all that can be said and drawn of one lens."""
+"""`pullfocus lenses`: the lens library, and the report and sheet of one lens."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.lens_numbers import as_json, as_table
-from render.cli.report import print_json, print_result, say
-from render.cli.sheet_path import sheet_path
+from render.cli.console import print_json, print_message, print_result
+from render.cli.tables.lens import lens_json, lens_table
+from render.cli.tables.sheet_path import sheet_path
 from render.errors import InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
 from render.optics.lens_files import data_sheet_text, is_data_sheet
@@ -47,7 +47,7 @@ def add_parser(commands: Any) -> None:
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
-    # Without a default: what was asked for before `show` stays asked for.
+    # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
 
 
@@ -85,17 +85,17 @@ def run_list(arguments: argparse.Namespace) -> None:
 
 
 def run_show(arguments: argparse.Namespace) -> None:
-    """Measure a lens, print what was found and draw it where that is asked for.
+    """Measure a lens, print its report, and draw its sheet with --out.
 
     Args:
         arguments: as `add_parser` declares them.
 
     Raises:
         SettingsError: the library has no such lens, or a setting is out of range.
-        InputError: the file is no lens, or one that has to be told a focus distance.
+        InputError: the file has no usable lens, or one that cannot focus at infinity.
         OutputError: the sheet cannot be written.
     """
-    lens = _asked(arguments.lens)
+    lens = _read_lens(arguments.lens)
     if arguments.tables is not None:
         if not is_data_sheet(arguments.tables):
             raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
@@ -103,39 +103,39 @@ def run_show(arguments: argparse.Namespace) -> None:
     target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
     if arguments.json:
-        print_json(as_json(lens, report))
+        print_json(lens_json(lens, report))
     else:
-        print_result(as_table(lens, report))
+        print_result(lens_table(lens, report))
     if arguments.tables is not None:
         write_atomic(arguments.tables, data_sheet_text(measured_lens(lens, report)).encode())
-        say(f"written: {arguments.tables}")
+        print_message(f"written: {arguments.tables}")
     if target is not None:
         from render.drawing import lens_sheet  # matplotlib takes a second to load
 
         write_atomic(target, lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
-        say(f"drawn: {target}")
+        print_message(f"drawn: {target}")
 
 
 def _report(lens: LensAlone, arguments: argparse.Namespace) -> LensReport:
-    camera = lens.set_to(arguments.f_stop, arguments.focus, _gate(arguments.gate))
+    camera = lens.set_to(arguments.f_stop, arguments.focus, _read_gate(arguments.gate))
     try:
         return lens_report(camera, lens.f_stop)
     except SettingsError as error:
         if (
             error.code == "focus_out_of_reach" and arguments.focus is None
-        ):  # nobody asked for infinity: it is the lens's fault
+        ):  # infinity is the default, not the user's choice
             raise InputError(f"{error.detail}; --focus sets another distance", code=error.code) from error
         raise
 
 
-def _asked(name_or_file: str) -> LensAlone:
+def _read_lens(name_or_file: str) -> LensAlone:
     try:
         return lens_alone(name_or_file)
     except NotFoundError as error:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
 
 
-def _gate(typed: str | None) -> tuple[float, float]:
+def _read_gate(typed: str | None) -> tuple[float, float]:
     if typed is None:
         return FULL_FRAME_MM
     try:

@@ -1,4 +1,4 @@
-"""The `pullfocus` command: dispatch to a command, and the one place where errors become a line and an exit status.
+"""The `pullfocus` command: it dispatches to a command, and turns errors into one line and an exit status.
 
 Exit status: 0 done, 1 failed, 2 wrong arguments, 130 stopped by Ctrl-C.
 """
@@ -10,17 +10,17 @@ import sys
 from collections.abc import Sequence
 from importlib import metadata
 
+from render.cli.console import print_message
 from render.cli.parser import WRONG_ARGUMENTS
-from render.cli.report import say
 from render.errors import PullfocusError, SettingsError
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
 ENTRY_POINT_GROUP = "pullfocus.commands"
-"""Commands that other rooms add: each entry point is a function from its arguments to the exit status. It is loaded only
-when it is called, and may raise `PullfocusError`."""
+"""Entry points of commands in other packages: functions from arguments to the exit status. Each is loaded when it is called,
+and may raise `PullfocusError`."""
 
-COMMANDS_TO_COME = {
+PLANNED_COMMANDS = {
     "worker": "the render farm",
 }
 
@@ -35,23 +35,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(typed)
     except SettingsError as error:
-        return _failed(error.detail, WRONG_ARGUMENTS)
+        return _print_failure(error.detail, WRONG_ARGUMENTS)
     except PullfocusError as error:
-        return _failed(error.detail, FAILED)
+        return _print_failure(error.detail, FAILED)
     except KeyboardInterrupt:
-        return _failed("stopped; what is written is whole", INTERRUPTED)
-    except BrokenPipeError:  # who read our output has left, as `head` does: nobody is there to be told
+        return _print_failure("stopped; what is written is whole", INTERRUPTED)
+    except BrokenPipeError:  # the reader of our output has ended, such as `head`
         _drop_output()
         return FAILED
     except OSError as error:
         if error.filename is not None:
-            return _failed(f"{error.filename}: {error.strerror}", FAILED)
+            return _print_failure(f"{error.filename}: {error.strerror}", FAILED)
         _drop_output()
-        return _failed(f"standard output cannot be written: {error.strerror}", FAILED)
+        return _print_failure(f"standard output cannot be written: {error.strerror}", FAILED)
     except Exception as error:
         if os.environ.get("PULLFOCUS_TRACEBACK"):
             raise
-        return _failed(
+        return _print_failure(
             f"a fault of the program, {type(error).__name__}: {_one_line(error)}; "
             "PULLFOCUS_TRACEBACK=1 shows where, please report it",
             FAILED,
@@ -60,9 +60,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(typed: list[str]) -> int:
     added = _added_commands()
-    if typed and typed[0] in COMMANDS_TO_COME:
+    if typed and typed[0] in PLANNED_COMMANDS:
         raise SettingsError(
-            f"`pullfocus {typed[0]}` comes later, with {COMMANDS_TO_COME[typed[0]]}", code="comes_later"
+            f"`pullfocus {typed[0]}` comes later, with {PLANNED_COMMANDS[typed[0]]}", code="comes_later"
         )
     if typed and typed[0] in added:
         return added[typed[0]].load()(typed[1:])  # type: ignore[no-any-return]  # the contract of the group
@@ -79,12 +79,12 @@ def _added_commands() -> dict[str, metadata.EntryPoint]:
 
 
 def _drop_output() -> None:
-    """Point standard output at nothing, so that what is still held for it raises no more when Python ends."""
+    """Redirect standard output to the null device, so that flushing it at exit does not raise."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _failed(message: str, status: int) -> int:
-    say(f"pullfocus: {message}")
+def _print_failure(message: str, status: int) -> int:
+    print_message(f"pullfocus: {message}")
     return status
 
 

@@ -1,4 +1,4 @@
-"""`pullfocus meter`: how a camera exposes, what a light meter says of its shot, and that as keys of its exposure."""
+"""`pullfocus meter`: exposure of a camera, readings of a light meter, and keys that expose the camera as metered."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from render.cli import arguments as shared
-from render.cli.exposure_numbers import meter_json, print_meter
-from render.cli.report import FrameProgress, print_json, say, warn_of
+from render.cli.console import FrameProgress, print_findings, print_json, print_message
+from render.cli.options import shared
+from render.cli.tables.exposure import meter_json, print_readings
 from render.errors import CameraError, SettingsError
 from render.files import check_writable, write_atomic
 from render.model.frame_spec import every_frame, parse_frames
@@ -21,42 +21,41 @@ from render.shot.light_meter import LightMeter
 
 MODES = ("spot", "center", "average")
 KEY_SUFFIXES = (".usda", ".usd")
-"""Endings under which the text of a layer is what USD takes it for."""
+"""Suffixes of layers that hold usda text."""
 LEAST_S, MOST_S = 0.001, 3600.0
-"""Of smoothing: below it nothing is smoothed, beyond it no light would ever be followed."""
-MANUALLY = "center"
-"""How is metered where neither the user nor the shot says it: as cameras do that are taken out of their box."""
+"""Range of smoothing: below it nothing is smoothed, beyond it no change of light is followed."""
+DEFAULT_MODE = "center"
+"""Metering mode where neither the user nor the shot sets one, the factory default of most cameras."""
 
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
     parser = commands.add_parser(
-        "meter", help="the exposure in EV, lux and stops as a light meter sees it; --key makes it keys of the camera"
+        "meter", help="light meter readings in EV, lux and stops; --key writes them as keys of the exposure"
     )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     shared.add_camera(parser)
     shared.add_lens(parser)
     shared.add_frames(parser, "the shot's first frame, with --key every frame of the shot")
-    parser.add_argument(
-        "--mode", choices=MODES, help=f"what the meter looks at; without it what the shot says, else {MANUALLY}"
-    )
+    parser.add_argument("--mode", choices=MODES, help=f"metering mode; without it the shot's, else {DEFAULT_MODE}")
     spot = parser.add_mutually_exclusive_group()
-    spot.add_argument("--point", metavar="NAME", help="the focus point that a spot meter looks at")
+    spot.add_argument("--point", metavar="NAME", help="focus point to meter")
     spot.add_argument(
         "--spot",
         metavar="X,Y",
-        help="the place that a spot meter looks at: 0,0 is the top left corner, 1,1 the bottom right",
+        help="place to meter: 0,0 is the top left corner, 1,1 the bottom right",
     )
+    parser.add_argument("--compensation", metavar="STOPS", type=float, help="stops added to the reading")
     parser.add_argument(
-        "--compensation", metavar="STOPS", type=float, help="expose so much more than the meter says; negative less"
-    )
-    parser.add_argument(
-        "--smoothing", metavar="SECONDS", type=float, help="how long a sudden change of the light takes to be followed"
+        "--smoothing", metavar="SECONDS", type=float, help="time over which a sudden change of light is followed"
     )
     parser.add_argument("--shading", default="lit", choices=("lit", "unlit"), help="as for record")
     parser.add_argument(
-        "--key", metavar="OUT.usda", type=Path, help="write a layer with the metered exposure, to put over the shot"
+        "--key",
+        metavar="OUT.usda",
+        type=Path,
+        help="write a layer with the metered exposure, to sublayer over the shot",
     )
     parser.add_argument("--hold", action="store_true", help="with --key: one exposure for all frames")
     parser.add_argument("--baked", action="store_true", help="with --key: time samples in place of native splines")
@@ -64,44 +63,48 @@ def add_parser(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Meter the shot, print what the meter says, and write it as keys.
+    """Meter the shot, and print the readings or write them as keys.
 
     Args:
         arguments: as `add_parser` declares them.
 
     Raises:
         SettingsError: the arguments do not fit together.
-        InputError: the shot or its camera cannot be used, or is black where keys are wanted.
+        InputError: the shot or its camera cannot be used, or is black where keys are to be written.
         GraphicsError: no OpenGL context.
         OutputError: the layer cannot be written.
     """
-    asked = _asked(arguments)
+    changes = _metering_changes(arguments)
     if arguments.key is not None:
         _check_key(arguments.key)
     frames = None if arguments.frames is None else sorted(parse_frames(arguments.frames))
-    lens = shared.asked_lens(arguments.lens)
+    lens = shared.read_lens(arguments.lens)
     shot = Shot.open(arguments.stage, edits=arguments.edits)
     if arguments.key is not None:
         shot.check_not_own(arguments.key)
     camera = shared.choose_camera(shot, arguments.camera)
     if camera is None:
         raise CameraError(f"{arguments.stage} has no camera to meter through: name one with --camera", code="no_camera")
-    shared.mount(shot, camera, lens)
+    shared.mount_lens(shot, camera, lens)
     start, end = shot.frame_range.start, shot.frame_range.end
     frames = frames or ([start] if arguments.key is None else every_frame(start, end))
-    shot.exposure.read(camera, frames[0])  # it is a camera, and can be used
-    if "mode" not in asked and shot.exposure.metering(camera, frames[0]).mode == "manual":
-        asked["mode"] = MANUALLY
-    said = _metered(shot, camera, frames, arguments.shading, asked)
+    shot.exposure.read(camera, frames[0])  # raises where the camera cannot be used
+    if "mode" not in changes and shot.exposure.metering(camera, frames[0]).mode == "manual":
+        changes["mode"] = DEFAULT_MODE
+    readings = _read_meter(shot, camera, frames, arguments.shading, changes)
     if arguments.key is not None:
-        stops = compensation_stops(said, held=arguments.hold)
+        stops = compensation_stops(readings, held=arguments.hold)
         write_atomic(arguments.key, exposure_layer(shot.stage, camera, frames, stops, baked=arguments.baked).encode())
-        say(f"wrote {arguments.key}: exposure {stops.min():+.2f} to {stops.max():+.2f} stops over {len(frames)} frames")
-    warn_of(shot.findings(), arguments.stage)
+        print_message(
+            f"wrote {arguments.key}: exposure {stops.min():+.2f} to {stops.max():+.2f} stops over {len(frames)} frames"
+        )
+    print_findings(shot.findings(), arguments.stage)
     if arguments.json:
-        print_json({"stage": arguments.stage, "camera": camera, "frames": [meter_json(one) for one in said]})
+        print_json(
+            {"stage": arguments.stage, "camera": camera, "frames": [meter_json(metered) for metered in readings]}
+        )
     elif arguments.key is None:
-        print_meter(said)
+        print_readings(readings)
 
 
 def _check_key(layer: Path) -> None:
@@ -110,33 +113,35 @@ def _check_key(layer: Path) -> None:
     check_writable(layer)
 
 
-def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What the user asks of the meter, in place of what the shot asks."""
+def _metering_changes(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Read metering settings that replace the shot's, by the fields of `Metering`."""
     for option, is_given in (("--hold", arguments.hold), ("--baked", arguments.baked)):
         if is_given and arguments.key is None:
             raise SettingsError(f"{option} is for --key, which writes the exposure")
-    asked = {"mode": arguments.mode, "compensation_stops": shared.compensation(arguments.compensation)}
-    asked["smoothing_s"] = shared.number_within("--smoothing", arguments.smoothing, LEAST_S, MOST_S, "seconds")
+    changes = {"mode": arguments.mode, "compensation_stops": shared.check_compensation(arguments.compensation)}
+    changes["smoothing_s"] = shared.check_number("--smoothing", arguments.smoothing, LEAST_S, MOST_S, "seconds")
     if arguments.point is not None:
-        asked["focus_point"] = arguments.point
+        changes["focus_point"] = arguments.point
     if arguments.spot is not None:
-        asked |= {"focus_point": "", "spot": shared.place("--spot", arguments.spot)}
+        changes |= {"focus_point": "", "spot": shared.read_place("--spot", arguments.spot)}
     if arguments.point is not None or arguments.spot is not None:
         if arguments.mode not in (None, "spot"):
             raise SettingsError(f"--point and --spot are for --mode spot, got {arguments.mode}")
-        asked["mode"] = "spot"
-    return {name: value for name, value in asked.items() if value is not None}
+        changes["mode"] = "spot"
+    return {name: value for name, value in changes.items() if value is not None}
 
 
-def _metered(shot: Shot, camera: str, frames: Sequence[float], shading: str, asked: dict[str, Any]) -> list[Metered]:
-    from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
+def _read_meter(
+    shot: Shot, camera: str, frames: Sequence[float], shading: str, changes: dict[str, Any]
+) -> list[Metered]:
+    from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: only once the shot is checked
 
-    said = []
+    readings = []
     with FrameRenderer() as renderer, FrameProgress(len(frames)) as progress:
-        meter = LightMeter(renderer, shot, camera, shading, **asked)
+        meter = LightMeter(renderer, shot, camera, shading, **changes)
         for frame in frames:
-            began = clock.perf_counter()
+            start = clock.perf_counter()
             progress.begin(f"frame {frame:g}")
-            said.append(meter.read(frame))
-            progress.finish(f"frame {frame:g}", clock.perf_counter() - began)
-    return said
+            readings.append(meter.read(frame))
+            progress.finish(f"frame {frame:g}", clock.perf_counter() - start)
+    return readings

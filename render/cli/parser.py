@@ -13,11 +13,11 @@ WRONG_ARGUMENTS = 2
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, and takes numbers below nothing for values: ``--cdl -1,1,1`` and ``--shutter -1/50``."""
+    """Parser with one-line errors that takes negative numbers as values: ``--cdl -1,1,1`` and ``--shutter -1/50``."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf$|nan$)")  # argparse knows plain numbers alone
+        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf$|nan$)")  # argparse matches plain numbers alone
 
     def error(self, message: str) -> NoReturn:
         if message.endswith("expected one argument"):

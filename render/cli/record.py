@@ -1,27 +1,23 @@
-"""`pullfocus record`: frames of a shot as files, with usdrecord's arguments where it has them."""
+"""`pullfocus record`: render frames of a shot to files, with usdrecord's arguments where it has them."""
 
 from __future__ import annotations
 
 import argparse
-import time as clock
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pxr import Sdf
 
-from render.cli import arguments as shared
-from render.cli import (
-    camera_options,
-    contact_sheet_options,
-    flare_options,
-    grade_options,
-    long_exposure_options,
-    progressive_options,
-)
-from render.cli.camera_options import Viewed
-from render.cli.report import FrameProgress, camel_case_keys, print_json, warn_of
+from render.cli.console import camel_case_keys, print_findings, print_json
+from render.cli.options import camera as camera_options
+from render.cli.options import contact_sheet, flare, grade, long_exposure, progressive, shared
+from render.cli.recording.contact_sheet import record_contact_sheet
+from render.cli.recording.frames import record_frames
+from render.cli.recording.job import RecordJob
+from render.cli.recording.long_exposure import record_long_exposure
+from render.cli.recording.progressive import record_progressively
 from render.engines import all_engines, check_settings
 from render.errors import SettingsError
 from render.files import check_replaceable, check_writable
@@ -30,15 +26,45 @@ from render.film.stock import library_stock
 from render.model.frame_settings import MAX_MOTION, MOTIONS, FrameSettings
 from render.model.frame_spec import frame_file_names, parse_frames
 from render.model.limits import MAX_WAVELENGTHS
-from render.output import format_of, write_frame
-from render.pictures.picture import make_picture
+from render.output import format_of
+from render.pictures.contact_axes import Axis
 from render.pictures.picture_height import picture_height
 from render.shot import Shot
+from render.shot.lens.lens_choice import LensChoice
 
 PURPOSES = ("default", "render", "proxy", "guide")
 COMPLEXITIES = ("low", "medium", "high", "veryhigh")
-MOMENTS = 16
-"""At which motion is looked at where somebody says how and not how often."""
+DEFAULT_MOMENTS = 16
+"""Shutter samples where --motion-by is given without --motion."""
+
+
+@dataclass(frozen=True)
+class RecordOptions:
+    """Options of `pullfocus record`, read and checked before the shot is opened.
+
+    Attributes:
+        frames: USD time codes; None takes the first frame.
+        settings: of each picture; the height is set from the camera.
+        stock: film of the library; None keeps the shot's.
+        lens: to mount; None keeps the camera's.
+        grade: replaces parts of the shot's grade.
+        camera: settings of the camera.
+        flare: strength of lens flare.
+        axes: of a contact sheet.
+        long_exposure: one picture over many frames.
+        is_progressive: true to write pictures while they are refined.
+    """
+
+    frames: list[float] | None
+    settings: FrameSettings
+    stock: str | None
+    lens: LensChoice | None
+    grade: GradeChoice | None
+    camera: camera_options.CameraOptions
+    flare: flare.FlareOptions
+    axes: tuple[Axis, ...] | None
+    long_exposure: long_exposure.LongExposureOptions | None
+    is_progressive: bool
 
 
 def add_parser(commands: Any) -> None:
@@ -56,22 +82,18 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--film",
         metavar="NAME",
-        help="shoot it on this stock of the library (pullfocus films); what the shot says without it",
+        help="expose this stock of the library (pullfocus films); without it the shot's own",
     )
     shared.add_frames(parser, "the shot's first frame")
     _add_scene_options(parser)
     _add_picture_options(parser)
-    camera_options.add_arguments(parser)
-    grade_options.add_arguments(parser)
-    flare_options.add_arguments(parser)
-    long_exposure_options.add_arguments(parser)
-    contact_sheet_options.add_arguments(parser)
-    progressive_options.add_arguments(parser)
-    parser.add_argument("--json", action="store_true", help="print on standard output what was written")
+    for module in (camera_options, grade, flare, long_exposure, contact_sheet, progressive):
+        module.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="print a list of the written files on standard output")
 
 
 def _add_scene_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("what is drawn")
+    group = parser.add_argument_group("scene")
     group.add_argument(
         "--purposes", "-p", default="render", metavar="LIST", help="of render, proxy and guide; default is always drawn"
     )
@@ -82,7 +104,7 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_picture_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is rendered")
+    group = parser.add_argument_group("rendering")
     group.add_argument(
         "--imageWidth", "-w", type=int, default=960, metavar="PX", help="width; the film gate's shape gives the height"
     )
@@ -119,13 +141,13 @@ def _add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--motion",
         type=int,
         metavar="N",
-        help=f"moments of the shutter's opening to look at, from 1 to {MAX_MOTION}, over which the rays are spread;"
-        f" 1, as without it, stops motion; with --motion-by {MOMENTS}",
+        help=f"shutter samples, from 1 to {MAX_MOTION}, over which the rays are spread; 1, the default, stops motion;"
+        f" with --motion-by the default is {DEFAULT_MOMENTS}",
     )
     group.add_argument(
         "--motion-by",
         choices=MOTIONS,
-        help="moments: the scene is drawn anew at each, which is exact; velocities: drawn once and moved, many times faster",
+        help="moments: render the scene at each sample, which is exact; velocities: render it once and move it, much faster",
     )
     group.add_argument("--seed", type=int, default=0, metavar="N", help="of the sampling pattern")
 
@@ -137,77 +159,94 @@ def run(arguments: argparse.Namespace) -> None:
         arguments: as `add_parser` declares them.
 
     Raises:
-        SettingsError: the arguments are out of range or do not fit together.
+        SettingsError: the arguments are out of range or contradict each other.
         InputError: the shot or its camera cannot be used.
         GraphicsError: no OpenGL context.
         OutputError: a file cannot be written; those before it are whole.
     """
-    progressive_options.check(arguments)
-    axes = contact_sheet_options.asked_axes(arguments)
-    if axes is None:
-        _check_output(arguments)
-    asked = None if arguments.frames is None else parse_frames(arguments.frames)
-    settings = _settings(arguments)
-    if arguments.film is not None:
-        library_stock(arguments.film)
-    grade = grade_options.asked_grade(arguments)
-    body = camera_options.asked_camera(arguments)
-    flare = flare_options.asked_flare(arguments)
-    long = long_exposure_options.asked_long_exposure(arguments)
-    lens = shared.asked_lens(arguments.lens)
-    shot = _open(arguments)
-    frames = asked or [shot.frame_range.start if long is None else long.begin]
+    options = _read_options(arguments)
+    shot = _open_shot(arguments)
+    first = shot.frame_range.start if options.long_exposure is None else options.long_exposure.begin
+    frames = options.frames or [first]
     files = [Path(name) for name in frame_file_names(arguments.out, frames)]
-    _check_files(files)
-    for file in files:
-        shot.check_not_own(file)
-    grade_options.warn_of_unseen(arguments)
-    camera = shared.choose_camera(shot, arguments.camera)
-    shared.mount(shot, camera, lens)
-    body.set_on(shot, camera)
-    flare.set_on(shot, camera)
-    settings = replace(settings, height=picture_height(shot, camera, frames[0], settings.width))
-    if axes is not None:
-        written = contact_sheet_options.record_contact_sheet(
-            shot, camera, axes, frames[0], files[0], settings, arguments.film, grade, body.viewed
-        )
-    elif long is not None:
-        written = long_exposure_options.record_long_exposure(
-            shot, camera, long, files[0], settings, arguments.film, grade, body.viewed
-        )
-    else:
-        plan = list(zip(frames, files, strict=True))
-        record = progressive_options.record_progressively if arguments.progressive else _record
-        written = record(shot, camera, plan, settings, arguments.film, grade, body.viewed)
-    warn_of(shot.findings(), arguments.stage)
+    _check_files(shot, files)
+    grade.warn_of_unapplied(arguments)
+    job = _set_up(shot, shared.choose_camera(shot, arguments.camera), options, frames[0])
+    written = _record(job, options, list(zip(frames, files, strict=True)))
+    print_findings(shot.findings(), arguments.stage)
     if arguments.json:
         print_json(
             {
                 "stage": arguments.stage,
-                "camera": camera,
-                "settings": camel_case_keys(asdict(settings)),
+                "camera": job.camera_path,
+                "settings": camel_case_keys(asdict(job.settings)),
                 "frames": written,
                 "findings": [asdict(finding) for finding in shot.findings()],
             }
         )
 
 
-def _check_output(arguments: argparse.Namespace) -> None:
-    if format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
+def _read_options(arguments: argparse.Namespace) -> RecordOptions:
+    progressive.check_progressive(arguments)
+    axes = contact_sheet.read_axes(arguments)
+    if axes is None and format_of(arguments.out) != "exr" and shared.split_words(arguments.aov) != ("color",):
         raise SettingsError(f"--aov {arguments.aov} needs an EXR file to hold it, got {arguments.out}")
+    frames = None if arguments.frames is None else parse_frames(arguments.frames)
+    settings = _read_settings(arguments)
+    if arguments.film is not None:
+        library_stock(arguments.film)
+    return RecordOptions(
+        frames=frames,
+        settings=settings,
+        stock=arguments.film,
+        grade=grade.read_grade_choice(arguments),
+        camera=camera_options.read_camera_options(arguments),
+        flare=flare.read_flare_options(arguments),
+        axes=axes,
+        long_exposure=long_exposure.read_long_exposure(arguments),
+        lens=shared.read_lens(arguments.lens),
+        is_progressive=arguments.progressive,
+    )
 
 
-def _check_files(files: Sequence[Path]) -> None:
-    """Before anything is rendered: an hour's work would fail when it is to be written."""
+def _set_up(shot: Shot, camera_path: str | None, options: RecordOptions, time: float) -> RecordJob:
+    """Set the shot's camera as the options say, for this run alone."""
+    shared.mount_lens(shot, camera_path, options.lens)
+    options.camera.set_on(shot, camera_path)
+    options.flare.set_on(shot, camera_path)
+    height = picture_height(shot, camera_path, time, options.settings.width)
+    return RecordJob(
+        shot=shot,
+        camera_path=camera_path,
+        settings=replace(options.settings, height=height),
+        stock=options.stock,
+        grade=options.grade,
+        overlay=options.camera.draw_guides,
+    )
+
+
+def _record(job: RecordJob, options: RecordOptions, plan: Sequence[tuple[float, Path]]) -> list[dict[str, Any]]:
+    time, file = plan[0]
+    if options.axes is not None:
+        return record_contact_sheet(job, options.axes, time, file)
+    if options.long_exposure is not None:
+        return record_long_exposure(job, options.long_exposure, file)
+    return record_progressively(job, plan) if options.is_progressive else record_frames(job, plan)
+
+
+def _check_files(shot: Shot, files: Sequence[Path]) -> None:
+    """Check that all files can be written, before an hour of rendering is lost."""
     for file in {file.parent: file for file in files}.values():
         check_writable(file)
     for file in files:
         check_replaceable(file)
+    for file in files:
+        shot.check_not_own(file)
 
 
-def _open(arguments: argparse.Namespace) -> Shot:
-    purposes = shared.known_words(arguments.purposes, PURPOSES, "--purposes")
-    mask = _mask(arguments.mask)
+def _open_shot(arguments: argparse.Namespace) -> Shot:
+    purposes = shared.read_words("--purposes", arguments.purposes, PURPOSES)
+    mask = _read_mask(arguments.mask)
     shot = Shot.open(
         arguments.stage,
         purposes=tuple(dict.fromkeys(("default", *purposes))),
@@ -221,8 +260,8 @@ def _open(arguments: argparse.Namespace) -> Shot:
     return shot
 
 
-def _mask(typed: str | None) -> tuple[str, ...] | None:
-    """The prim paths of --mask.
+def _read_mask(typed: str | None) -> tuple[str, ...] | None:
+    """Read the prim paths of --mask.
 
     Raises:
         SettingsError: there is none, or one is no absolute prim path.
@@ -241,8 +280,8 @@ def _is_prim_path(text: str) -> bool:
     return bool(path.IsAbsolutePath() and path.IsAbsoluteRootOrPrimPath())
 
 
-def _settings(arguments: argparse.Namespace) -> FrameSettings:
-    """All but the height, which the camera's film gate decides."""
+def _read_settings(arguments: argparse.Namespace) -> FrameSettings:
+    """Read the settings of a picture, except its height, which follows from the camera's film gate."""
     settings = FrameSettings(
         width=arguments.imageWidth,
         height=1,
@@ -252,7 +291,7 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
         supersample=arguments.supersample,
         wavelengths=arguments.wavelengths,
         shading=arguments.shading,
-        motion=_moments(arguments),
+        motion=_read_moments(arguments),
         motion_by=arguments.motion_by or MOTIONS[0],
         seed=arguments.seed,
         aovs=shared.split_words(arguments.aov),
@@ -261,37 +300,10 @@ def _settings(arguments: argparse.Namespace) -> FrameSettings:
     return settings
 
 
-def _moments(arguments: argparse.Namespace) -> int:
-    """How often motion is looked at; a long exposure without --motion finds out itself."""
+def _read_moments(arguments: argparse.Namespace) -> int:
+    """Read the number of shutter samples; a long exposure without --motion chooses its own."""
     if arguments.motion is None:
-        return 1 if arguments.motion_by is None or arguments.long_exposure is not None else MOMENTS
+        return 1 if arguments.motion_by is None or arguments.long_exposure is not None else DEFAULT_MOMENTS
     if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
         raise SettingsError("--motion-by is how motion is looked at, which --motion 1 stops: leave out one of them")
     return int(arguments.motion)
-
-
-def _record(
-    shot: Shot,
-    camera: str | None,
-    plan: Sequence[tuple[float, Path]],
-    settings: FrameSettings,
-    stock: str | None,
-    grade: GradeChoice | None,
-    viewed: Viewed,
-) -> list[dict[str, Any]]:
-    """Render and write each frame of the plan; what was written, for --json."""
-    from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: not before the shot is found good
-
-    written = []
-    with FrameRenderer() as renderer, FrameProgress(len(plan)) as progress:
-        for time, file in plan:
-            began = clock.perf_counter()
-            progress.begin(file.name)
-            picture = make_picture(
-                renderer, shot, camera, time, settings, on_progress=progress.within, stock=stock, choice=grade
-            )
-            write_frame(file, picture.frame, viewed(picture.graded, picture.camera), picture.metadata)
-            seconds = clock.perf_counter() - began
-            progress.finish(str(file), seconds)
-            written.append({"time": time, "file": str(file), "seconds": round(seconds, 3)})
-    return written

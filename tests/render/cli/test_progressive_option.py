@@ -39,7 +39,7 @@ def test_every_picture_on_the_way_is_a_whole_file_of_the_same_size(
     stage, file = write_shot(tmp_path / "a.usda", SQUARE, CAMERA), tmp_path / "a.png"
     seen: list[tuple[int, int]] = []
     monkeypatch.setattr(
-        "render.cli.progressive_options.say",
+        "render.cli.recording.progressive.print_message",
         lambda _: seen.append(
             (OpenImageIO.ImageBuf(str(file)).spec().width, OpenImageIO.ImageBuf(str(file)).spec().height)
         ),
@@ -82,6 +82,6 @@ def test_a_preview_is_not_left_in_place_of_the_picture(
         assert file.read_bytes() != before, "a preview is there"
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("render.cli.progressive_options.say", stop)
+    monkeypatch.setattr("render.cli.recording.progressive.print_message", stop)
     assert Command(capsys)("record", stage, file, *SMALL, "--engine", "flag", "--progressive").status != 0
     assert (file.read_bytes() if file.exists() else None) == before

@@ -1,4 +1,4 @@
-"""What commands tell people while they work. All of it goes to standard error; standard output is for results."""
+"""Messages, progress and results of commands. Messages go to standard error; standard output is for results."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from render.errors import one_line
 
 if TYPE_CHECKING:
-    from render.stage.findings import Finding  # its room imports USD, which `pullfocus serve` does not load
+    from render.stage.findings import Finding  # its package imports USD, which `pullfocus serve` does not load
 
 MAX_WARNINGS = 8
 _PIPED_WIDTH = 240
+"""Width of tables where standard output is no terminal."""
 
 _console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
 
-def say(message: str) -> None:
-    """Print one line, above the progress bar where there is one.
+def print_message(message: str) -> None:
+    """Print a line on standard error, above the progress bar where there is one.
 
     Args:
         message: the line.
@@ -33,17 +34,17 @@ def say(message: str) -> None:
     _console.print(one_line(message))
 
 
-def warn_of(findings: Sequence[Finding], stage: str) -> None:
-    """Warn of what is not honoured, shortly: `pullfocus inspect` has the whole list.
+def print_findings(findings: Sequence[Finding], stage: str) -> None:
+    """Print warnings for the first findings: `pullfocus inspect` has the whole list.
 
     Args:
-        findings: what to warn of.
-        stage: the stage's name as the user typed it.
+        findings: settings that are not honoured or cannot be used.
+        stage: the stage as the user typed it.
     """
     for finding in findings[:MAX_WARNINGS]:
-        say(f"warning: {finding.message}")
+        print_message(f"warning: {finding.message}")
     if len(findings) > MAX_WARNINGS:
-        say(f"warning: and {len(findings) - MAX_WARNINGS} more, see: pullfocus inspect {stage}")
+        print_message(f"warning: and {len(findings) - MAX_WARNINGS} more, see: pullfocus inspect {stage}")
 
 
 def print_json(result: Any) -> None:
@@ -57,7 +58,7 @@ def print_json(result: Any) -> None:
 
 
 def print_result(result: RenderableType) -> None:
-    """Print a result for people on standard output; where that is no terminal, nothing is wrapped.
+    """Print a result for people on standard output; nothing is wrapped where that is no terminal.
 
     Args:
         result: a table, or text.
@@ -69,7 +70,7 @@ def print_result(result: RenderableType) -> None:
 
 
 def camel_case_keys(record: dict[str, Any]) -> dict[str, Any]:
-    """A record with its keys as JSON has them: ``focus_distance_m`` becomes ``focusDistanceM``.
+    """Convert keys to camel case: ``focus_distance_m`` becomes ``focusDistanceM``.
 
     Args:
         record: flat.
@@ -78,7 +79,7 @@ def camel_case_keys(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def finite(record: dict[str, Any]) -> dict[str, Any]:
-    """A record as JSON can hold it: null stands for what is infinite or no number.
+    """Replace infinities and NaN, which JSON cannot hold, by null.
 
     Args:
         record: flat.
@@ -87,7 +88,7 @@ def finite(record: dict[str, Any]) -> dict[str, Any]:
 
 
 class FrameProgress:
-    """How many frames are done: a bar on a terminal, a line for each frame elsewhere.
+    """Progress of a run: a bar on a terminal, a line for each frame elsewhere.
 
     Args:
         total: number of frames.
@@ -117,15 +118,15 @@ class FrameProgress:
         self._progress.stop()
 
     def begin(self, name: str) -> None:
-        """Show which frame is at work.
+        """Begin a frame.
 
         Args:
-            name: of the frame's file.
+            name: of its file.
         """
         self._progress.update(self._task, description=name)
 
-    def within(self, fraction: float) -> None:
-        """Show how far the frame at work is.
+    def update(self, fraction: float) -> None:
+        """Show the progress within the frame.
 
         Args:
             fraction: 0 to 1.
@@ -133,13 +134,13 @@ class FrameProgress:
         self._progress.update(self._task, completed=self._done + fraction)
 
     def finish(self, name: str, seconds: float) -> None:
-        """Count a frame as done.
+        """Finish a frame.
 
         Args:
-            name: of the frame's file, which is written.
-            seconds: that it took.
+            name: of its file, which is written.
+            seconds: time that it took.
         """
         self._done += 1
         self._progress.update(self._task, completed=self._done)
         if not _console.is_terminal:
-            say(f"{self._done}/{self._total} {name} {seconds:.1f} s")
+            print_message(f"{self._done}/{self._total} {name} {seconds:.1f} s")

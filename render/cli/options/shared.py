@@ -1,4 +1,4 @@
-"""Arguments that several commands share, and what they mean."""
+"""Arguments that several commands share, and functions that read them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from render.cli.report import say
+from render.cli.console import print_message
 from render.errors import NotFoundError, SettingsError
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot import Shot
@@ -32,25 +32,25 @@ def add_camera(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def choose_camera(shot: Shot, asked: str | None) -> str | None:
-    """The camera to look through, said aloud when the user did not name it.
+def choose_camera(shot: Shot, typed: str | None) -> str | None:
+    """Choose the camera; one that the user did not name is printed.
 
     Args:
         shot: the shot.
-        asked: what the user typed, if anything.
+        typed: value of --camera; None where it is not given.
 
     Returns:
         Prim path, or None for a camera that frames the whole stage.
     """
-    if asked is not None:
-        return asked
+    if typed is not None:
+        return typed
     choice = shot.default_camera()
-    say(f"camera: {choice.path or 'none of the stage'} ({choice.reason})")
+    print_message(f"camera: {choice.path or 'none of the stage'} ({choice.reason})")
     return choice.path
 
 
 def add_lens(parser: argparse.ArgumentParser) -> None:
-    """Add --lens, for `asked_lens`."""
+    """Add --lens, for `read_lens`."""
     parser.add_argument(
         "--lens",
         metavar="NAME|FILE",
@@ -59,64 +59,64 @@ def add_lens(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def asked_lens(asked: str | None) -> LensChoice | None:
-    """The lens that --lens names, if it names one.
+def read_lens(typed: str | None) -> LensChoice | None:
+    """Read the lens that --lens names.
 
     Args:
-        asked: what the user typed, if anything.
+        typed: value of --lens; None where it is not given.
 
     Raises:
         SettingsError: the library has no such lens; the message has the nearest names.
-        InputError: the file is no lens.
+        InputError: the file has no usable lens.
     """
     try:
-        return None if asked is None else choose_lens(asked)
+        return None if typed is None else choose_lens(typed)
     except NotFoundError as error:
         raise SettingsError(f"--lens: {error.detail}", code=error.code, path=error.path) from error
 
 
-def mount(shot: Shot, camera: str | None, lens: LensChoice | None) -> None:
-    """Mount a lens for this run alone, and say what that changed.
+def mount_lens(shot: Shot, camera_path: str | None, lens: LensChoice | None) -> None:
+    """Mount a lens for this run alone, and print what that changed.
 
     Args:
         shot: the shot.
-        camera: prim path; None for a camera that frames the whole stage.
-        lens: None leaves the camera its own.
+        camera_path: prim path; None for a camera that frames the whole stage.
+        lens: None keeps the camera's own.
 
     Raises:
         InputError: there is no camera to mount it on.
     """
     if lens is None:
         return
-    mounted = shot.camera.mount_lens(camera, lens)
+    mounted = shot.camera.mount_lens(camera_path, lens)
     changes = [f"focal length {mounted.focal_length_mm:g} mm"] if mounted.focal_length_mm is not None else []
     changes += [f"f-number raised to f/{mounted.f_stop:g}"] if mounted.f_stop is not None else []
-    say(f"lens: {lens.name} ({', '.join(changes) or 'the camera as it is set'})")
+    print_message(f"lens: {lens.name} ({', '.join(changes) or 'the camera as it is set'})")
     for note in lens.notes:
-        say(f"lens: {note}")
+        print_message(f"lens: {note}")
 
 
 def add_frames(parser: argparse.ArgumentParser, without: str) -> None:
     """Add --frames, for `parse_frames`.
 
     Args:
-        parser: to add it to.
-        without: which frames are taken when it is not given.
+        parser: the parser.
+        without: frames that are used where the option is not given, in words.
     """
     parser.add_argument(
         "--frames", "-f", metavar="SPEC", help=f"such as 1:48 or 1,5:9x2, ends included; without it {without}"
     )
 
 
-def place(option: str, typed: str) -> tuple[float, float]:
-    """A place in the picture: 0,0 is its top left corner and 1,1 the bottom right one.
+def read_place(option: str, typed: str) -> tuple[float, float]:
+    """Read a position in the picture: 0,0 is its top left corner and 1,1 the bottom right one.
 
     Args:
-        option: where it was typed, for the message.
-        typed: what the user typed.
+        option: the option, for the message.
+        typed: its value.
 
     Raises:
-        SettingsError: it is none.
+        SettingsError: it is no position in the picture.
     """
     try:
         x, y = map(float, split_words(typed))
@@ -127,52 +127,52 @@ def place(option: str, typed: str) -> tuple[float, float]:
     return x, y
 
 
-def number_within(option: str, value: float | None, low: float, high: float, what: str) -> float | None:
-    """A number that an option takes.
+def check_number(option: str, value: float | None, low: float, high: float, unit: str) -> float | None:
+    """Check the range of an option's number.
 
     Args:
-        option: where it was typed, for the message.
-        value: as it was typed; None where it was not.
-        low: the least that makes sense.
-        high: the most.
-        what: it is, in words that follow "takes".
+        option: the option, for the message.
+        value: its value; None where it is not given.
+        low: least value.
+        high: largest value.
+        unit: in words that follow "takes".
 
     Raises:
-        SettingsError: it is no such number.
+        SettingsError: it is out of range.
     """
     if value is not None and not low <= value <= high:
-        raise SettingsError(f"{option} takes {what} from {low:g} to {high:g}, got {value:g}")
+        raise SettingsError(f"{option} takes {unit} from {low:g} to {high:g}, got {value:g}")
     return value
 
 
-def compensation(value: float | None) -> float | None:
-    """The stops of --compensation, which mean the same for every command.
+def check_compensation(value: float | None) -> float | None:
+    """Check the stops of --compensation, which every command takes alike.
 
     Raises:
-        SettingsError: they are none that an exposure can have.
+        SettingsError: they are out of range.
     """
     most = MAX_COMPENSATION_STOPS
-    return number_within("--compensation", value, -most, most, "stops")
+    return check_number("--compensation", value, -most, most, "stops")
 
 
-def known_words(text: str, known: Sequence[str], option: str) -> tuple[str, ...]:
-    """The words of a list with commas.
+def read_words(option: str, typed: str, known: Sequence[str]) -> tuple[str, ...]:
+    """Read a comma-separated list of known words.
 
     Args:
-        text: as typed.
-        known: the words that there are.
-        option: where it was typed, for the message.
+        option: the option, for the message.
+        typed: its value.
+        known: the words that are allowed.
 
     Raises:
-        SettingsError: one is not known, or there is none.
+        SettingsError: a word is not known, or there is none.
     """
-    got = split_words(text)
-    unknown = [word for word in got if word not in known]
-    if unknown or not got:
+    words = split_words(typed)
+    unknown = [word for word in words if word not in known]
+    if unknown or not words:
         raise SettingsError(f"{option} takes words of {', '.join(known)}, got {', '.join(unknown) or 'none'}")
-    return got
+    return words
 
 
 def split_words(text: str) -> tuple[str, ...]:
-    """The parts of a list with commas."""
+    """Split a comma-separated list."""
     return tuple(word.strip() for word in text.split(",") if word.strip())

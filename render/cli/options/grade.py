@@ -1,11 +1,11 @@
-"""The options of `record` that say how a picture is graded, in place of what the shot says."""
+"""Options of `pullfocus record` for the grade, in place of the shot's."""
 
 from __future__ import annotations
 
 import argparse
 import re
 
-from render.cli.report import say
+from render.cli.console import print_message
 from render.errors import SettingsError
 from render.film.cdl import Cdl, read_cdl
 from render.film.grade_choice import GradeChoice
@@ -15,35 +15,33 @@ _WITHOUT_SATURATION, _WITH_SATURATION = 9, 10
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare them, for `asked_grade`."""
-    group = parser.add_argument_group("how it is graded (PNG and JPEG), in place of what the shot says")
+    """Add the options, for `read_grade_choice`."""
+    group = parser.add_argument_group("grade (PNG and JPEG), in place of the shot's")
     group.add_argument("--display", metavar="NAME", help="display of the OpenColorIO configuration")
     group.add_argument("--view", metavar="NAME", help="view of the display")
     group.add_argument(
         "--look",
         metavar="NAMES",
-        help="looks of the configuration, with commas between; - in front inverts; '' for none",
+        help="looks of the configuration, comma-separated; a leading - inverts; '' for none",
     )
     group.add_argument(
         "--cdl",
         metavar="FILE|NUMBERS",
-        help="ASC CDL: a .cdl, .cc or .ccc file, FILE#ID for a correction of it; or slope, offset and power of red, green"
-        " and blue, with or without the saturation: 9 or 10 numbers with commas between",
+        help="ASC CDL: a .cdl, .cc or .ccc file, FILE#ID for one of its corrections; or slope, offset and power of red, green"
+        " and blue, with or without saturation: 9 or 10 comma-separated numbers",
     )
-    group.add_argument(
-        "--ocio-config", metavar="FILE|ocio://NAME", help="OpenColorIO configuration that these names are of"
-    )
+    group.add_argument("--ocio-config", metavar="FILE|ocio://NAME", help="OpenColorIO configuration of these names")
 
 
-def asked_grade(arguments: argparse.Namespace) -> GradeChoice | None:
-    """What the options ask for; None where there is none of them.
+def read_grade_choice(arguments: argparse.Namespace) -> GradeChoice | None:
+    """Read the options; None where none of them is given.
 
     Args:
         arguments: as `add_arguments` declares them.
 
     Raises:
-        SettingsError: the CDL's numbers are none, or an option is empty.
-        InputError: its file is missing or damaged.
+        SettingsError: the CDL is not 9 or 10 numbers, or an option is empty.
+        InputError: the CDL file is missing or damaged.
     """
     for option, typed in (
         ("--display", arguments.display),
@@ -52,31 +50,31 @@ def asked_grade(arguments: argparse.Namespace) -> GradeChoice | None:
         ("--cdl", arguments.cdl),
     ):
         if typed is not None and not typed.strip():
-            raise SettingsError(f"{option} is empty: name one, or leave it out for what the shot says")
+            raise SettingsError(f"{option} is empty: name one, or leave it out for the shot's own")
     if arguments.look and not arguments.look.strip(" ,:|+-"):
         raise SettingsError(f"--look takes names of looks, or '' for none, got {arguments.look!r}")
-    cdl = None if arguments.cdl is None else _cdl(arguments.cdl)
+    cdl = None if arguments.cdl is None else _read_cdl(arguments.cdl)
     choice = GradeChoice(arguments.ocio_config, arguments.display, arguments.view, arguments.look, cdl)
     return None if choice == GradeChoice() else choice
 
 
-def warn_of_unseen(arguments: argparse.Namespace) -> None:
-    """Say which of the options, and --film, a scene-linear file does not show.
+def warn_of_unapplied(arguments: argparse.Namespace) -> None:
+    """Warn of the options, and --film, that a scene-linear file does not show.
 
     Args:
         arguments: as `add_arguments` declares them, ``film`` and ``out``.
     """
     options = ("film", "display", "view", "look", "cdl", "ocio_config")
-    unseen = [f"--{name.replace('_', '-')}" for name in options if getattr(arguments, name) is not None]
-    if unseen and arguments.out.lower().endswith(".exr"):
-        say(
-            f"warning: an EXR file stays scene-linear: {', '.join(unseen)} {'is' if len(unseen) == 1 else 'are'} not"
-            " applied, its header says how it is meant to be shown"
+    unapplied = [f"--{name.replace('_', '-')}" for name in options if getattr(arguments, name) is not None]
+    if unapplied and arguments.out.lower().endswith(".exr"):
+        print_message(
+            f"warning: an EXR file stays scene-linear: {', '.join(unapplied)} {'is' if len(unapplied) == 1 else 'are'} not"
+            " applied, its header has them as the intended look"
         )
 
 
-def _cdl(text: str) -> Cdl:
-    """A CDL by its numbers, else by its file."""
+def _read_cdl(text: str) -> Cdl:
+    """Read a CDL from its numbers, else from its file."""
     numbers = _numbers(text)
     if numbers is None:
         file, _, correction = text.rpartition("#") if "#" in text else (text, "", "")
@@ -92,7 +90,7 @@ def _cdl(text: str) -> Cdl:
 
 
 def _numbers(text: str) -> list[float] | None:
-    """The numbers of a list; None where it is none."""
+    """Read a list of numbers; None where a part is no number."""
     try:
         return [float(part) for part in _SEPARATORS.split(text.strip())]
     except ValueError:

@@ -1,4 +1,4 @@
-"""The options of `record` that say how strong a lens's flare is, in place of what the shot says."""
+"""Options of `pullfocus record` for the strength of lens flare, in place of the shot's."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from render.shot import Shot
 
 
 @dataclass(frozen=True)
-class AskedFlare:
-    """What is asked of a lens's flare for one run; None keeps the shot's.
+class FlareOptions:
+    """Strength of lens flare in one run; None keeps the shot's.
 
     Attributes:
         ghosts: strength of its reflections.
@@ -22,36 +22,36 @@ class AskedFlare:
     ghosts: float | None = None
     star: float | None = None
 
-    def set_on(self, shot: Shot, camera: str | None) -> None:
+    def set_on(self, shot: Shot, camera_path: str | None) -> None:
         """Set them for this run alone.
 
         Args:
             shot: the shot.
-            camera: prim path; None for a camera that frames the whole stage.
+            camera_path: prim path; None for a camera that frames the whole stage.
 
         Raises:
             InputError: there is no camera to set.
         """
-        asked = {"flare_ghosts": self.ghosts, "flare_star": self.star}
-        said = {name: factor for name, factor in asked.items() if factor is not None}
-        if said:
-            shot.exposure.set(camera, **said)
+        factors = {"flare_ghosts": self.ghosts, "flare_star": self.star}
+        given = {name: factor for name, factor in factors.items() if factor is not None}
+        if given:
+            shot.exposure.set(camera_path, **given)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare them, for `asked_flare`."""
-    group = parser.add_argument_group("flare of the lens, in place of what the shot says")
+    """Add the options, for `read_flare_options`."""
+    group = parser.add_argument_group("lens flare, in place of the shot's")
     for name, what in (
-        ("--flare", "ghosts: what the surfaces of a lens with a prescription reflect of what is bright"),
-        ("--star", "the star that diffraction at the iris draws around what is bright"),
+        ("--flare", "ghosts: reflections of bright things between the surfaces of a lens with a prescription"),
+        ("--star", "stars around bright things, from diffraction at the iris"),
     ):
         group.add_argument(
             name, nargs="?", type=float, const=1.0, metavar="FACTOR", help=f"{what}; 1 without a number, 0 for none"
         )
 
 
-def asked_flare(arguments: argparse.Namespace) -> AskedFlare:
-    """What the options ask for.
+def read_flare_options(arguments: argparse.Namespace) -> FlareOptions:
+    """Read the options.
 
     Args:
         arguments: as `add_arguments` declares them.
@@ -62,4 +62,4 @@ def asked_flare(arguments: argparse.Namespace) -> AskedFlare:
     for name, factor in (("--flare", arguments.flare), ("--star", arguments.star)):
         if factor is not None and not 0 <= factor < math.inf:
             raise SettingsError(f"{name} takes a factor of 0 or more, got {factor:g}")
-    return AskedFlare(arguments.flare, arguments.star)
+    return FlareOptions(arguments.flare, arguments.star)

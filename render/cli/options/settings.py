@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import Any
 
-from render.cli.arguments import number_within
+from render.cli.options.shared import check_number
 from render.errors import SettingsError
 from usd_schemas.settings.setting import Option, Setting
 from usd_schemas.settings.tables import SETTINGS
@@ -17,7 +17,7 @@ _OPTIONS = [(item, item.option) for item in SETTINGS.values() if item.option is 
 
 
 def add_settings(group: argparse._ArgumentGroup) -> None:
-    """Add an option for each setting that declares one, for `typed_settings`."""
+    """Add an option for each setting that declares one, for `read_settings`."""
     for setting, option in _OPTIONS:
         kind: dict[str, Any] = {}
         if setting.type is bool:
@@ -26,10 +26,10 @@ def add_settings(group: argparse._ArgumentGroup) -> None:
             kind = {"choices": setting.choices}
         else:
             kind = {"metavar": option.metavar, "type": str if option.is_time else setting.type}
-        group.add_argument(option.flag, dest=_place(setting), help=_help(setting, option), **kind)
+        group.add_argument(option.flag, dest=_dest(setting), help=_help(setting, option), **kind)
 
 
-def typed_settings(arguments: argparse.Namespace) -> dict[str, Any]:
+def read_settings(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the settings that were typed, by name.
 
     Args:
@@ -38,12 +38,12 @@ def typed_settings(arguments: argparse.Namespace) -> dict[str, Any]:
     Raises:
         SettingsError: a value is out of its option's range, or is no time.
     """
-    typed = {setting.name: _value(option, getattr(arguments, _place(setting))) for setting, option in _OPTIONS}
+    typed = {setting.name: _value(option, getattr(arguments, _dest(setting))) for setting, option in _OPTIONS}
     return {name: value for name, value in typed.items() if value is not None}
 
 
-def seconds(option: str, typed: str) -> float:
-    """Parse seconds, or a fraction of them such as ``1/50``.
+def read_seconds(option: str, typed: str) -> float:
+    """Read seconds, or a fraction of them such as ``1/50``.
 
     Args:
         option: name of the option, for the message.
@@ -65,14 +65,14 @@ def seconds(option: str, typed: str) -> float:
 
 def _value(option: Option, typed: Any) -> Any:
     if typed is not None and option.is_time:
-        return seconds(option.flag, typed)
+        return read_seconds(option.flag, typed)
     if option.range is not None:
-        return number_within(option.flag, typed, option.range.least, option.range.most, option.noun)
+        return check_number(option.flag, typed, option.range.least, option.range.most, option.noun)
     return typed
 
 
-def _place(setting: Setting) -> str:
-    """The attribute of the parsed arguments."""
+def _dest(setting: Setting) -> str:
+    """Attribute of the parsed arguments."""
     return f"setting_{setting.name}"
 
 

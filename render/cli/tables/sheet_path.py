@@ -1,4 +1,4 @@
-"""Where a sheet that draws an entry of a library is written."""
+"""Path of the sheet that draws an entry of a library."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ SHEET_SUFFIXES = (".png", ".svg")
 
 
 def sheet_path(out: Path, name: str) -> Path:
-    """The file to draw: ``out`` itself, or in the folder ``out``, which is made where there is none.
+    """Return the file to draw: ``out`` itself, or a file in the folder ``out``, which is created where there is none.
 
-    Whether it can be written is looked at before anything is computed.
+    The file is checked to be writable before anything is computed.
 
     Args:
         out: as typed after ``--out``.
-        name: of what is drawn.
+        name: of the entry.
 
     Raises:
-        SettingsError: it is neither a folder nor a file of a kind that sheets are drawn in.
+        SettingsError: it is neither a folder nor a .png or .svg file.
         OutputError: it cannot be written.
     """
     if out.suffix.lower() in SHEET_SUFFIXES and not out.is_dir():

@@ -1,4 +1,4 @@
-"""The numbers of a film stock, for people and for programs."""
+"""Report of a film stock as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from rich.table import Table
 from render.film.curve import Knots
 from render.film.report import FilmReport
 
-_PLACES = 5  # of densities and exposures: more than any densitometer has
+_DECIMALS = 5
+"""Decimals of densities and exposures, more than any densitometer has."""
 
 
-def as_json(report: FilmReport) -> dict[str, Any]:
-    """What was found, with null for what there is not.
+def film_json(report: FilmReport) -> dict[str, Any]:
+    """Convert a report to JSON, with null for missing values.
 
     Args:
         report: of the stock.
@@ -52,8 +53,8 @@ def as_json(report: FilmReport) -> dict[str, Any]:
     }
 
 
-def as_table(report: FilmReport) -> Table:
-    """The same for people, without the curves.
+def film_table(report: FilmReport) -> Table:
+    """Convert a report to a table, without the curves.
 
     Args:
         report: of the stock.
@@ -74,10 +75,10 @@ def as_table(report: FilmReport) -> Table:
     table.add_row("densities", f"{entry.densitometry}, read off the data sheet of {entry.year}")
     axis = "relative" if entry.relative_exposure else "of lux-seconds"
     table.add_row("records", ", ".join(_channels(report)))
-    table.add_row("base", _listed(stock.base))
-    table.add_row("metered grey", f"at log10 exposure {_listed(stock.middle_log_exposure)} ({axis})")
-    table.add_row("its density", _listed(stock.middle_density))
-    table.add_row("gamma there", _listed(report.gamma))
+    table.add_row("base", _join(stock.base))
+    table.add_row("metered grey", f"at log10 exposure {_join(stock.middle_log_exposure)} ({axis})")
+    table.add_row("its density", _join(stock.middle_density))
+    table.add_row("gamma there", _join(report.gamma))
     reach = "; ".join(f"{below:+.1f} to {above:+.1f}" for below, above in report.latitude_stops)
     table.add_row("answers to light", f"{reach} stops from grey")
     table.add_row("granularity", _granularity(report))
@@ -85,7 +86,7 @@ def as_table(report: FilmReport) -> Table:
 
 
 def wedge_table(report: FilmReport) -> Table:
-    """What 21 greys become.
+    """Convert the wedge of 21 greys to a table.
 
     Args:
         report: of the stock.
@@ -97,9 +98,9 @@ def wedge_table(report: FilmReport) -> Table:
         table.add_column(column, no_wrap=True, justify="right")
     table.add_column("light on the screen, %", no_wrap=True, justify="right")
     for step, stops in enumerate(report.stops):
-        row = [f"{stops:+.1f}", _listed(report.camera_densities[step])]
+        row = [f"{stops:+.1f}", _join(report.camera_densities[step])]
         if printed is not None:
-            row.append(_listed(printed[step]))
+            row.append(_join(printed[step]))
         light = report.light[step, : len(report.stock.curves)]
         table.add_row(*row, " / ".join(f"{100 * part:.3g}" for part in light))
     return table
@@ -113,16 +114,16 @@ def _granularity(report: FilmReport) -> str:
     if not report.stock.granularity:
         return "none is published"
     figures = [1000 * deviation for deviation in report.granularity_at_1]
-    told = " / ".join(f"{figure:.1f}" for figure in figures)
-    return f"{told} thousandths of density through 48 µm, at 1.0 above base"
+    listed = " / ".join(f"{figure:.1f}" for figure in figures)
+    return f"{listed} thousandths of density through 48 µm, at 1.0 above base"
 
 
-def _listed(numbers: Sequence[float]) -> str:
+def _join(numbers: Sequence[float]) -> str:
     return " / ".join(f"{number:.2f}" for number in numbers)
 
 
 def _rounded(numbers: Sequence[float]) -> list[float]:
-    return [round(float(number), _PLACES) for number in numbers]
+    return [round(float(number), _DECIMALS) for number in numbers]
 
 
 def _pairs(knots: Knots) -> list[list[float]]:

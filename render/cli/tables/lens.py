@@ -1,4 +1,4 @@
-"""The numbers of a lens, for people and for programs."""
+"""Report of a lens as a table and as JSON."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from render.cli.report import camel_case_keys, finite
+from render.cli.console import camel_case_keys, finite
 from render.errors import one_line
 from render.model.arrays import DoubleArray
 from render.optics.report import LensReport, data_sheet
@@ -17,12 +17,12 @@ from render.optics.report.field import WAVELENGTHS_NM
 from render.shot.lens.lens_alone import LensAlone
 
 
-def as_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
-    """What was found, lengths in the unit that a key ends with; what is infinite or dark is null.
+def lens_json(lens: LensAlone, report: LensReport) -> dict[str, Any]:
+    """Convert a report to JSON; keys end with their unit, and infinite or dark values are null.
 
     Args:
-        lens: which one.
-        report: of it.
+        lens: the lens.
+        report: of the lens.
     """
     camera = report.camera
     across, up, diagonal = report.field_of_view_deg
@@ -83,12 +83,12 @@ def _bokeh(report: LensReport) -> dict[str, Any] | None:
     }
 
 
-def as_table(lens: LensAlone, report: LensReport) -> Table:
-    """What was found, one line for each number.
+def lens_table(lens: LensAlone, report: LensReport) -> Table:
+    """Convert a report to a table, one row for each number.
 
     Args:
-        lens: which one.
-        report: of it.
+        lens: the lens.
+        report: of the lens.
     """
     table = Table(
         box=box.SIMPLE_HEAD, show_header=False, title=one_line(lens.title), title_justify="left", pad_edge=False

@@ -1,0 +1,57 @@
+"""Record several pictures on one contact sheet."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from render.cli.console import FrameProgress
+from render.cli.recording.job import RecordJob
+from render.files import write_atomic
+from render.pictures.contact_axes import Axis
+
+
+def record_contact_sheet(job: RecordJob, axes: tuple[Axis, ...], time: float, file: Path) -> list[dict[str, Any]]:
+    """Take the pictures and draw the sheet.
+
+    Args:
+        job: how each picture is rendered.
+        axes: what is compared.
+        time: USD time code, where frames are not compared.
+        file: to write.
+
+    Returns:
+        For --json, one entry.
+    """
+    from render.drawing.contact_sheet import draw_contact_sheet  # matplotlib takes a second to load
+    from render.frame import FrameRenderer  # and OpenGL several: only once the shot is checked
+    from render.pictures.contact_sheet import make_contact_sheet
+
+    start = clock.perf_counter()
+    with FrameRenderer() as renderer, FrameProgress(1) as progress:
+
+        def show_progress(name: str, share: float) -> None:
+            progress.begin(name)
+            progress.update(share)
+
+        progress.begin(file.name)
+        sheet = make_contact_sheet(
+            renderer,
+            job.shot,
+            job.camera_path,
+            time,
+            job.settings,
+            axes,
+            stock=job.stock,
+            choice=job.grade,
+            on_picture=show_progress,
+        )
+        pictures = (replace(picture, graded=job.overlay(picture.graded, picture.camera)) for picture in sheet.pictures)
+        sheet = replace(sheet, pictures=tuple(pictures))
+        write_atomic(file, draw_contact_sheet(sheet, file.suffix.lower().removeprefix(".")))
+        seconds = clock.perf_counter() - start
+        progress.finish(f"{file}, {len(sheet.pictures)} pictures,", seconds)
+    compared = {axis.name: [choice.label for choice in axis.choices] for axis in axes}
+    return [{"time": time, "file": str(file), "seconds": round(seconds, 3), "contactSheet": compared}]

@@ -15,7 +15,7 @@ from fastapi import WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
 from service.http.errors import ServiceError, answer_to
-from service.http.routes.frames import frame_request, tag_of_frame
+from service.http.frame_requests import frame_request, tag_of_frame
 from service.http.service import Service
 from service.models.base import Model, Problem
 from service.models.cameras import Readout

@@ -6,16 +6,15 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
 
-from render.model.edit_history import revision_of
-from service.http.frame_cache import frame_tag, matches
+from service.http.frame_cache import matches
+from service.http.frame_requests import frame_request, tag_of_frame
 from service.http.routes.parameters import ShotId, problems
 from service.http.service import Service, ServiceDep
 from service.models.focus import Pick
-from service.models.frames import FrameQuery, PictureQuery
+from service.models.frames import FrameQuery
 from service.models.picture_size import check_pixels
 from service.models.shots import PickRequest
 from service.picture.calls import frames
-from service.picture.requests import FrameRequest
 from service.storage.store import ShotRecord
 from service.workers.calls import call
 
@@ -23,7 +22,6 @@ router = APIRouter(tags=["frames"])
 
 MEDIA_TYPES = {"png": "image/png", "jpeg": "image/jpeg", "exr": "image/x-exr"}
 BINARY = {"schema": {"type": "string", "format": "binary"}}
-FINISH = {"film", "display", "view", "look"}
 
 
 @router.get(
@@ -67,30 +65,6 @@ async def _picture(service: Service, record: ShotRecord, edits: str, query: Fram
     service.frame_cache.put(tag, picture)
     service.metrics.frames.labels("rendered").inc()
     return picture
-
-
-def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQuery) -> str:
-    """Return the entity tag of a picture, its key in the cache: a hash of everything that the picture depends on.
-
-    The files of a shot never change, but a shot of the same id may be uploaded again.
-    """
-    parameters = query.model_dump(mode="json", exclude={"client"})
-    shot = {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
-    return frame_tag(parameters | shot | {"run": service.run_id})
-
-
-def frame_request(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
-    """Return a query as the picture process takes it."""
-    return FrameRequest(
-        record=record,
-        edits=edits,
-        camera=query.camera,
-        time=query.time,
-        height=query.height,
-        max_px=service.settings.max_picture_px,
-        settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
-        finish=query.model_dump(include=FINISH),
-    )
 
 
 @router.post("/shots/{shot}/pick", operation_id="pick", responses=problems(404, 503, 504))

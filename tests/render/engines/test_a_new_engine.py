@@ -124,7 +124,7 @@ def test_an_engine_that_was_taken_out_is_unknown(toy: type[Toy], pullfocus: Comm
 
 def test_two_engines_of_one_name_are_refused(toy: type[Toy]) -> None:
     class Other(Toy):
-        """Of the same name."""
+        """A second engine of the same name."""
 
     with pytest.raises(ValueError, match="two engines of the name toy"):
         register(Other)

@@ -1,0 +1,36 @@
+"""Requests of frames as the picture process takes them, and their entity tags; for the route and for live connections."""
+
+from __future__ import annotations
+
+from render.model.edit_history import revision_of
+from service.http.frame_cache import frame_tag
+from service.http.service import Service
+from service.models.frames import FrameQuery, PictureQuery
+from service.picture.requests import FrameRequest
+from service.storage.store import ShotRecord
+
+FINISH = {"film", "display", "view", "look"}
+
+
+def tag_of_frame(service: Service, record: ShotRecord, edits: str, query: FrameQuery) -> str:
+    """Return the entity tag of a picture, its key in the cache: a hash of everything that the picture depends on.
+
+    The files of a shot never change, but a shot of the same id may be uploaded again.
+    """
+    parameters = query.model_dump(mode="json", exclude={"client"})
+    shot = {"shot": record.id, "created": record.created_at.isoformat(), "edits": revision_of(edits)}
+    return frame_tag(parameters | shot | {"run": service.run_id})
+
+
+def frame_request(service: Service, record: ShotRecord, edits: str, query: PictureQuery) -> FrameRequest:
+    """Return a query as the picture process takes it."""
+    return FrameRequest(
+        record=record,
+        edits=edits,
+        camera=query.camera,
+        time=query.time,
+        height=query.height,
+        max_px=service.settings.max_picture_px,
+        settings=query.model_dump(include=set(PictureQuery.model_fields) - {"camera", "time", "height", *FINISH}),
+        finish=query.model_dump(include=FINISH),
+    )

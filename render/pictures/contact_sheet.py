@@ -12,7 +12,7 @@ from render.film import GradeChoice
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.pictures.contact_axes import Axis, Choice, Value
-from render.pictures.picture import expose_frame, picture_of
+from render.pictures.picture import develop_picture, expose_frame
 from render.shot.exposure.readout import ExposureReadout
 from render.shot.focus.readout import Readout
 from render.shot.lens.lens_choice import LensChoice
@@ -163,7 +163,7 @@ class _Maker:
         key = tuple(id(value) if isinstance(value := wanted.get(name), LensChoice) else value for name in _OF_THE_LIGHT)
         if key not in self._lights:
             self._lights[key] = expose_frame(self._renderer, shot, self._camera, lens, time, settings, on_progress)
-        taken = picture_of(shot, self._lights[key], lens, time, settings, finish)
+        taken = develop_picture(shot, self._lights[key], lens, time, settings, finish)
         film = finish.film.stock.name if finish.film is not None and finish.film.stock is not None else ""
         readout, exposure = shot.focus.read(self._camera, time), shot.exposure.read(self._camera, time)
         metered = None if lens is as_set else _metered_ev100(exposure, as_set, lens)

@@ -1,4 +1,4 @@
-"""What glass and iris add to a picture: ghosts of what is bright, and stars around it."""
+"""Flare: what glass and iris add to a picture, ghosts of bright things and stars around them."""
 
 from __future__ import annotations
 
@@ -19,49 +19,51 @@ from render.optics.prescription.mounting import has_surfaces, mount_lens
 from render.optics.spectrum import spectrum
 from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
-from render.pictures.bright_sources import bright_sources
+from render.pictures.bright_sources import find_bright_sources
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
 
 _IRIS_SIDE = 512
-_MOST_PX = 640  # of width, at which ghosts are drawn: what they are of is no point, and so their edges are soft
-_FAINT = 2e-5  # on the film, over what it shows white: fainter ghosts are left out
+_GHOST_WIDTH_PX = 640  # at most: sources are no points, so that edges of ghosts are soft
+_FAINT = 2e-5  # radiance on the film over its white; fainter ghosts are left out
 _NM_PER_M = 1e9
 
 
-def flared(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings, frame: Frame) -> Frame:
-    """A frame with its camera's flare; itself where there is none.
+def add_flare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings, frame: Frame) -> Frame:
+    """Add the flare of a frame's camera; returns the frame itself where there is none.
 
     Args:
         renderer: of the calling thread.
-        scene: what is there, for a moving one at the middle of the exposure.
-        camera: what looked; its lens says how strong its flare is.
-        settings: how the frame was rendered: pinholes have no flare.
-        frame: its light; depths and the like stay.
+        scene: the scene, for a moving one at the middle of the exposure.
+        camera: the camera; its lens has the strength of the flare.
+        settings: as the frame was rendered: pinholes have no flare.
+        frame: its light is changed, its AOVs are not.
 
     Raises:
         GraphicsError: the device refuses.
     """
     if engine_of(settings).is_sharp or camera.f_stop <= 0 or camera.lens.model == "pinhole":
         return frame
-    ghosts = _ghosts(renderer, scene, camera, settings) if camera.lens.ghosts > 0 and has_surfaces(camera) else None
+    ghosts = (
+        _draw_ghosts(renderer, scene, camera, settings) if camera.lens.ghosts > 0 and has_surfaces(camera) else None
+    )
     if ghosts is None and camera.lens.star == 0:
         return frame
     color = frame.color.copy()
     if camera.lens.star > 0:
-        color[..., :3] = star_of(camera, settings.width, settings.height).spread(color[..., :3])
+        color[..., :3] = make_star(camera, settings.width, settings.height).spread(color[..., :3])
     if ghosts is not None:
         color[..., :3] += ghosts
     return replace(frame, color=color)
 
 
-def star_of(camera: Camera, width: int, height: int) -> Star:
-    """The star that diffraction draws in a camera's pictures.
+def make_star(camera: Camera, width: int, height: int) -> Star:
+    """Make the star that diffraction at the iris draws in a camera's pictures.
 
     Raises:
-        InputError: the lens is none.
-        SettingsError: it does not reach the focus distance.
+        InputError: the prescription makes no lens.
+        SettingsError: the lens does not reach the focus distance.
     """
     view = PinholeView.from_camera(camera, width, height)
     radius_m = mount_lens(camera).entrance_pupil_radius_mm / 1000 if has_surfaces(camera) else pupil_radius_m(camera)
@@ -75,30 +77,28 @@ def star_of(camera: Camera, width: int, height: int) -> Star:
     )
 
 
-def _ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> FloatArray | None:
-    """``(height, width, 3)`` light of the ghosts, where something is bright."""
+def _draw_ghosts(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings) -> FloatArray | None:
+    """Draw the ghosts, ``(height, width, 3)``; None where nothing in view is bright."""
     from render.trace.ghost_pass import GhostPass  # with OpenGL
 
-    sources = bright_sources(renderer, scene, camera, settings)
+    sources = find_bright_sources(renderer, scene, camera, settings)
     if not sources:
         return None
     lens, iris = mount_lens(camera), transmission(camera.iris, _IRIS_SIDE)
     share = float(iris.mean()) * 4 / np.pi
     faintest = _FAINT / (camera.exposure_scale * camera.lens.ghosts)
     sheets = ghost_sheets(lens, sources, spectrum(settings.wavelengths), share, faintest=faintest)
-    width = min(settings.width, _MOST_PX)
+    width = min(settings.width, _GHOST_WIDTH_PX)
     height = max(1, round(settings.height * width / settings.width))
     renderer.graphics.make_current()
     with Resources() as held:
         ghost_pass = held.keep(GhostPass(renderer.graphics.ctx))
         drawn = ghost_pass.draw(sheets, PinholeView.from_camera(camera, width, height), iris)
-    return _enlarged(drawn, settings.width, settings.height) * np.float32(
-        camera.lens.ghosts * camera.lens.transmittance
-    )
+    return _resize(drawn, settings.width, settings.height) * np.float32(camera.lens.ghosts * camera.lens.transmittance)
 
 
-def _enlarged(picture: FloatArray, width: int, height: int) -> FloatArray:
-    """A picture at another size, joined linearly between the middles of its pixels."""
+def _resize(picture: FloatArray, width: int, height: int) -> FloatArray:
+    """Resize a picture, linearly between the centres of its pixels."""
     if picture.shape[:2] == (height, width):
         return picture
     for axis, size in enumerate((height, width)):

@@ -1,4 +1,4 @@
-"""Pictures finished on the device, for those who look at them while they work; files are finished by the processor.
+"""Film and grade on the device, for pictures of the viewer; pictures of files are finished on the processor.
 
 The two agree to less than one of 255 levels (`tests/render/film/test_gpu_developer.py`).
 """
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class _Passes:
-    """What finishes pictures on one context."""
+    """The shader passes of one context."""
 
     def __init__(self, graphics: GraphicsContext) -> None:
         self.graphics = graphics
@@ -37,28 +37,29 @@ class _Passes:
     def release(self) -> None:
         """Give the device's memory back."""
         with Resources() as held:
-            for made in (self.scratch, self.film, self.display):
-                held.keep(made)
+            for part in (self.scratch, self.film, self.display):
+                held.keep(part)
 
 
 class LiveFinisher:
-    """Finishes pictures on a renderer's device, in its thread. What it needs for it is kept between pictures.
+    """Finishes pictures on a renderer's device, in its thread. Its shader passes are kept between pictures.
 
     Args:
-        renderer: whose device it is. It may make its context anew after an error; then this starts anew too.
+        renderer: the renderer. After a fault it has another context, and the passes are made anew.
     """
 
     def __init__(self, renderer: FrameRenderer) -> None:
         self._renderer = renderer
         self._passes: _Passes | None = None
 
-    def picture(self, finish: Finish, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
-        """As `Finish.picture`, in 256 levels. A picture that is too large for the device is finished by the processor.
+    def finish(self, finish: Finish, radiance: FloatArray, camera: Camera, *, time: float, seed: int) -> FloatArray:
+        """Expose, develop and grade a picture as `Finish.apply` does, to 256 levels. A picture that is too large for the
+        device is finished on the processor.
 
         Args:
-            finish: how.
+            finish: film and grade.
             radiance: ``(height, width, 3 or 4)`` float32 scene-linear.
-            camera: as for `Finish.picture`.
+            camera: as for `Finish.apply`.
             time: likewise.
             seed: likewise.
 
@@ -68,9 +69,9 @@ class LiveFinisher:
         """
         if radiance.ndim != 3 or radiance.shape[2] not in (3, 4):
             raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
-        passes = self._ready()
+        passes = self._open_passes()
         try:
-            return _finished(
+            return _run_passes(
                 passes, finish, radiance, Exposure(camera.exposure_scale, frame_number(time), gate_mm(camera), seed)
             )
         except TooLargeError:
@@ -86,8 +87,8 @@ class LiveFinisher:
             self._passes.release()
         self._passes = None
 
-    def _ready(self) -> _Passes:
-        """The passes of the renderer's context. Those of one that is gone went with it."""
+    def _open_passes(self) -> _Passes:
+        """Give the passes of the renderer's context, made anew where the context is another one."""
         graphics = self._renderer.graphics
         graphics.make_current()
         if self._passes is None or self._passes.graphics is not graphics:
@@ -95,7 +96,7 @@ class LiveFinisher:
         return self._passes
 
 
-def _finished(passes: _Passes, finish: Finish, radiance: FloatArray, exposure: Exposure) -> FloatArray:
+def _run_passes(passes: _Passes, finish: Finish, radiance: FloatArray, exposure: Exposure) -> FloatArray:
     height, width, channels = radiance.shape
     light = passes.scratch.texture("light", (width, height), channels, "f4")
     shown = passes.scratch.texture("shown", (width, height), 4, "f1")

@@ -18,8 +18,8 @@ from render.model.moment import Moment
 from render.model.shutter import GLOBAL_SHUTTER
 from render.model.shutter_intervals import MAX_ND_STOPS
 from render.pictures.moving import check_shutter
-from render.pictures.picture import Picture, expose_frame, picture_of
-from render.pictures.travel import farthest_travel_px, moment_of
+from render.pictures.picture import Picture, develop_picture, expose_frame
+from render.pictures.travel import make_moment, measure_travel_px
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
 
@@ -182,7 +182,7 @@ class LongExposure:
         light[..., :3] *= np.float32(state.gain)
         lens = replace(self._metered, shutter_open=0.0, shutter_close=state.open_frames, shutter=GLOBAL_SHUTTER)
         said = {"longExposureSeconds": state.open_seconds, "ndStops": state.nd_stops, "intervals": state.intervals}
-        picture = picture_of(
+        picture = develop_picture(
             self.shot, Frame(light, {}, self._prim_paths), lens, self._begin, self._settings, self._finish
         )
         metadata = replace(
@@ -200,11 +200,11 @@ class LongExposure:
         before = self._last[1] if self._last is not None and self._last[0] == begin else self._moment(begin)
         after = self._moment(end)
         self._last = (end, after)
-        travel = farthest_travel_px(before, after, self._settings.width, self._settings.height)
+        travel = measure_travel_px(before, after, self._settings.width, self._settings.height)
         return min(max(math.ceil(travel), 2), MOST_MOMENTS)
 
     def _moment(self, time: float) -> Moment:
-        return moment_of(self.shot.scene_at(time), self._at(time))
+        return make_moment(self.shot.scene_at(time), self._at(time))
 
 
 def _exposed_alike(color: FloatArray, lens: Camera, first: Camera) -> FloatArray:

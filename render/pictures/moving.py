@@ -1,4 +1,4 @@
-"""What moves in a shot while a camera's shutter is open."""
+"""Frames of a shot that moves while the camera's shutter is open."""
 
 from __future__ import annotations
 
@@ -19,83 +19,84 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer, FrameSettings
 
 
-def moves(lens: Camera, settings: FrameSettings) -> bool:
-    """Whether motion is asked for and the camera's shutter is open for long enough to see any."""
-    return settings.motion > 1 and (lens.shutter_close != lens.shutter_open or lens.shutter.delay != 0)
+def has_motion(camera: Camera, settings: FrameSettings) -> bool:
+    """Tell whether settings sample motion and the camera's shutter is open for long enough to show any."""
+    return settings.motion > 1 and (camera.shutter_close != camera.shutter_open or camera.shutter.delay != 0)
 
 
-def check_shutter(lens: Camera) -> None:
-    """See that a camera's shutter opens before it closes: no camera takes a picture else, motion or not.
+def check_shutter(camera: Camera) -> None:
+    """See that a camera's shutter opens before it closes. No camera takes a picture else, motion or not.
 
     Raises:
         CameraError: it closes before it opens.
     """
-    if not lens.shutter_close >= lens.shutter_open:
+    if not camera.shutter_close >= camera.shutter_open:
         raise CameraError(
-            f"camera {lens.path}: a shutter cannot close before it opens: shutter:open is {lens.shutter_open:g} and "
-            f"shutter:close is {lens.shutter_close:g}",
+            f"camera {camera.path}: a shutter cannot close before it opens: shutter:open is {camera.shutter_open:g} and "
+            f"shutter:close is {camera.shutter_close:g}",
             code="bad_shutter",
-            path=lens.path,
+            path=camera.path,
         )
 
 
-def moving_frame(
+def render_moving_frame(
     renderer: FrameRenderer,
     shot: Shot,
-    camera: str | None,
-    lens: Camera,
+    camera_path: str | None,
+    camera: Camera,
     time: float,
     space: ImageSpace,
     on_progress: Callable[[float], None] | None = None,
 ) -> Frame:
-    """Render what falls on the film while the shutter is open.
+    """Render the light that falls on the film while the shutter is open.
 
     Args:
         renderer: of the calling thread.
         shot: the shot.
-        camera: prim path; None for the shot's default camera.
-        lens: that camera at the time; its shutter is the one that opens, and need not be the shot's own.
+        camera_path: prim path; None for the shot's default camera.
+        camera: that camera at the time; its shutter is used, and need not be the shot's own.
         time: USD time code.
-        space: how it is rendered, and around the frame; ``motion_by`` says whether the scene is peeled at every moment or once.
+        space: settings and margin; ``motion_by`` decides whether the scene is peeled at every moment or once.
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
         CameraError: the camera has impossible numbers at one of the moments.
         GraphicsError: the device refuses.
     """
-    settings = space.asked
+    settings = space.requested
     size, count = (settings.width, settings.height), settings.motion
-    times = time + moments(lens.shutter_open, lens.shutter_close, lens.shutter, count)
-    parts = shares(lens.shutter_open, lens.shutter_close, lens.shutter, count, *size).astype(np.float32)
-    if settings.motion_by == "velocities":
-        return _swept(renderer, shot, camera, lens, time, times, parts, space, on_progress)
+    times = time + moments(camera.shutter_open, camera.shutter_close, camera.shutter, count)
+    parts = shares(camera.shutter_open, camera.shutter_close, camera.shutter, count, *size).astype(np.float32)
 
-    def at(index: int) -> Moment:
-        when = float(times[index])
-        return Moment(shot.scene_at(when), shot.camera_at(camera, when, *size), parts[index, ..., None])
+    def moment_at(index: int) -> Moment:
+        at = float(times[index])
+        return space.widen_moment(
+            Moment(shot.scene_at(at), shot.camera_at(camera_path, at, *size), parts[index, ..., None])
+        )
 
-    return renderer.render_moving(count, space.moments(at), space.settings, on_progress, at_once=at_once(parts))
+    if settings.motion_by == "moments":
+        return renderer.render_moving(count, moment_at, space.settings, on_progress, at_once=at_once(parts))
+    begins, ends = time + camera.shutter_open, time + camera.shutter_close + camera.shutter.delay
+    return _render_swept(renderer, shot, camera_path, (begins, ends), times, parts, space, on_progress)
 
 
-def _swept(
+def _render_swept(
     renderer: FrameRenderer,
     shot: Shot,
-    camera: str | None,
-    lens: Camera,
-    time: float,
+    camera_path: str | None,
+    span: tuple[float, float],
     times: DoubleArray,
     parts: FloatArray,
     space: ImageSpace,
     on_progress: Callable[[float], None] | None,
 ) -> Frame:
-    """The frame from one peeling, in the middle of all the time that any place of the picture is exposed."""
-    size = space.asked.width, space.asked.height
-    begins, ends = time + lens.shutter_open, time + lens.shutter_close + lens.shutter.delay
-    middle = (begins + ends) / 2
-    opening = ShutterScenes(shot.scene_at(middle), shot.scene_at(begins), shot.scene_at(ends))
-    seen = [
-        space.moment(Moment(opening.middle, shot.camera_at(camera, float(when), *size), part[..., None]))
-        for when, part in zip(times, parts, strict=True)
+    """Render the frame from one peeling in the middle of ``span``, the time codes between which any place is exposed."""
+    size = space.requested.width, space.requested.height
+    middle = sum(span) / 2
+    scenes = ShutterScenes(shot.scene_at(middle), shot.scene_at(span[0]), shot.scene_at(span[1]))
+    samples = [
+        space.widen_moment(Moment(scenes.middle, shot.camera_at(camera_path, float(at), *size), part[..., None]))
+        for at, part in zip(times, parts, strict=True)
     ]
-    looks = space.camera(shot.camera_at(camera, middle, *size))
-    return renderer.render_swept(opening, looks, seen, space.settings, on_progress, at_once=at_once(parts))
+    camera = space.widen_camera(shot.camera_at(camera_path, middle, *size))
+    return renderer.render_swept(scenes, camera, samples, space.settings, on_progress, at_once=at_once(parts))

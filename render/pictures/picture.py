@@ -1,4 +1,8 @@
-"""From a shot to a graded picture: the one way that the command line and the service share."""
+"""From a shot to a graded picture: the one way that the command line and the service share.
+
+read the scene at a time · focus and expose the camera · render the frame · apply what the lens does to light ·
+develop the film and grade
+"""
 
 from __future__ import annotations
 
@@ -16,9 +20,9 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.optics.photometry.illuminance import light_over_picture
 from render.output import FrameMetadata
-from render.pictures.flare import flared
+from render.pictures.flare import add_flare
 from render.pictures.image_space import ImageSpace
-from render.pictures.moving import check_shutter, moves, moving_frame
+from render.pictures.moving import check_shutter, has_motion, render_moving_frame
 from render.shot.film.finish import Finish
 from render.shot.light_meter import auto_expose
 from render.shot.shot import Shot
@@ -33,10 +37,10 @@ class Picture:
     """A rendered and graded frame.
 
     Attributes:
-        frame: scene-linear radiance, and the measurements that were asked for.
+        frame: scene-linear radiance, and the AOVs that the settings name.
         graded: ``(height, width, 3)`` float32, encoded for the display, 0 to 1.
-        camera: as it was rendered, its focus solved.
-        metadata: what a file says about it.
+        camera: as it was rendered, focused and exposed.
+        metadata: for the header of a file.
     """
 
     frame: Frame
@@ -48,7 +52,7 @@ class Picture:
 def make_picture(
     renderer: FrameRenderer,
     shot: Shot,
-    camera: str | None,
+    camera_path: str | None,
     time: float,
     settings: FrameSettings,
     grade: Grade | None = None,
@@ -63,29 +67,29 @@ def make_picture(
     Args:
         renderer: of the calling thread.
         shot: the shot.
-        camera: prim path; None for the shot's default camera.
+        camera_path: prim path; None for the shot's default camera.
         time: USD time code.
-        settings: how it is rendered.
-        grade: for which display, in place of what the shot says.
+        settings: engine, size and sampling.
+        grade: in place of the shot's grade.
         on_progress: called with the share of the rendering that is done, from 0 to 1.
-        stock: a film of the library, in place of what the shot says.
-        choice: what is wanted of the grade, in place of parts of what the shot says.
-        live: finishes it on the device, for somebody who waits for it; None finishes it as files are.
+        stock: a film of the library, in place of the shot's film.
+        choice: display, view and look, in place of these parts of the shot's grade.
+        live: finishes the picture on the device, for a viewer; None finishes it on the processor, as files are.
 
     Raises:
-        SettingsError: the time is not finite, the library has no such stock, or no such grade can be made.
-        CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
+        SettingsError: no engine can do this, the time is not finite, the library has no such stock, or no such grade can be made.
+        CameraError: the prim is no camera, has impossible numbers, or a shutter that closes before it opens.
         GraphicsError: the device refuses.
     """
-    lens, finish = prepare_camera(renderer, shot, camera, time, settings, grade, stock=stock, choice=choice)
-    frame = expose_frame(renderer, shot, camera, lens, time, settings, on_progress)
-    return picture_of(shot, frame, lens, time, settings, finish, live)
+    camera, finish = prepare_camera(renderer, shot, camera_path, time, settings, grade, stock=stock, choice=choice)
+    frame = expose_frame(renderer, shot, camera_path, camera, time, settings, on_progress)
+    return develop_picture(shot, frame, camera, time, settings, finish, live)
 
 
 def prepare_camera(
     renderer: FrameRenderer,
     shot: Shot,
-    camera: str | None,
+    camera_path: str | None,
     time: float,
     settings: FrameSettings,
     grade: Grade | None = None,
@@ -93,66 +97,137 @@ def prepare_camera(
     stock: str | None = None,
     choice: GradeChoice | None = None,
 ) -> tuple[Camera, Finish]:
-    """The camera of a picture, focused and exposed, and how the picture is finished. What is wrong with either is told before
-    anything slow is done.
+    """Focus and expose the camera of a picture, and choose its finish. All errors of either come before anything slow is done.
 
     The arguments and errors are those of `make_picture`.
     """
     check_settings(settings)
-    lens = shot.camera_at(camera, time, settings.width, settings.height)
-    check_shutter(lens)
-    finish = shot.film.finish(lens, time, grade, stock, choice)
-    return auto_expose(renderer, shot, lens, time, settings.shading), finish
+    camera = shot.camera_at(camera_path, time, settings.width, settings.height)
+    check_shutter(camera)
+    finish = shot.film.finish(camera, time, grade, stock, choice)
+    return auto_expose(renderer, shot, camera, time, settings.shading), finish
 
 
-def picture_of(
+def expose_frame(
+    renderer: FrameRenderer,
+    shot: Shot,
+    camera_path: str | None,
+    camera: Camera,
+    time: float,
+    settings: FrameSettings,
+    on_progress: Callable[[float], None] | None = None,
+) -> Frame:
+    """Render the light that falls on the film while the shutter is open, with all that the lens does to it.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        camera_path: prim path; None for the shot's default camera.
+        camera: that camera at the time; its shutter is used, and need not be the shot's own.
+        time: USD time code.
+        settings: engine, size and sampling.
+        on_progress: called with the share that is done, from 0 to 1.
+
+    Raises:
+        CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
+        GraphicsError: the device refuses.
+    """
+    check_shutter(camera)
+    space = ImageSpace.for_camera(camera, settings)
+    if has_motion(camera, settings):
+        frame = render_moving_frame(renderer, shot, camera_path, camera, time, space, on_progress)
+    else:
+        frame = renderer.render(shot.scene_at(time), space.widen_camera(camera), space.settings, on_progress)
+    return apply_lens_effects(renderer, shot, camera, time, space, frame)
+
+
+def apply_lens_effects(
+    renderer: FrameRenderer, shot: Shot, camera: Camera, time: float, space: ImageSpace, frame: Frame
+) -> Frame:
+    """Apply what a lens does to light and the engine does not: errors in image space, vignetting, flare.
+
+    Args:
+        renderer: of the calling thread.
+        shot: the shot.
+        camera: the camera.
+        time: USD time code.
+        space: as the frame was rendered.
+        frame: as the engine drew it; its colour may be changed.
+
+    Raises:
+        GraphicsError: the device refuses.
+    """
+    frame = space.apply(renderer, frame)
+    apply_vignetting(frame.color, camera, space.requested)
+    return add_flare(renderer, shot.scene_at(time), camera, space.requested, frame)
+
+
+def apply_vignetting(radiance: FloatArray, camera: Camera, settings: FrameSettings) -> None:
+    """Multiply a picture, in place, by the light that the lens and the angle of incidence leave of it, where the engine does not.
+
+    Args:
+        radiance: ``(height, width, 4)`` of any size.
+        camera: the camera.
+        settings: they name the engine.
+    """
+    height, width, _ = radiance.shape
+    engine = engine_of(settings)
+    light = light_over_picture(camera, width, height, is_pinhole=engine.is_sharp)
+    if light is not None:
+        radiance[..., :3] *= light[..., None]
+    if not engine.traces_lens:
+        radiance[..., :3] *= np.float32(camera.lens.transmittance)
+
+
+def develop_picture(
     shot: Shot,
     frame: Frame,
-    lens: Camera,
+    camera: Camera,
     time: float,
     settings: FrameSettings,
     finish: Finish,
     live: LiveFinisher | None = None,
     graded: FloatArray | None = None,
 ) -> Picture:
-    """Expose, develop and grade what fell on the film, and say what it is.
+    """Expose, develop and grade the light on the film, and describe the picture.
 
     Args:
         shot: the shot.
-        frame: of it.
-        lens: the camera that took it.
+        frame: the light on the film.
+        camera: the camera that took it.
         time: USD time code.
-        settings: how it was rendered.
-        finish: how it is finished.
-        live: on which device; None for the processor.
-        graded: the finished picture, where it is there already.
+        settings: as it was rendered.
+        finish: film and grade.
+        live: finishes it on the device; None for the processor.
+        graded: the finished picture, where there is one already.
 
     Raises:
-        SettingsError: it cannot be finished so.
+        SettingsError: the film cannot be developed, or the grade cannot be made.
         GraphicsError: the device refuses.
     """
     if graded is None:
-        by = finish.apply if live is None else partial(live.picture, finish)
-        graded = by(frame.color, lens, time=time, seed=settings.seed)
-    return Picture(frame, graded, lens, metadata_of(shot, lens, time, settings, finish, frame.prim_paths))
+        finish_picture = finish.apply if live is None else partial(live.finish, finish)
+        graded = finish_picture(frame.color, camera, time=time, seed=settings.seed)
+    metadata = describe_picture(shot, camera, time, settings, finish, frame.prim_paths)
+    return Picture(frame, graded, camera, metadata)
 
 
-def metadata_of(
-    shot: Shot, lens: Camera, time: float, settings: FrameSettings, finish: Finish, prim_paths: tuple[str, ...] = ()
+def describe_picture(
+    shot: Shot, camera: Camera, time: float, settings: FrameSettings, finish: Finish, prim_paths: tuple[str, ...] = ()
 ) -> FrameMetadata:
-    """What a file says about a picture.
+    """Collect the metadata of a picture.
 
     Args:
         shot: the shot.
-        lens: the camera that took it.
+        camera: the camera that took it.
         time: USD time code.
-        settings: how it was rendered.
-        finish: how it was finished.
-        prim_paths: what its ids index.
+        settings: as it was rendered.
+        finish: film and grade.
+        prim_paths: prim paths that its ids index.
     """
-    prim = shot.stage.GetPrimAtPath(lens.path) if lens.path else None
+    prim = shot.stage.GetPrimAtPath(camera.path) if camera.path else None
     return FrameMetadata(
-        camera=lens,
+        camera=camera,
         time=time,
         frames_per_second=shot.stage.GetFramesPerSecond(),
         grade=finish.grade,
@@ -160,84 +235,12 @@ def metadata_of(
         settings=asdict(settings),
         stage=shot.path.name,
         prim_paths=prim_paths,
-        exposure_time_s=_authored(prim, "exposure:time", time),
-        iso=_authored(prim, "exposure:iso", time),
+        exposure_time_s=_read_authored(prim, "exposure:time", time),
+        iso=_read_authored(prim, "exposure:iso", time),
     )
 
 
-def expose_frame(
-    renderer: FrameRenderer,
-    shot: Shot,
-    camera: str | None,
-    lens: Camera,
-    time: float,
-    settings: FrameSettings,
-    on_progress: Callable[[float], None] | None = None,
-) -> Frame:
-    """What falls on the film while the shutter is open, all that the lens does to it included.
-
-    Args:
-        renderer: of the calling thread.
-        shot: the shot.
-        camera: prim path; None for the shot's default camera.
-        lens: that camera at the time; its shutter is the one that opens, and need not be the shot's own.
-        time: USD time code.
-        settings: how it is rendered.
-        on_progress: called with the share that is done, from 0 to 1.
-
-    Raises:
-        CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
-        GraphicsError: the device refuses.
-    """
-    check_shutter(lens)
-    space = ImageSpace.of(lens, settings)
-    if moves(lens, settings):
-        frame = moving_frame(renderer, shot, camera, lens, time, space, on_progress)
-    else:
-        frame = renderer.render(shot.scene_at(time), space.camera(lens), space.settings, on_progress)
-    return apply_lens_effects(renderer, shot, lens, time, space, frame)
-
-
-def apply_lens_effects(
-    renderer: FrameRenderer, shot: Shot, lens: Camera, time: float, space: ImageSpace, frame: Frame
-) -> Frame:
-    """What a lens does to light that an engine does not know of.
-
-    Args:
-        renderer: of the calling thread.
-        shot: the shot.
-        lens: the camera.
-        time: USD time code.
-        space: how the frame was rendered.
-        frame: as the engine has it; its colour may be changed.
-
-    Raises:
-        GraphicsError: the device refuses.
-    """
-    settings = space.asked
-    frame = space.finished(renderer, frame)
-    apply_vignetting(frame.color, lens, settings)
-    return flared(renderer, shot.scene_at(time), lens, settings, frame)
-
-
-def apply_vignetting(radiance: FloatArray, lens: Camera, settings: FrameSettings) -> None:
-    """Take from a picture, in place, what the lens and the obliqueness of light take and its engine does not.
-
-    Args:
-        radiance: ``(height, width, 4)`` of any size.
-        lens: the camera.
-        settings: whose engine made it.
-    """
-    height, width, _ = radiance.shape
-    engine = engine_of(settings)
-    light = light_over_picture(lens, width, height, is_pinhole=engine.is_sharp)
-    if light is not None:
-        radiance[..., :3] *= light[..., None]
-    if not engine.traces_lens:
-        radiance[..., :3] *= np.float32(lens.lens.transmittance)
-
-
-def _authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:
-    """The value of an attribute that the shot sets, or None."""
+def _read_authored(prim: Usd.Prim | None, name: str, time: float) -> float | None:
+    """Read an attribute that the shot sets; None where it does not."""
     attribute = prim.GetAttribute(name) if prim else None
     return float(attribute.Get(time)) if attribute and attribute.HasAuthoredValue() else None

@@ -1,4 +1,4 @@
-"""The shape of a picture, where only its width is asked for."""
+"""Height of a picture whose width is given."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from render.stage import read_camera
 
 
 def picture_height(shot: Shot, camera_path: str | None, time: float, width: int) -> int:
-    """The height in pixels at which a picture shows the camera's own film gate, no more and no less.
+    """Give the height in pixels at which a picture shows exactly the camera's film gate.
 
     Args:
         shot: the shot.
-        camera_path: of a camera; None for the shot's default camera.
+        camera_path: prim path; None for the shot's default camera.
         time: USD time code.
         width: of the picture in pixels.
 
     Raises:
-        SettingsError: the width is no number of pixels.
-        CameraError: it is no camera, or has impossible numbers.
+        SettingsError: the width is out of range.
+        CameraError: the prim is no camera, or has impossible numbers.
     """
     check_picture_size(width, 1)
     if camera_path is None:

@@ -1,4 +1,4 @@
-"""How far things go in the picture between two times: what must be known to look at a trail often enough."""
+"""Travel of surfaces in the picture between two times, which decides how many moments a trail without gaps needs."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from render.model.moment import Moment
 from render.model.scene import Batch, Scene
 from render.optics.view import PinholeView
 
-_CORNERS, _INSTANCES = 256, 256  # of a geometry and of a batch at most, taken evenly
-_MARGIN = 0.05  # of the picture's size: what is a little outside of it may be blurred into it
+_CORNERS, _INSTANCES = 256, 256  # most vertices of a geometry and instances of a batch that are measured, taken evenly
+_MARGIN = 0.05  # share of the picture's size around it, from where surfaces may be blurred into it
 
 
-def farthest_travel_px(before: Moment, after: Moment, width: int, height: int) -> float:
-    """The longest way that any surface in the picture has gone, straight from its place then to its place now.
+def measure_travel_px(before: Moment, after: Moment, width: int, height: int) -> float:
+    """Measure the longest straight path of any surface in the picture, in pixels.
 
-    Looked at are some hundred corners of each piece of geometry, whether they are hidden or not. Pieces that are there at one
-    time only have gone nowhere.
+    Some hundred vertices of each geometry are measured, whether they are hidden or not. Geometry that is there at one of the
+    times only has not moved.
 
     Args:
         before: scene and camera.
@@ -29,23 +29,23 @@ def farthest_travel_px(before: Moment, after: Moment, width: int, height: int) -
     """
     views = [PinholeView.from_camera(moment.camera, width, height) for moment in (before, after)]
     longest = 0.0
-    for one, other in _pairs(before.scene, after.scene):
+    for one, other in _pair_batches(before.scene, after.scene):
         (then, seen_then), (now, seen_now) = (
-            _places(batch, view) for batch, view in zip((one, other), views, strict=True)
+            _project_vertices(batch, view) for batch, view in zip((one, other), views, strict=True)
         )
-        both = seen_then & seen_now & (_inside(then, width, height) | _inside(now, width, height))
+        both = seen_then & seen_now & (_is_inside(then, width, height) | _is_inside(now, width, height))
         if both.any():
             longest = max(longest, float(np.hypot(*(now - then)[both].T).max()))
     return longest
 
 
-def moment_of(scene: Scene, camera: Camera) -> Moment:
-    """A scene and a camera that look at it, with all of the light."""
+def make_moment(scene: Scene, camera: Camera) -> Moment:
+    """Make the moment of a scene and a camera that has all of the exposure."""
     return Moment(scene, camera, np.ones((1, 1, 1), np.float32))
 
 
-def _pairs(before: Scene, after: Scene) -> list[tuple[Batch, Batch]]:
-    """Batches that are the same things at both times."""
+def _pair_batches(before: Scene, after: Scene) -> list[tuple[Batch, Batch]]:
+    """Pair the batches that are the same things at both times."""
     if len(before.batches) != len(after.batches):
         return []
     return [
@@ -55,20 +55,20 @@ def _pairs(before: Scene, after: Scene) -> list[tuple[Batch, Batch]]:
     ]
 
 
-def _places(batch: Batch, view: PinholeView) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """``(n, 2)`` pixels of some corners of all instances, and which of them are before the camera."""
-    corners = batch.geometry.positions[:: max(1, len(batch.geometry.positions) // _CORNERS)].astype(np.float64)
+def _project_vertices(batch: Batch, view: PinholeView) -> tuple[DoubleArray, NDArray[np.bool_]]:
+    """Project some vertices of some instances: ``(n, 2)`` pixels, and ``(n,)`` which are in front of the camera."""
+    vertices = batch.geometry.positions[:: max(1, len(batch.geometry.positions) // _CORNERS)].astype(np.float64)
     poses = batch.poses[:: max(1, len(batch.poses) // _INSTANCES)]
     to_camera = view.camera_from_world @ poses
-    points = np.einsum("kij,nj->kni", to_camera[:, :3, :3], corners) + to_camera[:, None, :3, 3]
+    points = np.einsum("kij,nj->kni", to_camera[:, :3, :3], vertices) + to_camera[:, None, :3, 3]
     points = points.reshape(-1, 3)
-    seen = points[:, 2] < -view.near_m
-    depth = np.where(seen, -points[:, 2], 1.0)
+    in_front = points[:, 2] < -view.near_m
+    depth = np.where(in_front, -points[:, 2], 1.0)
     x = view.cx + view.fx * points[:, 0] / depth
     y = view.cy - view.fy * points[:, 1] / depth
-    return np.stack([x, y], axis=-1), seen
+    return np.stack([x, y], axis=-1), in_front
 
 
-def _inside(places: DoubleArray, width: int, height: int) -> NDArray[np.bool_]:
+def _is_inside(places_px: DoubleArray, width: int, height: int) -> NDArray[np.bool_]:
     size = np.array([width, height])
-    return np.asarray(((places > -_MARGIN * size) & (places < (1 + _MARGIN) * size)).all(axis=-1))
+    return np.asarray(((places_px > -_MARGIN * size) & (places_px < (1 + _MARGIN) * size)).all(axis=-1))

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from render.frame import FrameSettings
 from render.output.encode import encode_jpeg, encode_png
-from render.pictures.progressive import PreviewRequest, Shown
+from render.pictures.progressive import PreviewRequest, ProgressivePicture
 from render.shot import Shot
 from service.models.cameras import Readout
 from service.models.changes import Change, PictureSpot, anchor_spots, picture_spots
@@ -85,7 +85,7 @@ def _apply_unsaved(
         apply_changes(EditedCamera(shot, request.camera), anchor_spots(changes, anchors))
 
 
-def _encode(shown: Shown, requested_width: int) -> LivePicture:
+def _encode(shown: ProgressivePicture, requested_width: int) -> LivePicture:
     """Encode a picture: lossless where it is the exact one."""
     began_s = time.perf_counter()
     final = shown.picture

@@ -10,7 +10,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 from render.frame import FrameRenderer
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.long_exposure import LongExposure
-from render.pictures.progressive.driver import Progressive
+from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 from service.stage.opened import OpenedShots
 from service.workers.calls import register
@@ -36,7 +36,7 @@ class PictureWorkerState:
     def __init__(self) -> None:
         self.opened = OpenedShots()
         self.exposures: dict[str, LongExposure] = {}
-        self._progressives: OrderedDict[str, tuple[Shot, Progressive]] = OrderedDict()
+        self._progressives: OrderedDict[str, tuple[Shot, ProgressiveRenderer]] = OrderedDict()
 
     @cached_property
     def renderer(self) -> FrameRenderer:
@@ -48,7 +48,7 @@ class PictureWorkerState:
         """Film and grade on the graphics device. Raises `GraphicsError` where no context can be created."""
         return LiveFinisher(self.renderer)
 
-    def progressive(self, shot_id: str, shot: Shot) -> Progressive:
+    def progressive(self, shot_id: str, shot: Shot) -> ProgressiveRenderer:
         """Return the progressive renderer of an opened shot, which keeps intermediate results between pictures.
 
         Args:
@@ -60,7 +60,7 @@ class PictureWorkerState:
         """
         kept = self._progressives.pop(shot_id, None)
         if kept is None or kept[0] is not shot:
-            kept = shot, Progressive(self.renderer, shot, self.live_finisher)
+            kept = shot, ProgressiveRenderer(self.renderer, shot, self.live_finisher)
         self._progressives[shot_id] = kept
         if len(self._progressives) > MAX_PROGRESSIVES:
             self._progressives.popitem(last=False)

@@ -14,7 +14,7 @@ from render.errors import OutputError
 from render.files import write_atomic
 from render.output import format_of, write_frame
 from render.output.encode import encode_jpeg, encode_png
-from render.pictures.progressive import PreviewRequest, Shown
+from render.pictures.progressive import PreviewRequest, ProgressivePicture
 
 
 def record_progressively(job: RecordJob, plan: Sequence[tuple[float, Path]]) -> list[dict[str, Any]]:
@@ -29,11 +29,11 @@ def record_progressively(job: RecordJob, plan: Sequence[tuple[float, Path]]) -> 
     """
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: only once the shot is checked
     from render.pictures.live_finisher import LiveFinisher
-    from render.pictures.progressive.driver import Progressive
+    from render.pictures.progressive.renderer import ProgressiveRenderer
 
     written = []
     with FrameRenderer() as renderer, FrameProgress(len(plan)) as progress:
-        driver = Progressive(renderer, job.shot, LiveFinisher(renderer))
+        driver = ProgressiveRenderer(renderer, job.shot, LiveFinisher(renderer))
         for time, file in plan:
             progress.begin(file.name)
             request = PreviewRequest(job.camera_path, time, job.settings, stock=job.stock, choice=job.grade)
@@ -66,24 +66,24 @@ def _restore_unless_final(file: Path) -> Iterator[None]:
         raise
 
 
-def _print_stage(file: Path, shown: Shown) -> None:
+def _print_stage(file: Path, shown: ProgressivePicture) -> None:
     height, width, _ = shown.graded.shape
     print_message(f"{file}: {shown.stage} of {width} x {height} after {shown.timing.total_ms / 1000:.2f} s")
 
 
-def _write(job: RecordJob, file: Path, shown: Shown) -> None:
-    from render.pictures.progressive.frames import enlarged
+def _write(job: RecordJob, file: Path, shown: ProgressivePicture) -> None:
+    from render.pictures.progressive.frames import enlarge
 
     if shown.picture is not None:
         picture = shown.picture
         write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata)
         return
-    graded = job.overlay(enlarged(shown.graded, job.settings.width, job.settings.height), shown.metadata.camera)
+    graded = job.overlay(enlarge(shown.graded, job.settings.width, job.settings.height), shown.metadata.camera)
     encode = encode_png if format_of(file) == "png" else encode_jpeg
     write_atomic(file, encode(graded, shown.metadata))
 
 
-def _picture_json(shown: Shown) -> dict[str, Any]:
+def _picture_json(shown: ProgressivePicture) -> dict[str, Any]:
     height, width, _ = shown.graded.shape
     record = {
         "stage": shown.stage,

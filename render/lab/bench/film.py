@@ -157,7 +157,7 @@ def _row(
     finish, pictures = Finish(Grade(), _film(way)), {}
 
     def live() -> None:
-        pictures["live"] = finisher.picture(finish, light, camera, time=FRAME, seed=0)
+        pictures["live"] = finisher.finish(finish, light, camera, time=FRAME, seed=0)
 
     def file() -> None:
         pictures["file"] = finish.apply(light, camera, time=FRAME, seed=0)

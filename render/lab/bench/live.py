@@ -26,8 +26,8 @@ from render.lab.bench.results import Goal
 from render.output.encode import encode_jpeg
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
-from render.pictures.progressive import PreviewRequest, Shown
-from render.pictures.progressive.driver import Progressive
+from render.pictures.progressive import PreviewRequest, ProgressivePicture
+from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 
 Change = Callable[[int], PreviewRequest]
@@ -96,7 +96,7 @@ class _Stand:
 
     def __init__(self, renderer: FrameRenderer, shot: Shot, plan: LivePlan) -> None:
         self._renderer, self._shot, self._plan = renderer, shot, plan
-        self._driver = Progressive(renderer, shot, LiveFinisher(renderer))
+        self._driver = ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
         self._camera = shot.default_camera().path
         self._asked = PreviewRequest(None, FRAME, plan.picture)
         self.drags: dict[str, Change] = {
@@ -139,17 +139,17 @@ class _Stand:
             equal,
         )
 
-    def _step(self, change: Change, step: int) -> tuple[float, Shown]:
+    def _step(self, change: Change, step: int) -> tuple[float, ProgressivePicture]:
         began = perf_counter()
         shown = self._first(change(step), moving=True)
         return 1000 * (perf_counter() - began), shown
 
-    def _first(self, asked: PreviewRequest, *, moving: bool) -> Shown:
+    def _first(self, asked: PreviewRequest, *, moving: bool) -> ProgressivePicture:
         shown = next(self._driver.pictures(replace(asked, is_moving=moving)))
         encode_jpeg(shown.graded, shown.metadata)
         return shown
 
-    def _final(self, asked: PreviewRequest) -> tuple[float, float, Shown, list[float]]:
+    def _final(self, asked: PreviewRequest) -> tuple[float, float, ProgressivePicture, list[float]]:
         """Milliseconds to the first and to the last picture, that one, and those between two looks whether it is wanted."""
         began = perf_counter()
         times, looks, looked = [], [0.0], began

@@ -1,5 +1,8 @@
-"""Better and better pictures of one change after the other. What needs OpenGL is imported by name, from `driver`."""
+"""Progressive pictures: for each change a quick preview, then better pictures up to the exact one.
 
-from render.pictures.progressive.request import PreviewRequest, Shown, Timing
+Importing this package loads no OpenGL. `renderer.ProgressiveRenderer` needs it, and is imported by its own name.
+"""
 
-__all__ = ["PreviewRequest", "Shown", "Timing"]
+from render.pictures.progressive.request import PreviewRequest, ProgressivePicture, Timing
+
+__all__ = ["PreviewRequest", "ProgressivePicture", "Timing"]

@@ -1,4 +1,4 @@
-"""How long a picture has been waited for, and what for."""
+"""Clock of one picture: the time since its request, and the time of each part of the work."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from render.pictures.progressive.request import Timing
 
 
 class Clock:
-    """Runs from when it is made."""
+    """Runs from its construction."""
 
     def __init__(self) -> None:
         self._began = self._noted = perf_counter()
@@ -16,17 +16,17 @@ class Clock:
 
     @property
     def total_ms(self) -> float:
-        """Since it was made."""
+        """Milliseconds since construction."""
         return 1000 * (perf_counter() - self._began)
 
     def note(self, part: str) -> float:
-        """Count what has passed since the last call as this part's; what it was, in milliseconds."""
+        """Count the time since the last call as this part's, and return it in milliseconds."""
         now = perf_counter()
-        took_ms, self._noted = 1000 * (now - self._noted), now
-        self._spent[part] = self._spent.get(part, 0.0) + took_ms
-        return took_ms
+        spent_ms, self._noted = 1000 * (now - self._noted), now
+        self._spent[part] = self._spent.get(part, 0.0) + spent_ms
+        return spent_ms
 
     def timing(self) -> Timing:
-        """All that was noted."""
+        """Give the times noted so far."""
         parts = {f"{part}_ms": spent for part, spent in self._spent.items()}
         return Timing(total_ms=self.total_ms, **parts)

@@ -1,4 +1,4 @@
-"""Frames of a renderer as the progressive driver needs them: small and at once, or piece by piece."""
+"""Frames of the progressive renderer: previews that fit a time, and frames drawn in steps."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ import numpy as np
 
 from render.engines import DrawRequest, engine_of
 from render.frame import Frame, FrameRenderer
+from render.layers.peel import Layers
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.scene import Scene
 from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
-from render.pictures.progressive.pace import Pace, Plan
+from render.pictures.progressive.planner import PreviewPlan, PreviewPlanner
 from render.postblur.preview import Sketch
 from render.trace.rays import ray_pattern
 
-_LEAST_SHARE = 0.4
-"""Of the time for a preview, that its rays have even where peeling took all of it."""
+_LEAST_TRACE_SHARE = 0.4
+"""Share of a preview's time that its rays have even where peeling took all of it."""
+_PREVIEW_WAVELENGTHS = 3
+"""Most wavelengths of a preview whose rays are given; the others have one."""
 
 
 class LiveFrames:
@@ -28,9 +31,9 @@ class LiveFrames:
 
     def __init__(self, renderer: FrameRenderer) -> None:
         self._renderer = renderer
-        self.pace = Pace(is_software=renderer.graphics.is_software)
+        self._planner = PreviewPlanner(is_software=renderer.graphics.is_software)
 
-    def preview(
+    def draw_preview(
         self,
         scene: Scene,
         camera: Camera,
@@ -40,62 +43,78 @@ class LiveFrames:
         budget_ms: float,
         rays: int | None = None,
     ) -> tuple[FloatArray, int]:
-        """A small picture, as good as the time that is left allows.
+        """Draw a small picture, as good as the time that is left allows.
 
         Args:
-            scene: what is there.
-            camera: what looks.
-            settings: of the picture that it goes before.
-            clock: that runs since it was asked for; takes note of ``peel`` and ``blur``.
-            budget_ms: when the picture should be drawn, by that clock.
-            rays: for each pixel, in place of as many as fit.
+            scene: the scene.
+            camera: the camera.
+            settings: of the final picture.
+            clock: runs since the request; takes note of ``peel`` and ``blur``.
+            budget_ms: time by that clock at which the picture should be drawn.
+            rays: rays per pixel, in place of as many as fit.
 
         Returns:
-            ``(height, width, 4)`` float32 radiance, premultiplied, and the rays of each pixel, 0 where none were traced.
+            ``(height, width, 4)`` float32 radiance, premultiplied, and the rays per pixel, 0 where none were traced.
 
         Raises:
             CameraError: the camera's numbers make no picture.
             GraphicsError: the device refuses.
         """
-        renderer, device = self._renderer, self._renderer.device
+        renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        largest = view.resized(*self.pace.largest(view.width, view.height))
+        largest = view.resized(*self._planner.largest_size(view.width, view.height))
         with renderer.on_device():
-            looks = renderer.load(scene, camera, settings, is_preview=True)
-            is_blurred = engine_of(settings).preview == "blur" and looks.f_stop > 0
+            camera = renderer.load(scene, camera, settings, is_preview=True)
+            is_blurred = engine_of(settings).preview == "blur" and camera.f_stop > 0
             sketch: Sketch = "never" if rays is not None else "new"
-            if is_blurred and not self.pace.can_blur(*largest.size, budget_ms):
+            if is_blurred and not self._planner.can_blur(*largest.size, budget_ms):
                 sketch = "always"
             unlit = settings.shading == "unlit"
-            peeled, largest = device.previewer.peel(device.peeler, looks, largest, unlit=unlit, sketch=sketch)
+            previewer, peeler = renderer.device.previewer, renderer.device.peeler
+            peeled, largest = previewer.peel(peeler, camera, largest, unlit=unlit, sketch=sketch)
             renderer.graphics.ctx.finish()
             clock.note("peel")
             if is_blurred:
-                picture = device.previewer.blur(device.peeler, peeled, looks, largest)
-                self.pace.learn_blur(*largest.size, clock.note("blur"))
+                picture = previewer.blur(peeler, peeled, camera, largest)
+                self._planner.learn_blur(*largest.size, clock.note("blur"))
                 return picture, 0
-            left_ms = max(_LEAST_SHARE * budget_ms, budget_ms - clock.total_ms)
-            plan = self.pace.plan(largest.width, largest.height, left_ms)
-            if rays is not None:
-                plan = Plan(largest.width, largest.height, rays)
-            plan = replace(plan, rays=min(plan.rays, settings.rays))
-            pattern = ray_pattern(plan.rays, looks.iris, seed=settings.seed, tiled=settings.tiled)
-            wavelengths = 1 if rays is None else min(settings.wavelengths, 3)
-            small = view.resized(plan.width, plan.height)
-            picture = device.previewer.trace(device.peeler, peeled, looks, small, pattern, wavelengths)
-        self.pace.learn(plan, clock.note("blur"))
+            left_ms = max(_LEAST_TRACE_SHARE * budget_ms, budget_ms - clock.total_ms)
+            plan = self._plan(largest, settings, left_ms, rays)
+            wavelengths = 1 if rays is None else min(settings.wavelengths, _PREVIEW_WAVELENGTHS)
+            picture = self._trace(peeled, camera, view.resized(plan.width, plan.height), settings, plan, wavelengths)
+        self._planner.learn(plan, clock.note("blur"))
         return picture, plan.rays
 
-    def traced(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
-        """A frame by the lens engine, piece by piece: as `FrameRenderer.render` has it to the bit.
+    def _plan(self, largest: PinholeView, settings: FrameSettings, left_ms: float, rays: int | None) -> PreviewPlan:
+        if rays is None:
+            plan = self._planner.plan(largest.width, largest.height, left_ms)
+        else:
+            plan = PreviewPlan(largest.width, largest.height, rays)
+        return replace(plan, rays=min(plan.rays, settings.rays))
+
+    def _trace(
+        self,
+        peeled: Layers,
+        camera: Camera,
+        view: PinholeView,
+        settings: FrameSettings,
+        plan: PreviewPlan,
+        wavelengths: int,
+    ) -> FloatArray:
+        device = self._renderer.device
+        pattern = ray_pattern(plan.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
+        return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths)
+
+    def draw_in_steps(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:
+        """Draw a frame piece by piece, by an engine that draws in steps: equal to `FrameRenderer.render`'s to the bit.
 
         Args:
-            scene: what is there.
-            camera: what looks.
-            settings: how.
+            scene: the scene.
+            camera: the camera.
+            settings: engine, size and sampling.
 
         Yields:
-            The share of its tracing that is done; `so_far` has the picture then.
+            The share that is done; `unfinished` has the picture then.
 
         Raises:
             CameraError: the camera's numbers make no picture.
@@ -104,13 +123,12 @@ class LiveFrames:
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         with renderer.on_device():
-            looks = renderer.load(scene, camera, settings)
-            request = DrawRequest(view, looks, settings)
+            request = DrawRequest(view, renderer.load(scene, camera, settings), settings)
             color = yield from renderer.engine(settings).draw_in_steps(request)
             return renderer.measure(color, scene, request)
 
-    def so_far(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
-        """The picture that is being traced, where there are rays of it, over one that is there everywhere.
+    def unfinished(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
+        """Read the picture that `draw_in_steps` is drawing, over another one where it has no rays yet.
 
         Args:
             settings: of the picture that is being drawn.
@@ -121,11 +139,11 @@ class LiveFrames:
         """
         with self._renderer.on_device():
             picture, shares = self._renderer.engine(settings).unfinished()
-        return np.where(shares > 0, picture, enlarged(under, picture.shape[1], picture.shape[0]))
+        return np.where(shares > 0, picture, enlarge(under, picture.shape[1], picture.shape[0]))
 
 
-def enlarged(picture: FloatArray, width: int, height: int) -> FloatArray:
-    """A picture in more pixels, with straight lines between its own."""
+def enlarge(picture: FloatArray, width: int, height: int) -> FloatArray:
+    """Enlarge a picture, linearly between the centres of its pixels."""
     rows, columns = picture.shape[:2]
     for axis, (old, new) in enumerate(((rows, height), (columns, width))):
         places = np.clip((np.arange(new) + 0.5) * old / new - 0.5, 0, old - 1)

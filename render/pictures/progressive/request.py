@@ -1,4 +1,4 @@
-"""What is asked of the progressive driver, and what it answers. Imports no OpenGL."""
+"""Requests to the progressive renderer, and its pictures. Imports no OpenGL."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ Stage = Literal["preview", "refining", "final"]
 
 @dataclass(frozen=True)
 class PreviewRequest:
-    """A picture that somebody waits for.
+    """A picture of a viewer.
 
     Attributes:
-        camera: prim path; None for the shot's default camera.
+        camera_path: prim path; None for the shot's default camera.
         time: USD time code.
-        settings: of the picture at rest.
-        stock: a film of the library, in place of what the shot says.
-        choice: what is wanted of the grade, in place of parts of what the shot says.
-        budget_ms: the first picture should be there after so long, and is as good as fits.
-        is_moving: whether the hand is still on the slider, so that another is asked for at once: the first picture is the last.
+        settings: of the final picture.
+        stock: a film of the library, in place of the shot's film.
+        choice: display, view and look, in place of these parts of the shot's grade.
+        budget_ms: time for the first picture, which is as good as fits.
+        is_moving: True while a control is dragged, so that the next request follows at once: the preview is the only picture.
     """
 
-    camera: str | None
+    camera_path: str | None
     time: float
     settings: FrameSettings
     stock: str | None = None
@@ -41,12 +41,12 @@ class PreviewRequest:
 
 @dataclass(frozen=True)
 class Timing:
-    """What a picture took, in milliseconds.
+    """Times of a picture, in milliseconds.
 
     Attributes:
-        total_ms: since it was asked for.
+        total_ms: since its request.
         read_ms: to read the shot: camera, focus and scene.
-        peel_ms: to peel its layers, shadows before them included; nothing where they were kept.
+        peel_ms: to draw shadows and peel layers; 0 where they were kept.
         blur_ms: to trace or blur it.
         finish_ms: to expose, develop and grade it.
     """
@@ -59,17 +59,17 @@ class Timing:
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
-    """One of the pictures that are better and better.
+class ProgressivePicture:
+    """One picture of the sequence that ends with the exact one.
 
     Attributes:
         stage: ``preview`` is the first one, ``final`` the last, equal to `make_picture`'s to the bit.
-        graded: ``(height, width, 3)`` float32, encoded for the display, 0 to 1; a preview may be smaller than what was asked for.
-        metadata: what a file says about it.
-        timing: what it took so far.
-        rays: for each of its pixels; 0 where it was not traced.
+        graded: ``(height, width, 3)`` float32, encoded for the display, 0 to 1; a preview may be smaller than the request.
+        metadata: for the header of a file.
+        timing: times until it was made.
+        rays: rays per pixel; 0 where it was not traced.
         share: of the final picture's work that is done.
-        picture: all of the final picture; None before.
+        picture: the final picture with its frame; None before.
     """
 
     stage: Stage
@@ -82,5 +82,5 @@ class Shown:
 
     @property
     def is_final(self) -> bool:
-        """Whether no better one comes."""
+        """True for the last picture."""
         return self.stage == "final"

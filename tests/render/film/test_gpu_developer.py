@@ -164,7 +164,7 @@ def test_a_live_picture_is_the_files_picture(renderer: FrameRenderer, finish: Fi
     light = np.concatenate([small_scene(HEIGHT), np.ones((HEIGHT, 160, 1), np.float32)], axis=2)
     finisher = LiveFinisher(renderer)
 
-    live = finisher.picture(finish, light, camera(squeeze), time=12.75, seed=4)
+    live = finisher.finish(finish, light, camera(squeeze), time=12.75, seed=4)
     finisher.release()
 
     assert live.dtype == np.float32
@@ -197,7 +197,7 @@ def test_many_pictures_take_no_more_of_the_device_than_one(own_context: Graphics
     for turn in range(4):
         for height in (30, 45):
             for finish in finishes():
-                finisher.picture(finish, small_scene(height), camera(), time=turn, seed=turn)
+                finisher.finish(finish, small_scene(height), camera(), time=turn, seed=turn)
         counts.append({kind: len(names) for kind, names in living().items()})
 
     assert counts[1:] == counts[:1] * 3
@@ -209,9 +209,9 @@ def test_a_context_that_was_made_anew_is_finished_on_anew(own_context: GraphicsC
     device = Device(own_context)
     finisher = LiveFinisher(device)  # type: ignore[arg-type]
     light, [graded, *_] = small_scene(30), finishes()
-    first = finisher.picture(graded, light, camera(), time=1, seed=0)
+    first = finisher.finish(graded, light, camera(), time=1, seed=0)
     with GraphicsContext() as device.graphics:
-        again = finisher.picture(graded, light, camera(), time=1, seed=0)
+        again = finisher.finish(graded, light, camera(), time=1, seed=0)
         finisher.release()
 
     np.testing.assert_array_equal(first, again)
@@ -235,7 +235,7 @@ def test_a_picture_too_large_for_the_gpu_is_finished_on_the_cpu(
     device.graphics.ctx = SmallDevice(own_context.ctx)  # type: ignore[assignment]
     light, [_, printed, *_] = small_scene(30), finishes()
 
-    live = LiveFinisher(device).picture(printed, light, camera(), time=3, seed=0)  # type: ignore[arg-type]
+    live = LiveFinisher(device).finish(printed, light, camera(), time=3, seed=0)  # type: ignore[arg-type]
 
     np.testing.assert_array_equal(live, printed.apply(light, camera(), time=3, seed=0))
 
@@ -265,13 +265,13 @@ def test_a_picture_that_fails_half_way_leaves_nothing_on_the_device(own_context:
     device, ctx = Device(own_context), own_context.ctx
     finisher = LiveFinisher(device)  # type: ignore[arg-type]
     device.graphics.ctx = filling = FillingDevice(ctx, 60)  # type: ignore[assignment]
-    finisher.picture(printed, light, camera(), time=1, seed=0)
+    finisher.finish(printed, light, camera(), time=1, seed=0)
     finisher.release()
     needed, before = 60 - filling.left, living()
     for left in range(needed):
         device.graphics.ctx = FillingDevice(ctx, left)  # type: ignore[assignment]
         with pytest.raises(GraphicsError, match="the device is full"):
-            finisher.picture(printed, light, camera(), time=1, seed=0)
+            finisher.finish(printed, light, camera(), time=1, seed=0)
         assert living() == before
     own_context.ctx = ctx
 
@@ -280,4 +280,4 @@ def test_a_picture_that_fails_half_way_leaves_nothing_on_the_device(own_context:
 
 def test_light_of_a_strange_shape_is_refused(renderer: FrameRenderer) -> None:
     with pytest.raises(SettingsError, match=r"radiance must be \(height, width, 3\)"):
-        LiveFinisher(renderer).picture(Finish(Grade()), np.zeros((4, 4), np.float32), camera(), time=1, seed=0)
+        LiveFinisher(renderer).finish(Finish(Grade()), np.zeros((4, 4), np.float32), camera(), time=1, seed=0)

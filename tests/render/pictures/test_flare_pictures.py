@@ -15,8 +15,8 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import Glass, IrisShape, Lens, Prescription, Surface
 from render.model.scene import Batch, Dome, Light, Material, Scene
-from render.pictures.bright_sources import BRIGHT, MOST, bright_sources
-from render.pictures.flare import flared
+from render.pictures.bright_sources import BRIGHT, MOST, find_bright_sources
+from render.pictures.flare import add_flare
 from render.shot import Shot
 from render.shot.lens.lens_choice import choose_lens
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot
@@ -70,7 +70,7 @@ def drawn(
 ) -> tuple[FloatArray, FloatArray]:
     """A picture without flare and the same with it."""
     plain = renderer.render(scene, looks, settings)
-    return plain.color[..., :3], flared(renderer, scene, looks, settings, plain).color[..., :3]
+    return plain.color[..., :3], add_flare(renderer, scene, looks, settings, plain).color[..., :3]
 
 
 def sums(picture: FloatArray) -> DoubleArray:
@@ -110,28 +110,28 @@ def test_nobody_gets_flare_unasked_and_no_pinhole_does(renderer: FrameRenderer) 
     glass, both = Lens("prescription", SINGLET.name, SINGLET), {"ghosts": 1.0, "star": 1.0}
     frame = renderer.render(scene, camera(glass), SMALL)
     asked = camera(replace(glass, **both))  # type: ignore[arg-type]
-    assert flared(renderer, scene, camera(glass), SMALL, frame) is frame
-    assert flared(renderer, scene, asked, replace(SMALL, engine="pinhole"), frame) is frame
-    assert flared(renderer, scene, replace(asked, f_stop=0.0), SMALL, frame) is frame
-    assert flared(renderer, scene, camera(Lens(ghosts=1.0)), SMALL, frame) is frame  # a thin lens reflects nothing
-    assert flared(renderer, scene, asked, SMALL, frame).color is not frame.color
+    assert add_flare(renderer, scene, camera(glass), SMALL, frame) is frame
+    assert add_flare(renderer, scene, asked, replace(SMALL, engine="pinhole"), frame) is frame
+    assert add_flare(renderer, scene, replace(asked, f_stop=0.0), SMALL, frame) is frame
+    assert add_flare(renderer, scene, camera(Lens(ghosts=1.0)), SMALL, frame) is frame  # a thin lens reflects nothing
+    assert add_flare(renderer, scene, asked, SMALL, frame).color is not frame.color
 
 
 @pytest.mark.gl
 def test_a_highlights_light_is_its_radiance_times_its_area(renderer: FrameRenderer) -> None:
     scene = Scene((glow(0.2, -0.1, 0.05),), (), DARK, ("/glow",))
-    sources = bright_sources(renderer, scene, camera(Lens()), SMALL)
+    sources = find_bright_sources(renderer, scene, camera(Lens()), SMALL)
     light = sum(source.irradiance for source in sources)
     cosine4 = 1 / (1 + 0.2**2 + 0.1**2) ** 2
     assert light == pytest.approx(3000 * (0.1 / 5) ** 2 * cosine4, rel=0.05)
     strongest = sources[0]
     assert strongest.slope == pytest.approx((0.2, -0.1), abs=0.01)
     assert strongest.depth_m == pytest.approx(5.0, rel=0.02)
-    assert not bright_sources(
+    assert not find_bright_sources(
         renderer, Scene((glow(0, 0, 1.0, BRIGHT * 0.4),), (), DARK, ("/g",)), camera(Lens()), SMALL
     )
     bright_film = camera(Lens(), exposure_scale=10.0)
-    assert bright_sources(renderer, Scene((glow(0, 0, 1.0, BRIGHT * 0.4),), (), DARK, ("/g",)), bright_film, SMALL)
+    assert find_bright_sources(renderer, Scene((glow(0, 0, 1.0, BRIGHT * 0.4),), (), DARK, ("/g",)), bright_film, SMALL)
 
 
 @pytest.mark.gl
@@ -139,7 +139,7 @@ def test_a_light_that_no_geometry_hides_shines_on_the_lens(renderer: FrameRender
     looks = camera(Lens())
 
     def of(*lights: Light, batches: tuple[Batch, ...] = ()) -> list[DoubleArray]:
-        found = bright_sources(renderer, Scene(batches, lights, DARK, ("/it",)), looks, SMALL)
+        found = find_bright_sources(renderer, Scene(batches, lights, DARK, ("/it",)), looks, SMALL)
         return [source.irradiance for source in found]
 
     (alone,) = of(lamp(0.2, 0.1))
@@ -161,10 +161,10 @@ def test_a_light_that_no_geometry_hides_shines_on_the_lens(renderer: FrameRender
 @pytest.mark.gl
 def test_a_lamp_that_glows_and_its_light_are_one_source(renderer: FrameRenderer) -> None:
     looks, bulb = camera(Lens()), lamp(0.1, 0.0, radius_m=0.01)
-    light = bright_sources(renderer, Scene((), (bulb,), DARK, ("/it",)), looks, SMALL)[0].irradiance
+    light = find_bright_sources(renderer, Scene((), (bulb,), DARK, ("/it",)), looks, SMALL)[0].irradiance
     for radiance, is_light in ((20.0, True), (2e4, False)):
         scene = Scene((glow(0.1, 0.0, 0.01, radiance, 4.99),), (bulb,), DARK, ("/it",))
-        together = sum(source.irradiance for source in bright_sources(renderer, scene, looks, SMALL))
+        together = sum(source.irradiance for source in find_bright_sources(renderer, scene, looks, SMALL))
         assert (together == pytest.approx(light)) == is_light
         assert (together >= light).all()
 
@@ -173,9 +173,9 @@ def test_a_lamp_that_glows_and_its_light_are_one_source(renderer: FrameRenderer)
 def test_no_more_than_some_sources_count_and_the_last_ones_fade(renderer: FrameRenderer) -> None:
     places = [(x, y) for x in np.linspace(-0.3, 0.3, 7) for y in np.linspace(-0.2, 0.2, 4)]
     lamps = tuple(replace(lamp(x, y), radiance=(100.0 + i,) * 3) for i, (x, y) in enumerate(places))
-    found = bright_sources(renderer, Scene((), lamps, DARK, ("/it",)), camera(Lens()), SMALL)
+    found = find_bright_sources(renderer, Scene((), lamps, DARK, ("/it",)), camera(Lens()), SMALL)
     assert 0 < len(found) <= MOST
-    whole = bright_sources(renderer, Scene((), lamps[-1:], DARK, ("/it",)), camera(Lens()), SMALL)[0].irradiance
+    whole = find_bright_sources(renderer, Scene((), lamps[-1:], DARK, ("/it",)), camera(Lens()), SMALL)[0].irradiance
     assert found[-1].irradiance.max() < 0.3 * whole.max()
 
 

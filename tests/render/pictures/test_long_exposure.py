@@ -20,7 +20,7 @@ from render.frame import FrameRenderer, FrameSettings
 from render.model.shutter_intervals import ShutterInterval, parse_shutter_intervals
 from render.pictures.long_exposure import LongExposure
 from render.pictures.picture import make_picture
-from render.pictures.travel import farthest_travel_px, moment_of
+from render.pictures.travel import make_moment, measure_travel_px
 from render.shot import Shot
 
 WIDTH, HEIGHT = 240, 24
@@ -167,8 +167,10 @@ def test_without_a_filter_each_doubling_of_the_time_is_a_stop(renderer: FrameRen
 
 @pytest.mark.parametrize(("frames", "pixels"), [(1, 160 / 240), (24, 16.0), (0, 0.0)])
 def test_how_far_things_go_is_known(shot: Shot, frames: float, pixels: float) -> None:
-    before, after = (moment_of(shot.scene_at(t), shot.camera_at("/cam", t, WIDTH, HEIGHT)) for t in (1.0, 1.0 + frames))
-    assert farthest_travel_px(before, after, WIDTH, HEIGHT) == pytest.approx(pixels, rel=1e-5)
+    before, after = (
+        make_moment(shot.scene_at(t), shot.camera_at("/cam", t, WIDTH, HEIGHT)) for t in (1.0, 1.0 + frames)
+    )
+    assert measure_travel_px(before, after, WIDTH, HEIGHT) == pytest.approx(pixels, rel=1e-5)
 
 
 def test_what_is_out_of_the_picture_or_behind_the_camera_goes_nowhere(shot: Shot) -> None:
@@ -176,8 +178,8 @@ def test_what_is_out_of_the_picture_or_behind_the_camera_goes_nowhere(shot: Shot
     turned, aside = np.diag([-1.0, 1.0, -1.0, 1.0]), np.eye(4)
     aside[0, 3] = 20.0
     for camera in (replace(own, world_from_camera=pose) for pose in (turned, aside)):
-        before, after = (moment_of(shot.scene_at(t), camera) for t in (1.0, 25.0))
-        assert farthest_travel_px(before, after, WIDTH, HEIGHT) == 0
+        before, after = (make_moment(shot.scene_at(t), camera) for t in (1.0, 25.0))
+        assert measure_travel_px(before, after, WIDTH, HEIGHT) == 0
 
 
 def test_a_keyed_exposure_counts_as_it_is_in_each_interval(renderer: FrameRenderer, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The progressive driver: soon, then better, then exactly what `record` writes; and nothing is done twice."""
+"""The progressive renderer: soon, then better, then exactly what `record` writes; and nothing is done twice."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from render.lab.reference.metrics import psnr_db
 from render.layers.renderer import LayerRenderer
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
-from render.pictures.progressive import PreviewRequest, Shown
-from render.pictures.progressive.alike import alike
-from render.pictures.progressive.aside import aside
-from render.pictures.progressive.driver import Progressive
-from render.pictures.progressive.frames import enlarged
-from render.pictures.progressive.pace import ENOUGH_RAYS, GOOD_RAYS, Pace, Plan
+from render.pictures.progressive import PreviewRequest, ProgressivePicture
+from render.pictures.progressive.background import run_in_background
+from render.pictures.progressive.equality import have_equal_content
+from render.pictures.progressive.frames import enlarge
+from render.pictures.progressive.planner import ENOUGH_RAYS, GOOD_RAYS, PreviewPlan, PreviewPlanner
+from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 from render.shot.film import finish as finishing
 from render.trace.tracer import Tracer
@@ -49,8 +49,8 @@ def shot(tmp_path: Path) -> Shot:
 
 
 @pytest.fixture
-def driver(renderer: FrameRenderer, shot: Shot) -> Progressive:
-    return Progressive(renderer, shot, LiveFinisher(renderer))
+def driver(renderer: FrameRenderer, shot: Shot) -> ProgressiveRenderer:
+    return ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
 
 
 class Counted:
@@ -71,7 +71,7 @@ class Counted:
         return calls
 
 
-def last(pictures: Iterator[Shown]) -> Shown:
+def last(pictures: Iterator[ProgressivePicture]) -> ProgressivePicture:
     return list(pictures)[-1]
 
 
@@ -92,7 +92,9 @@ def last(pictures: Iterator[Shown]) -> Shown:
         {"aovs": ("color", "coc", "albedo")},
     ],
 )
-def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, changes: dict[str, object]) -> None:
+def test_the_last_picture_is_that_of_record(
+    driver: ProgressiveRenderer, shot: Shot, changes: dict[str, object]
+) -> None:
     settings = replace(SETTINGS, **changes)  # type: ignore[arg-type]
     pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
     assert pictures[0].stage == "preview"
@@ -105,28 +107,28 @@ def test_the_last_picture_is_that_of_record(driver: Progressive, shot: Shot, cha
     np.testing.assert_array_equal(final.graded, plain.graded)
     np.testing.assert_array_equal(final.picture.frame.color, plain.frame.color)
     assert final.picture.frame.aovs.keys() == plain.frame.aovs.keys()
-    assert alike(final.picture.metadata.settings, plain.metadata.settings)
+    assert have_equal_content(final.picture.metadata.settings, plain.metadata.settings)
 
 
-def test_the_first_picture_is_like_the_last(driver: Progressive) -> None:
+def test_the_first_picture_is_like_the_last(driver: ProgressiveRenderer) -> None:
     pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
     assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
-    assert psnr_db(enlarged(first, 160, 90), final) > 22
+    assert psnr_db(enlarge(first, 160, 90), final) > 22
     assert pictures[0].timing.total_ms >= pictures[0].timing.blur_ms > 0
     better = pictures[1]
     assert better.rays > pictures[0].rays
     assert better.graded.shape > first.shape
-    assert psnr_db(enlarged(better.graded, 160, 90), final) > 30
+    assert psnr_db(enlarge(better.graded, 160, 90), final) > 30
 
 
-def test_what_moves_gets_its_first_picture_alone(driver: Progressive) -> None:
+def test_what_moves_gets_its_first_picture_alone(driver: ProgressiveRenderer) -> None:
     pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)))
     assert [shown.stage for shown in pictures] == ["preview"]
 
 
 def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
-    driver: Progressive, shot: Shot, monkeypatch: pytest.MonkeyPatch
+    driver: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
     shadows = Counted(monkeypatch, LayerRenderer, "draw_shadow")
@@ -147,7 +149,7 @@ def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
 
 
 def test_a_change_of_grade_or_film_traces_nothing(
-    driver: Progressive, shot: Shot, monkeypatch: pytest.MonkeyPatch
+    driver: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     traced = Counted(monkeypatch, Tracer, "passes")
     developed = Counted(monkeypatch, finishing, "develop_on_film")  # type: ignore[arg-type]
@@ -166,7 +168,7 @@ def test_a_change_of_grade_or_film_traces_nothing(
     assert traced.since() > 0
 
 
-def test_work_that_is_stale_is_left_and_spoils_nothing(driver: Progressive, shot: Shot) -> None:
+def test_work_that_is_stale_is_left_and_spoils_nothing(driver: ProgressiveRenderer, shot: Shot) -> None:
     """Left between any two pieces, wherever these are: what is drawn next is right."""
     asked = PreviewRequest("/cam", 2.0, SETTINGS)
     plain = last(driver.pictures(asked)).graded
@@ -197,7 +199,7 @@ def test_work_that_is_stale_is_left_and_spoils_nothing(driver: Progressive, shot
     assert not any(ended[:-2]), "where nobody waits, nothing is finished"
 
 
-def test_who_asks_no_further_leaves_the_work(driver: Progressive) -> None:
+def test_who_asks_no_further_leaves_the_work(driver: ProgressiveRenderer) -> None:
     asked = PreviewRequest("/cam", 2.0, SETTINGS)
     plain = last(driver.pictures(asked)).graded
     driver.release()
@@ -210,9 +212,9 @@ def test_who_asks_no_further_leaves_the_work(driver: Progressive) -> None:
 
 
 def test_pictures_on_the_way_may_be_looked_at_between_pieces(
-    driver: Progressive, monkeypatch: pytest.MonkeyPatch
+    driver: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("render.pictures.progressive.driver.REFRESH_MS", 0.0)
+    monkeypatch.setattr("render.pictures.progressive.renderer.REFRESH_MS", 0.0)
     monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 1.0)
     asked = PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))
     pictures = list(driver.pictures(asked))
@@ -222,11 +224,11 @@ def test_pictures_on_the_way_may_be_looked_at_between_pieces(
     whole = [psnr_db(shown.graded, pictures[-1].graded) for shown in pictures if shown.share > 0]
     assert whole[-2] > whole[0]
     driver.release()
-    monkeypatch.setattr("render.pictures.progressive.driver.REFRESH_MS", 1e9)
+    monkeypatch.setattr("render.pictures.progressive.renderer.REFRESH_MS", 1e9)
     np.testing.assert_array_equal(last(driver.pictures(asked)).graded, pictures[-1].graded)
 
 
-def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
+def test_an_edit_of_the_scene_shows(driver: ProgressiveRenderer, shot: Shot) -> None:
     asked = PreviewRequest("/cam", 2.0, SETTINGS)
     before = last(driver.pictures(asked)).graded
     with shot.edits.transaction("hide the card"):
@@ -236,15 +238,15 @@ def test_an_edit_of_the_scene_shows(driver: Progressive, shot: Shot) -> None:
 
 
 def test_the_pace_follows_the_machine() -> None:
-    pace = Pace(is_software=True)
-    assert pace.largest(960, 540) == (480, 270)
-    assert pace.largest(8, 3) == (8, 3)
+    planner = PreviewPlanner(is_software=True)
+    assert planner.largest_size(960, 540) == (480, 270)
+    assert planner.largest_size(8, 3) == (8, 3)
 
-    def settled(ms: float) -> Plan:
+    def settled(ms: float) -> PreviewPlan:
         for _ in range(60):
-            plan = pace.plan(960, 540, 60)
+            plan = planner.plan(960, 540, 60)
             assert GOOD_RAYS <= plan.rays <= ENOUGH_RAYS
-            pace.learn(plan, ms * plan.work)
+            planner.learn(plan, ms * plan.work)
         return plan
 
     quick = settled(2e-5)
@@ -253,7 +255,7 @@ def test_the_pace_follows_the_machine() -> None:
     slow = settled(6e-5)
     assert slow.width < 480, "few rays make a smaller picture better"
     assert 6e-5 * slow.work == pytest.approx(60, rel=0.35)
-    assert settled(1e-2) == Plan(160, 90, GOOD_RAYS)
+    assert settled(1e-2) == PreviewPlan(160, 90, GOOD_RAYS)
     assert settled(2e-5).rays == pytest.approx(quick.rays, abs=1)
     assert settled(1e-9).rays == ENOUGH_RAYS
 
@@ -261,37 +263,37 @@ def test_the_pace_follows_the_machine() -> None:
 @pytest.mark.parametrize("shape", [(1, 1), (3, 5), (90, 160)])
 def test_enlarging_keeps_what_is_even(shape: tuple[int, int]) -> None:
     picture = np.full((*shape, 3), 0.3, np.float32)
-    np.testing.assert_allclose(enlarged(picture, 160, 90), np.full((90, 160, 3), 0.3), rtol=1e-6)
+    np.testing.assert_allclose(enlarge(picture, 160, 90), np.full((90, 160, 3), 0.3), rtol=1e-6)
     ramp = np.broadcast_to(np.linspace(0, 1, 40, dtype=np.float32)[None, :, None], (7, 40, 1))
-    assert np.all(np.diff(enlarged(ramp, 160, 20)[:, :, 0], axis=1) >= 0)
+    assert np.all(np.diff(enlarge(ramp, 160, 20)[:, :, 0], axis=1) >= 0)
 
 
 def test_alike_says_what_equality_cannot() -> None:
     one = SETTINGS
-    assert alike(one, replace(one))
-    assert not alike(one, replace(one, rays=41))
-    assert alike(one, replace(one, rays=41), but=("rays",))
-    assert alike((np.arange(3.0), {"a": [1]}), (np.arange(3.0), {"a": [1]}))
-    assert not alike(np.arange(3.0), np.arange(4.0))
-    assert not alike({"a": 1}, {"a": 2})
-    assert alike(np.array([np.nan]), np.array([np.nan]))
-    assert not alike(1, 1.0)
+    assert have_equal_content(one, replace(one))
+    assert not have_equal_content(one, replace(one, rays=41))
+    assert have_equal_content(one, replace(one, rays=41), except_fields=("rays",))
+    assert have_equal_content((np.arange(3.0), {"a": [1]}), (np.arange(3.0), {"a": [1]}))
+    assert not have_equal_content(np.arange(3.0), np.arange(4.0))
+    assert not have_equal_content({"a": 1}, {"a": 2})
+    assert have_equal_content(np.array([np.nan]), np.array([np.nan]))
+    assert not have_equal_content(1, 1.0)
 
 
 def test_work_aside_is_left_when_nobody_waits() -> None:
     began, stale = perf_counter(), False
     cancellation = CancellationPoint(lambda: None)
-    assert aside(lambda: 7, cancellation) == 7
+    assert run_in_background(lambda: 7, cancellation) == 7
     with pytest.raises(ZeroDivisionError), cancellation.cancel_when(lambda: stale):
-        aside(lambda: 1 // 0, cancellation)
+        run_in_background(lambda: 1 // 0, cancellation)
     with pytest.raises(Cancelled), cancellation.cancel_when(lambda: perf_counter() > began + 0.05):
-        aside(lambda: sleep(3), cancellation)
+        run_in_background(lambda: sleep(3), cancellation)
     assert perf_counter() - began < 2
 
 
 @pytest.mark.parametrize("engine", ["flag", "importance", "gather"])
 def test_engines_that_blur_one_picture_are_previewed_in_their_time(
-    driver: Progressive, monkeypatch: pytest.MonkeyPatch, engine: str
+    driver: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch, engine: str
 ) -> None:
     settings = replace(SETTINGS, engine=engine)
     asked = PreviewRequest("/cam", 2.0, settings, is_moving=True)

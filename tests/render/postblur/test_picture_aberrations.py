@@ -107,9 +107,9 @@ def test_a_flat_chart_looks_as_through_the_rays(renderer: FrameRenderer) -> None
     for slope in (0.0, 0.27):
         scene = glowing_point(slope, 0.3 * slope, 4, 0.016)
         rays = renderer.render(scene, camera, replace(SHEET_SETTINGS, rays=128)).color
-        space = ImageSpace.of(camera, replace(SHEET_SETTINGS, engine="pinhole", rays=16))
-        wide = renderer.render(scene, space.camera(camera), space.settings)
-        picture = space.finished(renderer, wide).color
+        space = ImageSpace.for_camera(camera, replace(SHEET_SETTINGS, engine="pinhole", rays=16))
+        wide = renderer.render(scene, space.widen_camera(camera), space.settings)
+        picture = space.apply(renderer, wide).color
         assert picture.shape == rays.shape
         for channel in range(3):
             np.testing.assert_allclose(spot_size(picture, channel)[:2], spot_size(rays, channel)[:2], atol=0.25)
@@ -123,8 +123,8 @@ def test_nothing_is_missing_at_the_edge_of_a_bent_picture(renderer: FrameRendere
     settings = replace(
         SHEET_SETTINGS, engine="pinhole", rays=4, width=96, height=72, aovs=("color", "depth", "prim_id")
     )
-    space = ImageSpace.of(camera, settings)
-    frame = space.finished(renderer, renderer.render(scene, space.camera(camera), space.settings))
+    space = ImageSpace.for_camera(camera, settings)
+    frame = space.apply(renderer, renderer.render(scene, space.widen_camera(camera), space.settings))
     assert frame.color.shape == (72, 96, 4)
     assert {name: aov.shape for name, aov in frame.aovs.items()} == {"depth": (72, 96), "prim_id": (72, 96)}
     np.testing.assert_allclose(frame.color[..., 3], 1.0, atol=1e-4)
@@ -139,10 +139,10 @@ def test_other_lenses_and_engines_are_left_as_they_are(renderer: FrameRenderer) 
     assert not renders_in_image_space(camera, settings)
     assert renders_in_image_space(camera, replace(settings, engine="pinhole"))
     assert not renders_in_image_space(replace(camera, f_stop=0.0), replace(settings, engine="pinhole"))
-    space = ImageSpace.of(camera, settings)
-    assert (space.settings, space.camera(camera)) == (settings, camera)
+    space = ImageSpace.for_camera(camera, settings)
+    assert (space.settings, space.widen_camera(camera)) == (settings, camera)
     frame = renderer.render(glowing_point(0, 0, 4), camera, settings)
-    assert space.finished(renderer, frame) is frame
+    assert space.apply(renderer, frame) is frame
 
 
 def test_both_forms_of_a_shot_look_alike(renderer: FrameRenderer) -> None:
@@ -151,8 +151,8 @@ def test_both_forms_of_a_shot_look_alike(renderer: FrameRenderer) -> None:
     camera = sheet_camera(replace(SOFT_SHEET, tangential_blur_mm=(0.15, 0.15, 0.15, 0.15), coma_mm=()))
     settings = replace(SHEET_SETTINGS, width=160, height=120, rays=128)
     rays = renderer.render(checks, camera, settings).color / 3000
-    space = ImageSpace.of(camera, replace(settings, engine="pinhole", rays=16))
-    picture = space.finished(renderer, renderer.render(checks, space.camera(camera), space.settings)).color / 3000
+    space = ImageSpace.for_camera(camera, replace(settings, engine="pinhole", rays=16))
+    picture = space.apply(renderer, renderer.render(checks, space.widen_camera(camera), space.settings)).color / 3000
     assert psnr_db(picture, rays) > 34
 
 
@@ -160,7 +160,7 @@ def test_both_forms_of_a_shot_look_alike(renderer: FrameRenderer) -> None:
 def test_a_travelling_shutter_is_open_around_the_frame_as_at_its_edge(shape: tuple[int, int, int]) -> None:
     camera, settings = sheet_camera(SOFT_SHEET), replace(SHEET_SETTINGS, width=64, height=48, engine="pinhole")
     share = np.linspace(0, 1, shape[0] * shape[1], dtype=np.float32).reshape(shape)
-    space = ImageSpace.of(camera, settings)
+    space = ImageSpace.for_camera(camera, settings)
     nothing = Scene((), (), Dome((0, 0, 0), np.eye(4)), ())
     wide = space.moment(Moment(nothing, camera, share))
     (across, up), told = space.margin, np.asarray(wide.share)

@@ -87,10 +87,10 @@ def through_the_sheet(
 ) -> tuple[FloatArray, FloatArray]:
     """A scene through a lens by its data sheet: by rays, and scattered and then bent, blurred and darkened."""
     camera, settings = sheet_camera(sheet), replace(SHEET_SETTINGS, **({"rays": 64} | changes))
-    space = ImageSpace.of(camera, replace(settings, engine="scatter"))
+    space = ImageSpace.for_camera(camera, replace(settings, engine="scatter"))
     assert space.errors is not None
-    wide = renderer.render(scene, space.camera(camera), space.settings)
-    return renderer.render(scene, camera, settings).color, space.finished(renderer, wide).color
+    wide = renderer.render(scene, space.widen_camera(camera), space.settings)
+    return renderer.render(scene, camera, settings).color, space.apply(renderer, wide).color
 
 
 ONE_BY_ONE = {

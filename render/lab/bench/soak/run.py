@@ -1,4 +1,4 @@
-"""The soak: thousands of random edits of a shot, each answered by the progressive driver, some to the end, some left half way.
+"""The soak: thousands of random edits of a shot, each answered by the progressive renderer, some to the end, some left half way.
 
 Now and then what it rests on is held against a renderer that was made for that picture alone. Memory has to stay as it is.
 
@@ -32,7 +32,7 @@ from render.model.frame_settings import FrameSettings
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
 from render.pictures.progressive import PreviewRequest
-from render.pictures.progressive.driver import Progressive
+from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 
 PICTURE = FrameSettings(128, 72, rays=24, layers=3, supersample=1)
@@ -81,7 +81,7 @@ class _Soak:
 
     def __init__(self, renderer: FrameRenderer, shot: Shot, seed: int) -> None:
         self._renderer, self._shot = renderer, shot
-        self._driver = Progressive(renderer, shot, LiveFinisher(renderer))
+        self._driver = ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
         self._random = random.Random(seed)
         self.asked = PreviewRequest(CAMERA, FRAMES[0], PICTURE)
         self._edits: tuple[Callable[[], object], ...] = (
@@ -136,7 +136,7 @@ class _Soak:
             return 0.0
         with FrameRenderer() as other:
             plain = make_picture(
-                other, self._shot, asked.camera, asked.time, asked.settings, stock=asked.stock, choice=asked.choice
+                other, self._shot, asked.camera_path, asked.time, asked.settings, stock=asked.stock, choice=asked.choice
             )
         return float(255 * np.abs(plain.graded - shown.graded).max())
 

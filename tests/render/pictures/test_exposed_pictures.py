@@ -207,7 +207,7 @@ def test_a_data_sheet_that_does_not_say_how_light_falls_off_falls_off_by_cos4(
 
 def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: Path) -> None:
     values = {"lens:transmittance": 0.81, "lens:neutralDensity": 0.6, "lens:breathing": True, "shutter:close": 0.5}
-    read = open_wall(tmp_path, **SET, **values).exposure(CAMERA, 1.0)
+    read = open_wall(tmp_path, **SET, **values).exposure.read(CAMERA, 1.0)
     assert read.path is not None
     assert (read.stop, read.is_t_stop) == ("exposure", False)
     assert read.settings.iso == 400

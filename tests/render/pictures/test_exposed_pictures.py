@@ -256,7 +256,7 @@ def test_what_the_picture_is_multiplied_by_is_what_the_readout_says(tmp_path: Pa
 
 def test_an_exposure_that_has_no_meaning_is_the_camera_s_fault(tmp_path: Path) -> None:
     with pytest.raises(CameraError, match=r"exposure:iso of camera /cam must be a positive number, got 0"):
-        open_wall(tmp_path, **{"exposure:iso": 0.0}).exposure(CAMERA, 1.0)
-    dark = open_wall(tmp_path, **{"lens:transmittance": 0.0}).exposure(CAMERA, 1.0)
+        open_wall(tmp_path, **{"exposure:iso": 0.0}).exposure.read(CAMERA, 1.0)
+    dark = open_wall(tmp_path, **{"lens:transmittance": 0.0}).exposure.read(CAMERA, 1.0)
     assert dark.grey_nits == math.inf
     assert dark.exposure_scale == 1

@@ -162,7 +162,7 @@ def test_a_travelling_shutter_is_open_around_the_frame_as_at_its_edge(shape: tup
     share = np.linspace(0, 1, shape[0] * shape[1], dtype=np.float32).reshape(shape)
     space = ImageSpace.for_camera(camera, settings)
     nothing = Scene((), (), Dome((0, 0, 0), np.eye(4)), ())
-    wide = space.moment(Moment(nothing, camera, share))
+    wide = space.widen_moment(Moment(nothing, camera, share))
     (across, up), told = space.margin, np.asarray(wide.share)
     assert told.shape == (shape[0] + 2 * up * (shape[0] > 1), shape[1] + 2 * across * (shape[1] > 1), 1)
     assert (told.min(), told.max()) == (share.min(), share.max())

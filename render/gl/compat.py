@@ -6,7 +6,7 @@ Why each adaptation is here:
 - PyOpenGL picks its platform when it is first imported; without ``PYOPENGL_PLATFORM=egl`` it looks for an X display.
 - pyrender imports its viewer, and so pyglet, which looks for X libraries unless ``PYGLET_HEADLESS`` is set.
 - PyOpenGL knows the type of a ``ctypes.byref`` under its name before Python 3.12.
-- pyrender's platform asks for OpenGL 4.1, and NVIDIA's driver gives what it was asked for; `make_context` asks for 4.5.
+- pyrender's platform requests OpenGL 4.1, and NVIDIA's driver gives exactly that; `make_context` asks for 4.5.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 """
 
@@ -70,7 +70,7 @@ _VERSION = (4, 5)
 
 
 def make_context(platform: pyrender_egl.EGLPlatform) -> None:
-    """Initialise a platform and give it a current context of OpenGL 4.5 core; its own of 4.1 stays where there is none."""
+    """Initialise a platform and make its context current: OpenGL 4.5 core, or its own 4.1 where 4.5 is missing."""
     platform.init_context()
     wanted = [EGL.EGL_SURFACE_TYPE, EGL.EGL_PBUFFER_BIT, EGL.EGL_RENDERABLE_TYPE, EGL.EGL_OPENGL_BIT, EGL.EGL_NONE]
     configs, count = (EGL.EGLConfig * 1)(), ctypes.c_long()
@@ -89,7 +89,7 @@ def release_context(platform: pyrender_egl.EGLPlatform) -> None:
     """Destroy a platform's context. pyrender's own way terminates the display, and with it every context of the process.
 
     Args:
-        platform: whose context was made and is not wanted any more.
+        platform: platform whose context is destroyed.
     """
     EGL.eglMakeCurrent(platform._egl_display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
     EGL.eglDestroyContext(platform._egl_display, platform._egl_context)

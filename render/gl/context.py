@@ -20,7 +20,7 @@ class GraphicsContext:
         ctx: moderngl's view of the context.
         renderer: the driver's name of the device, such as ``llvmpipe (LLVM 15.0.6, 256 bits)``.
         is_software: whether the device is a CPU rasteriser.
-        cancellation: where long work on it can be left.
+        cancellation: cancellation point of long work on it.
     """
 
     def __init__(self) -> None:
@@ -49,11 +49,11 @@ class GraphicsContext:
         self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
 
     def make_current(self) -> None:
-        """Let what is called next, by this thread, be called on this context and no other of the process."""
+        """Make this context current in the calling thread."""
         self._platform.make_current()
 
     def close(self) -> None:
-        """Give the context back. Everything that was made in it is gone; other contexts of the process live on."""
+        """Destroy the context and everything in it; other contexts of the process stay."""
         release_context(self._platform)
 
     def __enter__(self) -> GraphicsContext:

@@ -40,7 +40,7 @@ PLAIN = SurfaceSampling()
 
 
 def patch_px_m(f_px: float, pupil_m: float, rays: int) -> float:
-    """`SurfaceSampling.patch_px_m` of so many rays through a pupil of this radius; 0 of a single one, which is a pinhole's."""
+    """`SurfaceSampling.patch_px_m` for ``rays`` rays through a pupil of this radius; 0 for a single ray, as of a pinhole."""
     return 0.0 if rays == 1 else PATCH_SHARE * f_px * pupil_m * float(np.sqrt(np.pi / rays))
 
 

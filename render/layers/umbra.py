@@ -21,7 +21,7 @@ from the middle of the pupil. For the paper's round pupil ``1 / (d + x) = w·(1 
 A surface that is partly transparent hides nothing. Opaque ones follow each other in a pixel in steps of more than
 ``1 / pupil_px``, from ``w_near`` at most to more than 0 at least, so that there are never more than ``ceil(w_near·pupil_px)``
 of them, whatever the scene; one, where no blur of any two depths differs by more than a pixel. (The paper's example, field of
-30 degrees, 600 pixels, nearest depth 1 m, pupil of 9 mm: ``w_near·pupil_px`` is 10.1, and it says ten.)
+30 degrees, 600 pixels, nearest depth 1 m, pupil of 9 mm: ``w_near·pupil_px`` is 10.1, and the paper gives ten.)
 
 The argument neglects that a ray may meet the hidden surface up to half a pixel beside a pixel's centre. It may then pass the
 extension by as much, and sees the surface of the next pixel instead.

@@ -1,4 +1,4 @@
-"""A lens known by its data sheet, as rays: what a table of measured errors says of light through a point of the pupil.
+"""Rays of a lens described by its data sheet: measured errors as the aberration of light through a point of the pupil.
 
 Kyaw (2013, section 7.2) gives a lens's errors as tables over the distance from the axis and draws them on the finished picture.
 Here each becomes the error of rays, so that it grows and shrinks with the iris and is right out of focus too. With ρ = (x, y) a
@@ -51,9 +51,9 @@ class SheetErrors:
         spherical_mm: ``(h,)`` S.
         blur_mm: ``(h, 2)`` B_t and B_s.
         axial_mm: ``(h,)`` as ``defocus_mm``, for a step of blueness.
-        lateral_mm: ``(h,)`` how far the image moves outward for a step of blueness.
+        lateral_mm: ``(h,)`` outward shift of the image for a step of blueness.
         rim_offset: ``(h,)`` of each of the two rims' centres along the radius, over the radius of the sheet's pupil.
-        rim_radius: likewise.
+        rim_radius: ``(h,)`` radius of the rims.
         natural: ``(h,)`` light through an open point of the pupil, over that on the axis.
     """
 
@@ -72,7 +72,8 @@ class SheetErrors:
     natural: DoubleArray
 
     def landing_mm(self, pupil: DoubleArray, wavelength_nm: float | None = None) -> DoubleArray:
-        """``(h, n, 2)`` where rays land beyond the chief ray of the middle wavelength: outward, and across the radius.
+        """Landing points ``(h, n, 2)`` of rays relative to the chief ray of the middle wavelength: outward, and across
+        the radius.
 
         Args:
             pupil: ``(n, 2)`` or ``(h, n, 2)`` points over the pupil's radius, along and across the radius of the picture.
@@ -90,7 +91,7 @@ class SheetErrors:
         return np.asarray(lands)
 
     def clearance(self, pupil: DoubleArray, side: int) -> DoubleArray:
-        """``(h, n)`` above 0 where a rim blocks.
+        """Clearance ``(h, n)``, above 0 where a rim blocks.
 
         Args:
             pupil: as `landing_mm` takes it.
@@ -112,7 +113,7 @@ class SheetErrors:
         return self.natural * self.open_share
 
     def spread_mm(self, wavelength_nm: float | None = None, *, coma: bool = True) -> DoubleArray:
-        """``(h, 2)`` standard deviation of where the light of a point in the plane of focus lands, along and across the radius.
+        """Standard deviation ``(h, 2)`` of a focused point's landing light, along and across the radius.
 
         Args:
             wavelength_nm: by default none has colour errors.
@@ -220,7 +221,7 @@ def at_heights(sheet: DataSheet, name: str, heights_mm: DoubleArray) -> DoubleAr
 
 
 def open_pupil(edge: float, rim_offset: DoubleArray, rim_radius: float) -> tuple[DoubleArray, DoubleArray]:
-    """Nodes and weights of integrals over what is open of a pupil, for each height ``(h,)``.
+    """Nodes and weights of integrals over the open part of a pupil, for each height ``(h,)``.
 
     Args:
         edge: the pupil's radius.
@@ -245,7 +246,7 @@ def open_pupil(edge: float, rim_offset: DoubleArray, rim_radius: float) -> tuple
 
 
 def _light(sheet: DataSheet, heights_mm: DoubleArray, seen: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """``(h,)`` light through an open point of the pupil, and how far rims are apart to leave the rest of it."""
+    """Light ``(h,)`` through an open point of the pupil, and the distance of the rims that leaves the rest of it."""
     light = at_heights(sheet, "light", heights_mm)
     if not sheet.light:
         return light, np.zeros_like(light)

@@ -1,4 +1,4 @@
-"""Where the ray through the middle of the pupil goes: what a place of the picture shows, and where a point of the world lands.
+"""Distortion along chief rays: the slope seen at a place of the picture, and the place where a point of the world appears.
 
 Places are slopes of the ideal lens, ``(x - cx) / fx``; a lens with distortion shows there what stands at another slope. Both grow
 together, so either follows from the other.
@@ -32,8 +32,8 @@ class ChiefRays:
 
     Attributes:
         ideal: ``(n,)`` slopes from 0 that the picture's places stand for, growing.
-        seen: ``(n,)`` slope in object space of what is seen there, growing; as without the squeeze.
-        squeeze: what the distortion is narrowed by from side to side (anamorphic).
+        seen: ``(n,)`` slope in object space seen there, growing, without the squeeze.
+        squeeze: anamorphic squeeze, by which distortion is narrower from side to side.
     """
 
     ideal: DoubleArray
@@ -57,19 +57,19 @@ class ChiefRays:
         return np.asarray(slopes / self._stretch((low + high) / 2))
 
     def _stretch(self, heights: DoubleArray) -> DoubleArray:
-        """``(..., 2)`` what is seen over the place, along x and y, for places of the heights ``(...)``."""
+        """Ratio ``(..., 2)`` of seen slope to picture slope along x and y, at the heights ``(...)``."""
         inside = np.clip(heights, 1e-9 * self.ideal[-1], self.ideal[-1])
         ratio = np.interp(inside, self.ideal, self.seen) / inside
         return np.stack([1 + (ratio - 1) / self.squeeze, ratio], axis=-1)
 
 
 def chief_rays(camera: Camera) -> ChiefRays | None:
-    """The chief rays of the camera's lens; None where they go straight.
+    """Chief rays of the camera's lens; None where they are straight.
 
     A height field's distortion is that of the lens without it.
 
     Raises:
-        InputError: the lens is none.
+        InputError: the prescription is not a lens.
         SettingsError: it does not reach the focus distance.
     """
     scale = camera.lens.scales.distortion
@@ -106,7 +106,7 @@ def _by_data_sheet(sheet: DataSheet, focal_length_mm: float) -> ChiefRays:
 
 
 def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:
-    """The place of a picture without distortion that shows what the camera's lens shows at (x, y), pixels."""
+    """Position in an undistorted picture that shows what the camera's lens shows at (x, y), pixels."""
     chief = chief_rays(camera)
     if chief is None:
         return x, y
@@ -115,7 +115,7 @@ def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[floa
 
 
 def shown_at(view: PinholeView, camera: Camera, places: DoubleArray) -> DoubleArray:
-    """Where the camera's lens shows what a picture without distortion has at the places ``(n, 2)``, pixels; NaN stays."""
+    """Positions in the camera's picture of the points at ``(n, 2)`` in an undistorted picture, pixels; NaN stays."""
     chief = chief_rays(camera)
     if chief is None:
         return places

@@ -1,7 +1,7 @@
 """Dependence of a camera's lens on its focus: growth of the circle of confusion, size of the pupil, focus range.
 
-Glass is looked at to first order, at the d line: where its group stands decides what is sharp, how large the entrance pupil is
-and how large the picture. So the law costs no tracing of rays, and holds at any f-number. All of it scales with the focal length.
+Glass is treated to first order, at the d line: the position of its group decides the focus, the size of the entrance pupil and
+the size of the picture. So the law costs no tracing of rays, and holds at any f-number. All of it scales with the focal length.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ def focus_laws(cameras: Sequence[Camera]) -> LensLaw:
         cameras: at least one.
 
     Raises:
-        InputError: a lens has a prescription that is none.
+        InputError: a lens has a prescription that is not a lens.
     """
     return LensLaw.stacked([focus_law(camera) for camera in cameras])
 
 
 def focus_law(camera: Camera) -> LensLaw:
-    """The law of a camera's lens at its f-number; where it is focused does not matter.
+    """Focus law of a camera's lens at its f-number; the camera's own focus does not matter.
 
     The nearest focus is the one engraved on the lens, where one is; else glass reaches as far as it can move, but a lens that
     moves as a whole no farther than two focal lengths.
@@ -47,7 +47,7 @@ def focus_law(camera: Camera) -> LensLaw:
         camera: with its lens.
 
     Raises:
-        InputError: the lens has a prescription that is none.
+        InputError: the lens has a prescription that is not a lens.
     """
     if has_surfaces(camera):
         return _law_of_glass(camera)
@@ -133,7 +133,7 @@ def _round_length(length_mm: float) -> float:
 
 
 def _engraved_w(way: _Way, scale: float, close_focus_m: float) -> float:
-    """Inverse depth, from the entrance pupil, of what a lens has engraved as its close focus from the film."""
+    """Inverse depth, from the entrance pupil, of the close focus engraved from the film."""
     if close_focus_m <= 0 or len(way.nearness) < 2:
         return NO_LIMIT_W
     before_film_mm = (1 / way.nearness[1:] + way.to_film_mm[1:]) * scale  # falls, then may rise again past 1:1

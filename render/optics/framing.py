@@ -1,6 +1,6 @@
 """Framing: a gate's field of view, crop factor, and the frames that pictures of other shapes are composed in.
 
-A gate is what is exposed on the film or sensor. Through an anamorphic lens of squeeze s it shows a picture s times as wide as
+A gate is the exposed area of the film or sensor. Through an anamorphic lens of squeeze s it shows a picture s times as wide as
 itself, so shapes and fields of view are those of a gate ``s · width`` wide.
 """
 
@@ -79,13 +79,13 @@ class Gate:
 
     @property
     def horizontal_crop_factor(self) -> float:
-        """Likewise from side to side: what decides where pictures are cut to another shape."""
+        """Crop factor from side to side, which decides where pictures are cropped to another shape."""
         return FULL_FRAME_MM[0] / (self.width_mm * self.squeeze)
 
 
 @dataclass(frozen=True)
 class FieldOfView:
-    """Full angles of what is seen through a lens without distortion that is focused at infinity."""
+    """Full field angles of a distortion-free lens focused at infinity."""
 
     horizontal_rad: float
     vertical_rad: float
@@ -102,7 +102,7 @@ class FramingGuide:
         width_share: of the gate's width.
         height_share: of the gate's height.
         width_mm: on the film or sensor.
-        height_mm: likewise.
+        height_mm: height on the film.
         resolution: photosites within it, across and up; (0, 0) for film.
     """
 
@@ -122,7 +122,7 @@ def shape(name: str) -> float:
         name: of `ASPECTS`, or a ratio such as ``2.2:1``.
 
     Raises:
-        SettingsError: it is no shape, the message has the nearest names; or one that nobody could look at.
+        SettingsError: the name is unknown, with the nearest names in the message; or the shape is out of range.
     """
     if name in ASPECTS:
         return ASPECTS[name]
@@ -144,7 +144,7 @@ def field_of_view(gate: Gate, focal_length_mm: float) -> FieldOfView:
     """Angles of view.
 
     Args:
-        gate: what is exposed.
+        gate: exposed area.
         focal_length_mm: as it is engraved; an anamorphic lens's is that of its vertical.
 
     Raises:
@@ -163,7 +163,7 @@ def framing_guides(gate: Gate, aspects: Mapping[str, float] = ASPECTS) -> tuple[
     """The frames of usual shapes within a gate, widest first as they are given.
 
     Args:
-        gate: what is exposed.
+        gate: exposed area.
         aspects: name, and width over height.
     """
     return tuple(framing_guide(gate, aspect, name) for name, aspect in aspects.items())
@@ -173,7 +173,7 @@ def framing_guide(gate: Gate, aspect: float, name: str = "") -> FramingGuide:
     """The frame of a shape within a gate.
 
     Args:
-        gate: what is exposed.
+        gate: exposed area.
         aspect: width over height as it is seen.
         name: of the shape; without one, such as ``2.2:1``.
 

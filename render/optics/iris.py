@@ -1,7 +1,7 @@
 """The iris: even filling of its opening, and its transmission as an image.
 
 A mask or radial weights make the bokeh soft or ring-shaped; they change the shape of the light and not its amount, so that the
-exposure stays what the f-number says.
+exposure follows the f-number.
 """
 
 from __future__ import annotations

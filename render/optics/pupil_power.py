@@ -21,14 +21,14 @@ def is_drawn(lens: Lens) -> bool:
 
 
 def own_scales(lens: Lens) -> AberrationScales:
-    """Factors on what is the lens's own: drawn power takes the place of its spherical aberration, as far as it is blended in."""
+    """Factors on the lens's own errors: drawn power replaces its spherical aberration by the blend."""
     if not lens.pupil_power:
         return lens.scales
     return replace(lens.scales, spherical=lens.scales.spherical * (1 - lens.expressive_blend))
 
 
 def drawn_defocus(lens: Lens, focal_length_mm: float, radius: DoubleArray) -> DoubleArray:
-    """By how much rays are focused nearer than those through the pupil's centre, for the drawn power.
+    """Additional inverse depth at which rays are focused, relative to those through the pupil's centre, from drawn power.
 
     Args:
         lens: with its power, and how far it is blended in.

@@ -1,4 +1,4 @@
-"""Where rays start on the pupil and on the sensor: patterns that are written down, not drawn.
+"""Sample patterns on the pupil and on the sensor: deterministic sequences, not random draws.
 
 On the pupil the points follow the R2 sequence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences"):
 point i is ``frac(s + i·(1/g, 1/g²))`` with g the positive root of x³ = x + 1; its first coordinate is the squared radius and its
@@ -29,7 +29,7 @@ _TURN = 1  # the coordinate that goes around the pupil
 
 @dataclass(frozen=True, eq=False)
 class LensSamples:
-    """Where each ray passes the pupil and the pixel.
+    """Sample points of rays on the pupil and in the pixel.
 
     Attributes:
         pupil: ``(patterns, n, 2)`` float64 on the unit pupil, within the iris, +x right and +y up.

@@ -31,7 +31,7 @@ class PinholeView:
         fx: focal length in pixels, horizontal.
         fy: focal length in pixels, vertical.
         cx: where the view axis through ``eye`` meets the picture, pixels.
-        cy: likewise, pixels from the top.
+        cy: the same, pixels from the top.
         near_m: nearest depth drawn.
         far_m: farthest depth drawn; may be infinite.
         camera_from_world: ``(4, 4)`` float64.
@@ -61,7 +61,7 @@ class PinholeView:
         Raises:
             SettingsError: the picture has no pixels or too many.
             CameraError: focal length, aperture or clipping range is not a positive finite number.
-            InputError: the camera's lens breathes, and is none.
+            InputError: the camera's lens breathes, and its prescription is not a lens.
         """
         check_picture_size(width, height)
         check_camera(camera)
@@ -93,7 +93,7 @@ class PinholeView:
         return replace(self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y)
 
     def widened(self, margin: int) -> PinholeView:
-        """More of the world around the same picture: so many pixels on each side."""
+        """View with ``margin`` more pixels on each side."""
         width, height = self.width + 2 * margin, self.height + 2 * margin
         return replace(self, width=width, height=height, cx=self.cx + margin, cy=self.cy + margin)
 

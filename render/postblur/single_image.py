@@ -117,7 +117,7 @@ class SingleImageBlur:
         return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         self._splitter.release()
 
 

@@ -34,8 +34,8 @@ def measure_aovs(
         peeler: with the scene loaded.
         view: the picture.
         bundle: the lens.
-        focus: where it is focused.
-        chief: where its chief rays go; None where they go straight.
+        focus: focal surface.
+        chief: the lens's chief rays; None where they are straight.
     """
     w, prim_id, face_id = _nearest(peeler, view, chief)
     sharp = sharpness(bundle, focus, view)

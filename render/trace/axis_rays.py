@@ -1,4 +1,4 @@
-"""A lens on its axis: where the rays of a point there land, from the table of any lens."""
+"""On-axis rays of any lens, from its table."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class AxisRays:
 
     Attributes:
         slope: ``(n, 2)`` slope error in the plane of focus, x right and y down.
-        pupil_m: ``(n, 2)`` where they pass the plane of the entrance pupil, likewise.
+        pupil_m: ``(n, 2)`` points in the plane of the entrance pupil, metres.
     """
 
     slope: DoubleArray
@@ -65,13 +65,13 @@ def axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> AxisRay
 
 
 def open_axes(table: PolynomialTable) -> tuple[float, float]:
-    """Half axes of what of the iris is open on the axis, across and down, where its radius is 1."""
+    """Half axes of the open part of the iris on the axis, across and down, relative to its radius."""
     row = table.rows[len(table.rows) // 2, 0]
     return float(row[REGION + 1]), float(row[REGION + 2])
 
 
 def axis_key(table: PolynomialTable | GridTable) -> bytes:
-    """All that `axis_rays` reads of a table: where it is the same, the rays are."""
+    """Cache key of the part of a table that `axis_rays` reads."""
     if isinstance(table, PolynomialTable):
         return bytes(table.rows[len(table.rows) // 2, 0].tobytes())
     field = _middle_field(table)

@@ -1,4 +1,4 @@
-"""The table of a lens by data sheet: the errors that `render.optics.data_sheet` makes of its measurements, as polynomials."""
+"""Lens table of a data sheet: the errors from `render.optics.data_sheet` as polynomials."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def data_sheet_table(
     last_slope: float,
     wavelengths_nm: Sequence[float],
 ) -> PolynomialTable:
-    """The table of a lens by data sheet.
+    """Make the lens table of a data sheet.
 
     Args:
-        sheet: what was measured.
+        sheet: measurements.
         scales: factors on its errors.
-        focal_length_mm: of the lens.
+        focal_length_mm: focal length of the lens.
         pupil_radius_m: at the f-number used; not 0.
         last_slope: field of the picture's farthest corner, slope in object space.
         wavelengths_nm: one part of the table for each.

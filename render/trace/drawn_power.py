@@ -31,12 +31,12 @@ _SLOPE_DEGREE, _PUPIL_DEGREE = 7, 5
 
 
 def drawn_lens_table(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float, last_slope: float) -> GridTable:
-    """The table of a thin lens with drawn power: the same rays for every field.
+    """Make the table of a thin lens with drawn power: the same rays for every field.
 
     Args:
-        lens: with its power.
-        focal_length_mm: of the lens.
-        pupil_radius_m: at the f-number used; not 0.
+        lens: lens with drawn power.
+        focal_length_mm: focal length of the lens.
+        pupil_radius_m: pupil radius at the f-number used; not 0.
         last_slope: field of the picture's farthest corner, slope in object space.
     """
     side = np.linspace(-1.0, 1.0, PUPIL_SIDE)
@@ -57,7 +57,7 @@ def drawn_lens_table(lens: Lens, *, focal_length_mm: float, pupil_radius_m: floa
 def add_drawn_power(
     table: PolynomialTable | GridTable, lens: Lens, *, focal_length_mm: float, pupil_radius_m: float
 ) -> PolynomialTable | GridTable:
-    """A lens's table with the drawn power added to it.
+    """Add drawn power to a lens's table.
 
     Args:
         table: of the lens without it.

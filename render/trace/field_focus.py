@@ -1,8 +1,9 @@
-"""Where a lens with errors is sharpest over the field, beside where it is focused: curvature of field, and the spot's best focus.
+"""Field focus: the inverse depth at which a lens is sharpest over the field, relative to its focus: field curvature and
+the spot's best focus.
 
-It is `render.trace.sharpness` without a device or a picture, for readouts and for who says where a lens is to be focused. Rays
-of glass are traced in float64, a few for each field height, at a few focus distances between which the shift is joined linearly:
-it changes little from one to the next. Height fields are left out, as they have no symmetry.
+It is `render.trace.sharpness` without a device or a picture, for readouts and for the focus solver. Rays of glass are
+traced in float64, a few for each field height, at a few focus distances between which the shift is interpolated
+linearly: it changes little from one to the next. Height fields are left out, as they have no symmetry.
 """
 
 from __future__ import annotations
@@ -38,21 +39,21 @@ from render.trace.sharpness import least_spread, rays_of_heights
 HEIGHTS = 13
 _COARSE = (60, 24)
 _FINE = (80, 20)
-"""Nodes of the half pupil, and on its rim: to see what of it is open, and to fit."""
+"""Nodes of the half pupil and on its rim: a coarse set that finds the open part, and a fine set for the fit."""
 _PADDING = 0.15  # of the stop's radius: how far apart the coarse nodes are
 _STEP_FOCAL_LENGTHS = 0.02
-"""Focal lengths over the focus distance, from one that rays are traced for to the next: 0.4 1/m for 50 mm."""
-_WITHIN = 1 - 1e-6  # of the nearest focus: at it, rounding may say that the lens does not reach it
+"""Step between traced focus distances, in focal length over focus distance: 0.4 1/m for 50 mm."""
+_WITHIN = 1 - 1e-6  # share of the nearest focus, which rounding might put out of reach
 
 
 @dataclass(frozen=True, eq=False)
 class FieldFocus:
-    """Where a lens is sharpest, for field heights from the axis outward; beyond the last it stays as there.
+    """Field focus for heights from the axis outward; constant beyond the last.
 
     Attributes:
-        heights: ``(h,)`` slopes of the ideal lens: places of the picture.
-        seen: ``(h,)`` slopes in object space of what is seen there, growing: the lens may distort.
-        shift_w: ``(h,)`` by how much the inverse depth that is sharpest exceeds the one focused on, 1/m.
+        heights: ``(h,)`` slopes of the ideal lens: positions in the picture.
+        seen: ``(h,)`` slopes in object space seen there, growing, with distortion.
+        shift_w: ``(h,)`` difference between the sharpest inverse depth and the focus, 1/m.
         pupil: ``(h,)`` radius of the pupil seen from there (of a disc with the same spread as its rays) over the paraxial one.
     """
 
@@ -62,34 +63,34 @@ class FieldFocus:
     pupil: DoubleArray
 
     def at(self, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """``(...)`` shift and relative radius of the pupil, of things at slopes ``(..., 2)`` in object space."""
+        """Shift and relative pupil radius ``(...)`` of objects at slopes ``(..., 2)`` in object space."""
         height = np.hypot(slopes[..., 0], slopes[..., 1])
         return np.interp(height, self.seen, self.shift_w), np.interp(height, self.seen, self.pupil)
 
 
 def field_focus(camera: Camera, focus_w_per_m: float | None = None) -> FieldFocus | None:
-    """Where the camera's lens is sharpest over its film gate; None for a lens that has no errors.
+    """Field focus of the camera's lens over its film gate; None for a lens without errors.
 
     Args:
         camera: with its lens.
-        focus_w_per_m: where it is focused; by default where the camera is. Beyond what the lens reaches it is as at the end.
+        focus_w_per_m: focus, 1/m; by default the camera's. Clamped to the lens's range.
 
     Raises:
-        InputError: the lens has a prescription that is none.
+        InputError: the prescription is not a lens.
     """
     return _FocusInterpolator(camera).at(focus_w(camera) if focus_w_per_m is None else focus_w_per_m)
 
 
 def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArray) -> DoubleArray:
-    """``(k,)`` by how much k things would be off focus, in 1/m, were the lens focused as if it had no curvature of field.
+    """Focus errors ``(k,)`` of k objects in 1/m, if the lens were focused as if it had no field curvature.
 
     Args:
         camera: with its lens.
-        slopes: ``(k, 2)`` of the things, in object space; not finite for none, whose shift is 0.
-        focus_w_per_m: ``(k,)`` where the lens is focused for each.
+        slopes: ``(k, 2)`` slopes of the objects in object space; not finite for none, whose shift is 0.
+        focus_w_per_m: ``(k,)`` focus of the lens for each.
 
     Raises:
-        InputError: the lens has a prescription that is none.
+        InputError: the prescription is not a lens.
     """
     lens = _FocusInterpolator(camera)
     shifts = np.zeros(len(slopes))
@@ -102,7 +103,7 @@ def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArr
 
 @dataclass(frozen=True)
 class _Errors:
-    """All of a lens that its errors depend on; equal lenses have equal errors."""
+    """Parameters that a lens's errors depend on; equal lenses have equal errors."""
 
     model: LensModel
     prescription: Prescription | None
@@ -138,9 +139,9 @@ class _Errors:
 
 
 class _FocusInterpolator:
-    """A camera's lens, wherever it is focused.
+    """Field focus of a camera's lens at any focus.
 
-    Glass is looked at with a rounded focal length and then scaled a little, so that a zoom traces few lenses.
+    Glass is traced at a rounded focal length and then scaled, so that a zoom traces few lenses.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -161,7 +162,7 @@ class _FocusInterpolator:
             self._near_w = float(focus_law(camera).near_w[0]) * self._scale * _WITHIN
 
     def at(self, w: float) -> FieldFocus | None:
-        """Focused at an inverse depth, 1/m; None where it has no errors."""
+        """Field focus at an inverse depth, 1/m; None for a lens without errors."""
         if not self.has_errors:
             return None
         if not self._is_glass:

@@ -50,8 +50,8 @@ def grid_table(
         focus_w: inverse depth of the plane of focus, 1/m.
         wavelengths_nm: one part of the table for each.
         scales: factors on its errors.
-        fields_across: how many fields to trace across and down; odd, so that one is on the axis.
-        pupil_side: how many points of the pupil across and down.
+        fields_across: number of fields across and down; odd, so that one is on the axis.
+        pupil_side: number of pupil points across and down.
     """
     line = np.linspace(-last_slope, last_slope, fields_across)
     fields = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)  # x right, y down, rows first
@@ -147,7 +147,7 @@ def _changes(
 def _light(traced: TracedLens, stops: DoubleArray, passes: NDArray[np.bool_], vignetting: float) -> DoubleArray:
     """``(k, fields, stops, 2)`` weight, relative to the light on the axis, and clearance, below 0 where a ray passes.
 
-    All wavelengths have the light of the first one on the axis; ``vignetting`` is how much of the fields' loss is kept.
+    All wavelengths have the light of the first one on the axis; ``vignetting`` is the share of the fields' loss that is kept.
     """
     clearance = np.maximum(traced.front, traced.rear)[: len(passes)].reshape(passes.shape)
     clearance = np.where(passes, clearance, 1.0)

@@ -19,8 +19,7 @@ MAX_BLUR_SHARE = 0.25
 Only surfaces near the picture's edge with a larger circle of confusion are affected.
 """
 MAX_AREA_RATIO = 2.5
-"""The layers hold at most this many times the pixels of the picture alone at their resolution; what a lens that sees further
-needs beyond that, it gets by coarser layers."""
+"""Limit on the layers' pixels relative to the picture's at their resolution; a lens that sees further gets coarser layers."""
 MAX_SLOPE = 4.5
 """No picture from one point goes beyond 77 degrees from its axis."""
 _EDGE_POINTS = 33
@@ -44,7 +43,7 @@ def layer_view(
     Args:
         view: the picture.
         bundle: the lens.
-        focus: where it is focused.
+        focus: focal surface.
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """

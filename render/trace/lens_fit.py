@@ -46,7 +46,7 @@ LOW = Degrees(5, 3)
 
 @dataclass(frozen=True)
 class Region:
-    """The ellipse on the stop, in units of its radius, that holds what is open for one field height.
+    """Ellipse on the stop, in units of its radius, around the open part for one field height.
 
     Attributes:
         centre: along the tangential axis.
@@ -66,7 +66,7 @@ class Region:
 
     @property
     def area(self) -> float:
-        """Over that of the whole stop."""
+        """Area relative to that of the whole stop."""
         return self.along * self.across
 
 
@@ -78,7 +78,7 @@ class NodeRays:
         slope: ``(n, 2)`` slope error.
         pupil_m: ``(n, 2)``.
         front: ``(n,)`` clearance, above 0 blocked.
-        rear: likewise.
+        rear: ``(n,)`` clearance behind the stop.
         weight: ``(n,)``.
         passed: ``(n,)`` whether the ray gets through, rims apart.
     """
@@ -190,7 +190,7 @@ class _Part:
 
 
 def _term_positions(degree: int, full: int) -> IntArray:
-    """Where the terms of an even basis of the degree stand among those of the full one."""
+    """Indices of an even basis's terms among those of the full one."""
     everything = even_powers(full)
     return np.array([everything.index(power) for power in even_powers(degree)], np.int32)
 

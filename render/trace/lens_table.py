@@ -18,7 +18,7 @@ REGION = 79  # centre, half axes along and across; whether a rim clips
 BOUND = 83  # slope error: centre and radius; pupil point: centre and radius
 LIGHT = 87  # mean weight of the rays of the whole disc, blocked ones as 0: what a white field shows
 ROW_LENGTH = 88
-"""Numbers of a row: polynomials over the pupil by their first coefficient, then what is constant over it."""
+"""Numbers of a row: first the coefficients of polynomials over the pupil, then constants."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Where a picture's pixels are focused: the camera's focal surface as its lens shows it."""
+"""Focus of a picture's pixels: the camera's focal surface through its lens."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class PictureFocus:
     """A focal surface in a picture.
 
     Attributes:
-        surface: over slopes of object space.
-        view: the picture.
-        chief: where the lens's chief rays go; None where they go straight.
+        surface: focal surface over slopes of object space.
+        view: view of the picture.
+        chief: the lens's chief rays; None where they are straight.
     """
 
     surface: FocalSurface
@@ -33,21 +33,22 @@ class PictureFocus:
 
     @property
     def affine(self) -> tuple[float, float, float] | None:
-        """w_f at the picture's top left corner and its change from pixel to pixel to the right and down; None where no such
-        three numbers say it all."""
+        """Coefficients of an affine w_f: at the picture's top left corner, and per pixel right and down; None if it is
+        not affine.
+        """
         plane = self.surface.plane
         if not self.surface.is_plane or (self.chief is not None and not plane.is_upright):
             return None
         return self.view.across(plane)
 
     def at(self, places_px: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """``(...)`` w_f in 1/m, and ``(...)`` the radius of the pupil over the lens's own, of places ``(..., 2)`` in pixels."""
+        """w_f ``(...)`` in 1/m and relative pupil radius ``(...)`` at positions ``(..., 2)`` in pixels."""
         slopes = (places_px - [self.view.cx, self.view.cy]) / [self.view.fx, self.view.fy]
         seen = slopes if self.chief is None else self.chief.seen_at(slopes)
         return focused_at(self.surface, seen * [1.0, -1.0])
 
     def over_picture(self) -> tuple[DoubleArray, DoubleArray]:
-        """`at` of a grid of places all over the picture, and of those that control points stand at."""
+        """`at` on a grid over the picture, and at the control points."""
         x, y = np.meshgrid(np.linspace(0, self.view.width, _GRID), np.linspace(0, self.view.height, _GRID))
         w, pupil = self.at(np.stack([x, y], axis=-1).reshape(-1, 2))
         if self.surface.controls is None:

@@ -1,4 +1,4 @@
-"""The table of a prescription: where its pupil is open at each field height, and how its rays leave it.
+"""Lens table of a prescription: the open pupil at each field height, and the rays that leave it.
 
 Field heights are slopes of the ideal lens: the film point that a pixel stands for is its slope times the image scale of the lens
 as focused, so that by default the picture's framing does not change with focus, and with breathing it does.
@@ -26,13 +26,13 @@ if TYPE_CHECKING:  # so that a process without GL can ask where a lens is sharpe
 
 HEIGHTS = 48
 MAX_SLOPE = 4.5
-"""Beyond 77 degrees from the axis a picture from one point cannot be drawn; the lens is dark there."""
+"""Slope limit of 77 degrees from the axis, beyond which one perspective picture cannot be drawn; the lens is dark there."""
 FILM_ERROR_MM = 0.004
 """Greatest error of a fitted ray on the film, mm, at which polynomials of a lower degree are accepted: a fifth of a
 pixel of 36 mm over 1920.
 """
 PUPIL_ERROR = 1.5e-3
-"""Likewise on the entrance pupil, over its radius: by as much a circle of confusion is off at its edge."""
+"""Greatest error on the entrance pupil relative to its radius: the relative error of a circle of confusion at its edge."""
 _GRID = 41
 _PADDING = 1.0 / _GRID
 
@@ -73,7 +73,7 @@ def prescription_table(
 
 
 def _normalize_light(rows: DoubleArray, vignetting: float) -> DoubleArray:
-    """The rows with their weights relative to the light on the axis; ``vignetting`` is how much of its loss is kept.
+    """The rows with their weights relative to the light on the axis; ``vignetting`` is the share of its loss that is kept.
 
     All wavelengths get the light of the middle one, so that white stays neutral.
     """
@@ -103,7 +103,7 @@ def extend_dark_rows(rows: DoubleArray) -> DoubleArray:
 
 
 def _sufficient_fit(rays: list[list[NodeRays]], lens: FocusedLens) -> PupilFit:
-    """The lowest degrees that hold the lens well enough: each term costs every ray of the picture."""
+    """Lowest degrees that fit the lens well enough: each term costs every ray of the picture."""
     low = PupilFit(pupil_nodes(), LOW)
     residuals = np.array([low.residual(r) for part in rays for r in part])
     slope_error, pupil_error = residuals.max(axis=0)
@@ -137,12 +137,12 @@ def _open_regions(tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray)
 
 
 def enclosing_region(is_open: DoubleArray, all_points: int, padding: float) -> Region:
-    """The smallest ellipse on the tangential axis around the open points of the half disc.
+    """Smallest ellipse on the tangential axis around the open points of the half disc.
 
     Args:
-        is_open: ``(m, 2)`` those of the points that are.
-        all_points: how many points there are.
-        padding: how far apart they are, in units of the stop's radius: it is added all around.
+        is_open: ``(m, 2)`` open points.
+        all_points: number of all points.
+        padding: spacing of the points, in units of the stop's radius, which is added all around.
     """
     if len(is_open) == all_points:
         return Region()
@@ -216,7 +216,7 @@ def _drawable(traced: TracedLens) -> NDArray[np.bool_]:
 
 
 def chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
-    """All but the last wavelength, moved away from that one, or toward it."""
+    """Scale the distance of all wavelengths from the last one."""
     return [
         [
             replace(
@@ -234,7 +234,7 @@ def chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]
 def scale_rays(
     rays: NodeRays, axis: NodeRays, region: Region, nodes: DoubleArray, scales: AberrationScales
 ) -> NodeRays:
-    """Rays of a field height with each kind of error scaled; ``axis`` are those of the height 0, at the same nodes."""
+    """Scale each kind of error of a field height's rays; ``axis`` are the rays of height 0 at the same nodes."""
     if not changes_shape(scales):
         return rays
     if not (rays.passed.all() and axis.passed.all()):

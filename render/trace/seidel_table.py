@@ -43,13 +43,13 @@ def seidel_table(
     last_slope: float,
     wavelengths_nm: Sequence[float],
 ) -> PolynomialTable:
-    """The table of a Seidel lens.
+    """Make the table of a Seidel lens.
 
     Args:
         errors: its wavefront errors.
         scales: factors on them.
-        focal_length_mm: of the lens.
-        pupil_radius_m: at the f-number used; not 0.
+        focal_length_mm: focal length of the lens.
+        pupil_radius_m: pupil radius at the f-number used; not 0.
         last_slope: field of the picture's farthest corner, slope in object space.
         wavelengths_nm: one part of the table for each.
     """

@@ -1,4 +1,4 @@
-"""Where each pixel is sharpest, and how fast its circle of confusion grows from there: the plane of focus as it is bent."""
+"""Sharpest inverse depth of each pixel, and growth of its circle of confusion: the curved surface of focus."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
 
 
 def least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Where the rays of fields have the least spread.
+    """Inverse depth of least spread of the rays of fields.
 
     Args:
         slope: ``(fields, rays, 2)`` slope errors in the plane of focus.

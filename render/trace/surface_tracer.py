@@ -24,15 +24,15 @@ _GROUP = 64
 
 @dataclass(frozen=True, eq=False)
 class TracedLens:
-    """Where rays leave a lens, for each wavelength and query.
+    """Rays as they leave a lens, for each wavelength and query.
 
     Attributes:
         slope: ``(k, n, 2)`` in object space, m of x to a m of depth.
         pupil_mm: ``(k, n, 2)`` where the ray passes the plane of the entrance pupil.
         front: ``(k, n)`` clearance before the stop, (r / half clear diameter)² − 1 at its largest: above 0 a rim blocks.
-        rear: likewise, behind the stop.
+        rear: ``(k, n)`` the same behind the stop.
         weight: ``(k, n)`` projected solid angle on the film of an element of the stop, 1/mm².
-        passed: ``(k, n)`` whether the ray gets through at all, rims apart.
+        passed: ``(k, n)`` whether the ray passes, ignoring rims.
     """
 
     slope: DoubleArray
@@ -125,7 +125,7 @@ def _surfaces(lens: FocusedLens, field: HeightField | None) -> FloatArray:
     table = np.zeros((len(surfaces), _ROW), np.float32)
     gaps = np.diff(np.append(lens.vertices_mm, lens.film_mm))
     for row, surface, gap in zip(table, surfaces, gaps, strict=True):
-        # negative: the iris is no rim, who asks for a stop point knows whether it is open
+        # negative: the iris is not a rim here; the caller knows which stop points are open
         rim = -surface.semi_diameter_mm if surface.is_stop else surface.semi_diameter_mm
         row[:4] = [1 / surface.radius_mm if surface.radius_mm else 0.0, rim, surface.conic, gap]
         row[4 : 4 + len(surface.aspheric)] = surface.aspheric

@@ -66,7 +66,7 @@ def star(
         spread_px: across and down, how many pixels wide λ/D is at a wavelength of a nanometre: the focal length in pixels over
             the entrance pupil's diameter in nanometres.
         width: of the picture in pixels.
-        height: likewise.
+        height: picture height in pixels.
         strength: 1 as it is; light away from its source grows in proportion.
         light: the wavelengths.
     """

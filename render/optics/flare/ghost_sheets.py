@@ -56,7 +56,7 @@ class GhostSheets:
         stops: ``(m, rows, columns, CROSSINGS, 2)`` where it crossed the iris, as the picture's bokeh has it, in units of its
             radius; 0 for crossings that there are not.
         rim: ``(m, rows, columns)`` nearest that it came to a rim: above 1 it is blocked.
-        radiance: ``(m, rows, columns, 3)`` what the picture shows, before iris and rims.
+        radiance: ``(m, rows, columns, 3)`` radiance in the picture, before iris and rims.
         whole: ``(m, rows - 1, columns - 1)`` meshes all of whose corners arrive.
     """
 
@@ -74,7 +74,7 @@ def ghost_sheets(
 
     Args:
         lens: as focused.
-        sources: what is bright.
+        sources: bright sources.
         light: the wavelengths that are traced; each is reflected as all that it stands for.
         iris_share: of its circle that the iris lets through: the picture is exposed for that.
         faintest: radiance below which, on its mean, a sheet is left out.
@@ -229,7 +229,7 @@ def _whole_sheet(half: DoubleArray) -> DoubleArray:
 
 
 def _rotate(places: DoubleArray, turns_rad: DoubleArray) -> DoubleArray:
-    """Places ``(m, ..., 2)`` turned from +x to where each source is."""
+    """Rotate points ``(m, ..., 2)`` from +x toward each source."""
     turns = turns_rad.reshape(-1, *([1] * (places.ndim - 2)))
     x, y = places[..., 0], places[..., 1]
     return np.stack([x * np.cos(turns) - y * np.sin(turns), x * np.sin(turns) + y * np.cos(turns)], axis=-1)

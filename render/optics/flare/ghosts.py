@@ -42,8 +42,8 @@ class GhostRays:
     """Rays that came through a lens with two reflections.
 
     Attributes:
-        film_mm: ``(n, 2)`` where they land.
-        stops: ``(n, k, 2)`` where they crossed the stop, 1 or 3 times, in units of the iris's radius.
+        film_mm: ``(n, 2)`` landing points on the film.
+        stops: ``(n, k, 2)`` crossings of the stop, 1 or 3, in units of the iris's radius.
         rim: ``(n,)`` farthest from the axis that they met a surface, over its clear radius; above 1 its mount blocks the ray.
         light: ``(n,)`` share of the light that they bring over what would come straight through.
         arrives: ``(n,)`` whether they meet all surfaces and the film; of those that do not, the rest has no meaning.
@@ -75,7 +75,7 @@ def trace_ghost(
     wavelength_nm: float | DoubleArray = D_LINE_NM,
     colours_nm: DoubleArray | None = None,
 ) -> GhostRays:
-    """Trace rays from the scene to the film by way of two reflections. Rims stop none: they are told.
+    """Trace rays from the scene to the film by way of two reflections. Rims do not stop rays; clearances are returned.
 
     Args:
         lens: as focused.

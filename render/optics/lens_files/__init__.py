@@ -1,7 +1,7 @@
 """Prescriptions from the files that people have lenses in: pbrt `.dat`, Zemax `.zmx`, CODE V `.seq`, Optical Bench `.txt`; and
 data sheets from `.lens` files.
 
-What is read is as the file has it: `render.optics.prescription.completion.complete_prescription` solves for what is missing.
+Readers return the file's own values: `render.optics.prescription.completion.complete_prescription` computes missing ones.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def parse_lens_file(data: bytes, name: str) -> Prescription:
 
     Args:
         data: all of the file.
-        name: of the file; its suffix tells the format.
+        name: name of the file; its suffix selects the format.
 
     Raises:
         InputError: as `read_lens_file`.

@@ -50,7 +50,7 @@ def read_code_v(text: LensText) -> Prescription:
         text: the file.
 
     Raises:
-        InputError: it is no such file, is cut off, or has what is not supported.
+        InputError: the file is not of this format, is cut off, or has unsupported features.
     """
     reader = _Reader(text)
     for command in _commands(text):
@@ -99,7 +99,7 @@ class _Reader:
         self._private = PrivateGlasses(text)
 
     def take(self, command: _Command) -> None:
-        """Take one command; what is not known is passed over."""
+        """Read one command; unknown ones are ignored."""
         if self._private.takes(command.line, command.name, command.words):
             return
         if _SURFACE.fullmatch(command.name):
@@ -204,7 +204,7 @@ class _Reader:
             surface.radius = value if name == "RDY" else _inverse(value)
 
     def _refuse(self, command: _Command) -> None:
-        """Tilts of 0 are none."""
+        """Refuse unsupported commands. Tilts of 0 are accepted."""
         label = self._surfaces[-1].label if self._surfaces else ""
         words = [word for word in command.words if not _SURFACE.fullmatch(word.upper())]
         if command.name in _TILTS and not any(self._text.number(word, "tilt", command.line, label) for word in words):

@@ -18,11 +18,11 @@ _INDEX_RANGE, _LEAST_ABBE = (1.0, 5.0), 5.0
 
 @dataclass
 class DraftSurface:
-    """A surface in the file's own unit, until all that the file says of it is read.
+    """Surface in the file's own unit, while the file is being read.
 
     Attributes:
         label: as the file counts it.
-        line: where it begins, counted from 1.
+        line: first line, counted from 1.
         radius: of curvature; 0 is a plane.
         thickness: to the next surface.
         glass: the medium behind it.
@@ -54,7 +54,7 @@ class Draft:
         unit_mm: the file's unit of length.
         f_stop: wide open; 0 where it is unknown.
         focus_group: the first and the last surface that move to focus.
-        notes: what was approximated or chosen, one sentence each.
+        notes: approximations and choices, one sentence each.
     """
 
     text: LensText

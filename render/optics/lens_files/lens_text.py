@@ -29,7 +29,7 @@ class LensText:
     lines: tuple[str, ...]
 
     def error(self, what: str, line: int | None = None, surface: str = "") -> InputError:
-        """An error that says where.
+        """Make an error with its location.
 
         Args:
             what: the rest of the sentence.
@@ -52,7 +52,7 @@ class LensText:
             at_least: the least that makes sense.
 
         Raises:
-            InputError: it is none, or too small.
+            InputError: the word is not a number, or too small.
         """
         is_number = len(text) <= _LONGEST_NUMBER and _NUMBER.fullmatch(text)
         value = float(text) if is_number else math.nan

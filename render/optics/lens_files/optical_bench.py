@@ -42,7 +42,7 @@ def read_optical_bench(text: LensText) -> Prescription:
         text: the file.
 
     Raises:
-        InputError: it is no such file, is cut off, or has what is not supported.
+        InputError: the file is not of this format, is cut off, or has unsupported features.
     """
     sections = _sections(text)
     positions = Positions(text, {words[0].lower(): (line, words[1:]) for line, words in sections["variable distances"]})

@@ -80,7 +80,7 @@ class Positions:
         return None
 
     def _shift(self, name: str, column: int) -> float:
-        """By how much a distance changes from the first position to another; 0 where it does not."""
+        """Change of a distance from the first position to another; 0 where it is constant."""
         words = self._rows.get(name, (0, ()))[1]
         begin, end = _value(words, 0), _value(words, column)
         if begin is None or end is None or abs(end - begin) < _SAME_MM:

@@ -42,7 +42,7 @@ def read_zemax(text: LensText) -> Prescription:
         text: the file.
 
     Raises:
-        InputError: it is no such file, is cut off, or has what is not supported.
+        InputError: the file is not of this format, is cut off, or has unsupported features.
     """
     reader = _Reader(text)
     for line, raw in enumerate(text.lines, 1):
@@ -82,7 +82,7 @@ class _Reader:
         }
 
     def take(self, command: str, words: list[str], rest: str, line: int) -> None:
-        """Take one line; what is not known is passed over."""
+        """Read one line; unknown commands are ignored."""
         if command in self._of_system:
             self._of_system[command](words, rest, line)
         elif command in self._of_surface:

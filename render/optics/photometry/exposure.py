@@ -1,4 +1,4 @@
-"""Exposure: for how long light falls on the film, and what number of the picture it becomes.
+"""Exposure: its time, speed and f-number, and the picture's values that follow from them.
 
 The law is UsdGeomCamera's: with ``exposure:time`` t, ``:iso`` S, ``:fStop`` N, ``:responsivity`` R and the compensation
 ``exposure`` c, a radiance L is multiplied by
@@ -143,7 +143,7 @@ def shutter_time_s(angle_rad: float, frames_per_second: float) -> float:
 
 
 def shutter_angle_rad(time_s: float, frames_per_second: float) -> float:
-    """The opening of a rotating shutter that exposes for a time; more than a full turn where a frame is not long enough.
+    """Opening angle of a rotating shutter for an exposure time; above a full turn where a frame is too short.
 
     Raises:
         SettingsError: a number is not positive.

@@ -1,4 +1,4 @@
-"""Light on the film: what the lens leaves of a luminance, and how it falls off over the picture.
+"""Illuminance of the film from a luminance in the scene, and its falloff over the picture.
 
 Geometry alone (Ray, *Applied Photographic Optics*, 3rd ed. 2002; Kyaw 2013, eq. 4.9):
 
@@ -55,7 +55,7 @@ class LightPath:
 
     @property
     def bellows_factor(self) -> float:
-        """``(1 + m/P)²``: by how much longer the exposure has to be than at infinity."""
+        """Factor ``(1 + m/P)²`` on the exposure time relative to focus at infinity."""
         return (1 + self.magnification / self.pupil_magnification) ** 2
 
     @property
@@ -77,10 +77,10 @@ class LightPath:
 def illuminance_lux(
     luminance_nits: ArrayLike, path: LightPath, *, cos_theta: ArrayLike = 1.0, vignetting: ArrayLike = 1.0
 ) -> DoubleArray:
-    """Illuminance of the film (the equation at the head of this module). What is given is broadcast.
+    """Illuminance of the film (the equation at the head of this module). Arguments are broadcast.
 
     Args:
-        luminance_nits: L, of what is seen there.
+        luminance_nits: L, luminance of the surface seen there.
         path: N, T, m and P.
         cos_theta: of the angle between chief ray and axis.
         vignetting: V, the part of the beam that no rim blocks.
@@ -148,7 +148,7 @@ def light_path(camera: Camera) -> LightPath:
 
 
 UNVIGNETTED = ("pinhole", "thin", "seidel")
-"""Models whose rays are all of one weight; those of a data sheet are where it does not say how light falls off."""
+"""Models whose rays have equal weights; those of a data sheet do where it has no falloff."""
 
 
 def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: bool = False) -> FloatArray | None:
@@ -174,14 +174,14 @@ def light_over_picture(camera: Camera, width: int, height: int, *, is_pinhole: b
 
 
 def natural_vignetting(view: PinholeView, strength: float = 1.0) -> FloatArray:
-    """cos⁴θ over a picture: how much darker its corners are through a lens without rims.
+    """Natural vignetting cos⁴θ over a picture, for a lens without rims.
 
     For lenses without surfaces (thin, Seidel), whose rays are all of one weight. A prescription's table has the fall-off of the
     real lens already, rims and all.
 
     Args:
         view: the picture, from the centre of the entrance pupil.
-        strength: how much of it there is, in stops relative to the law's own, as `render.model.lens.AberrationScales` has
+        strength: its strength, in stops relative to the law's own, as `render.model.lens.AberrationScales` has
             vignetting.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Metering: how bright a picture is, by how many stops it is off, and the compensation that puts it right.
+"""Metering: mean luminance of a picture, its distance from middle grey in stops, and the compensation that corrects it.
 
 A meter is a photocell behind a mask: it tells the mean luminance of what it looks at, and whoever trusts it takes that for a
 grey of 18 % (`MIDDLE_GREY`). Over the frames of a shot each reading wants a compensation of its own; followed as they are they
@@ -55,12 +55,12 @@ class Reading:
 
     @property
     def stops(self) -> float:
-        """By how many stops it comes out brighter than middle grey; negative darker, minus infinity for black."""
+        """Stops above middle grey; negative below it, minus infinity for black."""
         return _log2(self.luminance_nits * self.settings.scale / MIDDLE_GREY)
 
     @property
     def compensation_stops(self) -> float:
-        """The compensation, in place of the present one, that makes it middle grey; NaN for black."""
+        """Compensation that would make the metered luminance middle grey; NaN for black."""
         return self.settings.compensation_stops - self.stops if self.luminance_nits > 0 else math.nan
 
 
@@ -78,9 +78,9 @@ def meter(
     Args:
         radiance: ``(height, width, 3 or more)`` scene-linear, not exposed. NaN counts as black.
         settings: of the exposure.
-        mode: what the meter looks at; see `meter_weights`.
+        mode: metering mode; see `meter_weights`.
         spot_px: as `meter_weights`.
-        spot_radius_px: likewise.
+        spot_radius_px: radius of the spot in pixels.
         luminance_of_rgb: of the working space's primaries; they sum to 1.
 
     Raises:
@@ -171,7 +171,7 @@ def one_key(compensations: ArrayLike) -> float:
 def smoothed_keys(
     times_s: ArrayLike, compensations: ArrayLike, smoothing_s: float, *, at_s: ArrayLike | None = None
 ) -> DoubleArray:
-    """A compensation for each frame that follows what they want, and does not flicker.
+    """Smoothed compensation for each frame, without flicker.
 
     The mean weighted by a bell (Gauss) around each frame, whose standard deviation σ is a quarter of the smoothing time: looking
     ahead as far as back, so that nothing comes late. A sudden change is taken in ``smoothing_s`` but for 5 %. A flicker of
@@ -180,8 +180,8 @@ def smoothed_keys(
     Args:
         times_s: ``(n,)`` rising.
         compensations: ``(n,)`` stops; NaN for frames that are black, which are bridged.
-        smoothing_s: how long a sudden change shall take; above 0.
-        at_s: ``(k,)`` times that are asked about; by default those of the frames.
+        smoothing_s: duration of the transition at a sudden change; above 0.
+        at_s: ``(k,)`` times of the result; by default those of the frames.
 
     Returns:
         ``(n,)`` or ``(k,)`` stops, between the least and the greatest of those given.

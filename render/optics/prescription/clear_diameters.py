@@ -62,7 +62,7 @@ def _with_widths(prescription: Prescription, widths: dict[int, float]) -> Prescr
 
 
 def _trim(prescription: Prescription, widths: dict[int, float], axial_mm: DoubleArray) -> Prescription:
-    """Neighbours no wider than where they meet."""
+    """Limit neighbours to the radius at which they meet."""
     trimmed = dict(widths)
     for i, j in solid_neighbours(prescription):
         meeting = _meeting_mm(prescription, i, j)

@@ -1,4 +1,4 @@
-"""A prescription made complete: checked, and what its file leaves out solved for and said so."""
+"""Completion of a prescription: checks, and computation of values that its file leaves out, with notes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ROUNDED = 5e-4  # share of a length that no note shows
 
 
 def complete_prescription(prescription: Prescription, *, image_height_mm: float = 21.6) -> Prescription:
-    """Check a prescription and solve for what is missing: stop, aperture, back focus, clear diameters.
+    """Check a prescription and compute missing values: stop, aperture, back focus, clear diameters.
 
     In this order: the stop's place (`render.optics.prescription.stop_placement`); the f-number from the stop's diameter, or
     the diameter from
@@ -36,7 +36,7 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
     the clear diameters (`render.optics.prescription.clear_diameters`).
 
     Args:
-        prescription: as a file has it.
+        prescription: as read from a file.
         image_height_mm: half the diagonal that the lens is to cover.
 
     Returns:
@@ -84,7 +84,7 @@ def _scale_surface(surface: Surface, factor: float) -> Surface:
 
 
 def _with_surface(prescription: Prescription, index: int, note: str, **changes: float) -> Prescription:
-    """Numbers of one surface replaced, and said so."""
+    """Replace numbers of one surface, and add a note."""
     surfaces = list(prescription.surfaces)
     surfaces[index] = replace(surfaces[index], **changes)  # type: ignore[arg-type]
     return replace(prescription, surfaces=tuple(surfaces), notes=(*prescription.notes, note))

@@ -1,7 +1,7 @@
 """Focusing mechanism of a lens: the glass that moves, its travel, and its position for an object distance.
 
-The film stands still, where it is with the lens focused at infinity. For any place of what moves, the film has one image in
-object space to first order; focusing finds the place where that image lies as far away as is asked for.
+The film stays where it is with the lens focused at infinity. For any position of the moving glass, the film has one image in
+object space to first order; focusing finds the position at which that image lies at the object distance.
 
 A *shift* is along z in mm: negative toward the scene. *Nearness* is one over the distance from the entrance pupil, 1/mm.
 """
@@ -52,7 +52,9 @@ class FilmThroughLens:
     pupil_depth_mm: float
 
     def miss(self, nearness: float) -> float:
-        """0 where an object of that nearness is sharp: the spread on the film of rays from it over that in the pupil."""
+        """Defocus of an object of that nearness: the spread of its rays on the film over that in the pupil; 0 where it
+        is sharp.
+        """
         return self.lift + nearness * self.scale_mm
 
     @property
@@ -71,7 +73,7 @@ class FocusMechanism:
 
     Attributes:
         prescription: focused at infinity.
-        system: likewise, near the axis at the d line.
+        system: its paraxial system at the d line.
         film_mm: z of the film.
         moving: first and last surface that move.
         stop: index of the aperture stop.
@@ -141,7 +143,7 @@ class FocusMechanism:
         return best_focus_mm(self.prescription, object_mm, stop_radius_mm, moved) - self.film_mm
 
     def _shift_of_whole(self, nearness: float) -> float:
-        """In closed form: how far the film misses the image is linear in the shift."""
+        """Shift in closed form: the distance between film and image is linear in the shift."""
         rest, ahead = self.film_through_lens(0.0), self.film_through_lens(-1.0)
         slope, slope_at_infinity = rest.miss(nearness) - ahead.miss(nearness), rest.lift - ahead.lift
         if nearness * rest.pupil_depth_mm >= 1 or slope / slope_at_infinity < 1e-6:
@@ -192,7 +194,7 @@ class FocusMechanism:
         return -max(front, 0.0), max(behind, 0.0)
 
     def _out_of_reach(self, nearness: float, low: float, high: float) -> SettingsError:
-        """The error that says what the group reaches on its way, and what ends it."""
+        """Error with the range that the group reaches, and the reason for its end."""
         first, last = self.moving
         places = np.linspace(low, high, 2 * _PLACES)
         reached = {place: seen for place in places if (seen := self.film_through_lens(place).nearness) is not None}

@@ -61,7 +61,7 @@ def focus_lens(
     Args:
         prescription: complete (`render.optics.prescription.completion.complete_prescription`).
         focus_distance_m: from the centre of the entrance pupil; infinity (or 0, as USD has it) focuses at infinity.
-        f_stop: asked for; where the lens does not open so far, it is opened as far as it goes.
+        f_stop: requested f-number; a lens that does not open so far is wide open.
         by: what is sharpest: ``spot`` where the rays at the d line, on the axis and at that f-number, have the least
             root-mean-square distance from their centre on the film; ``paraxial`` where those close to the axis meet.
 

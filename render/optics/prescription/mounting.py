@@ -42,7 +42,7 @@ def mount_lens(camera: Camera) -> FocusedLens:
 
 
 def breathing_ratio(camera: Camera) -> float:
-    """Image scale of the mounted lens over its focal length: how much larger its picture is than focused at infinity."""
+    """Image scale of the mounted lens over its focal length: the growth of its picture relative to focus at infinity."""
     return mount_lens(camera).image_scale_mm / camera.focal_length_mm
 
 

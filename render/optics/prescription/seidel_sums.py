@@ -38,7 +38,7 @@ class SeidelSums:
         petzval: ``(n,)`` S_IV, field curvature.
         distortion: ``(n,)`` S_V.
         axial_colour: ``(n,)`` C_I, between the lines F and C.
-        lateral_colour: ``(n,)`` C_II, likewise.
+        lateral_colour: ``(n,)`` C_II, lateral colour.
     """
 
     spherical: DoubleArray

@@ -1,4 +1,4 @@
-"""Where the aperture stop of a lens stands whose file does not say."""
+"""Placement of the aperture stop of a lens whose file does not give it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SHARES = np.linspace(0.05, 0.95, 37)  # of an air gap: an iris has some thickne
 
 
 def with_stop(prescription: Prescription) -> Prescription:
-    """The prescription with an aperture stop, where it has none.
+    """Prescription with an aperture stop, which is added where it has none.
 
     Designers bend surfaces about the stop: the gap is the one from whose best place the chief ray meets all surfaces most nearly
     at right angles (least sum of squares of its refraction invariants n·i). They balance coma about it: in the gap, the stop
@@ -55,7 +55,7 @@ def _trial_stops(prescription: Prescription, system: ParaxialSystem, gap: int) -
 
 
 def _with_stop_in(prescription: Prescription, gap: int, share: float) -> Prescription:
-    """A flat stop in the air gap behind a surface; what is behind it, and a focus group, count on by one."""
+    """Insert a flat stop in the air gap behind a surface; later indices and a focus group are shifted."""
     before = prescription.surfaces[gap]
     near, far = share * before.thickness_mm, (1 - share) * before.thickness_mm
     surfaces = list(prescription.surfaces)

@@ -20,13 +20,13 @@ _MET = 1e-3  # of the stop's radius: how near to its point a ray passes
 
 @dataclass(frozen=True, eq=False)
 class StopRays:
-    """Rays where they leave a lens; what they are where one does not get through does not matter.
+    """Rays as they leave a lens; values of blocked rays are undefined.
 
     Attributes:
         slope: ``(n, 2)`` in object space, a step of x and y for one of depth.
         pupil_mm: ``(n, 2)`` where they cross the plane of the entrance pupil.
         front: ``(n,)`` clearance before the stop, (r / half clear diameter)² − 1 at its largest: above 0 a rim blocks.
-        rear: likewise, behind the stop.
+        rear: the same behind the stop.
         passed: ``(n,)`` whether they get through at all, rims apart.
     """
 
@@ -100,7 +100,7 @@ def _aim(
 
 
 def _on_stop(lens: FocusedLens, film_mm: DoubleArray, slopes: DoubleArray, wavelength_nm: float) -> DoubleArray:
-    """``(n, 2)`` where rays from the film meet the plane of the stop's vertex; NaN where they do not get there."""
+    """Points ``(n, 2)`` of rays from the film in the plane of the stop's vertex; NaN for rays that do not reach it."""
     points, directions = _leaving(lens, film_mm, slopes)
     stop_mm, behind = float(lens.vertices_mm[lens.stop]), (lens.stop + 1, len(lens.vertices_mm))
     if behind[0] == behind[1]:

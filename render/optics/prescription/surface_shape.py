@@ -1,4 +1,4 @@
-"""The shape of one lens surface: sag, slope, extent, and where a ray meets it.
+"""Shape of one lens surface: sag, slope, extent, and intersection with rays.
 
 Places are relative to the surface's vertex, in millimetres, z along the axis toward the film; `render.model.lens` defines the
 sag.
@@ -66,7 +66,7 @@ def extent_mm(surface: Surface) -> float:
 def intersect(
     surface: Surface, positions: DoubleArray, directions: DoubleArray
 ) -> tuple[DoubleArray, NDArray[np.bool_]]:
-    """Where rays meet a surface, on the sheet that holds its vertex.
+    """Intersect rays with a surface, on the sheet that holds its vertex.
 
     Conics have a closed form (Welford 1986, ch. 4), in which the ray first goes to the plane of the vertex. With aspheric
     terms, Newton's method goes on from there, inside a bracket that bisection takes over whenever a step would leave it.

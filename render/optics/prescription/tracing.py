@@ -55,7 +55,7 @@ class TracedRays:
         return np.asarray(self.stopped_by == PASSES)
 
     def at(self, z_mm: float) -> DoubleArray:
-        """``(n, 2)`` where the rays that leave cross the plane at ``z_mm``; NaN for those that were stopped."""
+        """Points ``(n, 2)`` of the leaving rays in the plane ``z_mm``; NaN for stopped rays."""
         last = self.points_mm[-1]
         with np.errstate(divide="ignore", invalid="ignore"):
             slopes = self.directions[:, :2] / self.directions[:, 2:]
@@ -150,7 +150,7 @@ def _rim_mm(surface: Surface, stop_radius_mm: float | None) -> float:
 def _indices_around(
     prescription: Prescription, index: int, wavelength_nm: float | DoubleArray, forward: bool
 ) -> tuple[float | DoubleArray, float | DoubleArray]:
-    """Refractive index that a ray comes from, and the one that it goes into, at a surface."""
+    """Refractive indices before and behind a surface, along the ray."""
     behind = refractive_index(prescription.surfaces[index].glass, wavelength_nm)
     front = refractive_index(prescription.surfaces[index - 1].glass, wavelength_nm) if index else np.ones_like(behind)
     return (front, behind) if forward else (behind, front)

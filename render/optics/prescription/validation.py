@@ -24,7 +24,7 @@ FASTEST_F_STOP = 0.5  # in air: the marginal ray leaves at right angles to the a
 
 
 def check_prescription(prescription: Prescription) -> None:
-    """Raise `InputError` where no lens is like the prescription; what is missing (0) is no error."""
+    """Raise `InputError` for an impossible lens; missing values (0) are accepted."""
     surfaces = prescription.surfaces
     if not 1 <= len(surfaces) <= MAX_SURFACES:
         raise bad_lens(prescription, f"expected 1 to {MAX_SURFACES} surfaces, got {len(surfaces)}")

@@ -83,11 +83,11 @@ def _solve(
     wanted: DoubleArray,
     jacobian: DoubleArray,
 ) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-    """Move pupil points until their rays meet the wanted points of the stop.
+    """Move pupil points until their rays meet the target points of the stop.
 
     Args:
         lens: as focused.
-        targets: where the rays come from.
+        targets: objects of the rays.
         good: ``(n, 2)`` pupil points whose rays get to the stop.
         start: ``(n, 2)`` pupil points to begin with.
         wanted: ``(n, 2)``.
@@ -150,7 +150,7 @@ def trace_aimed(lens: FocusedLens, rays: AimedRays, wavelengths_nm: DoubleArray,
 
     Args:
         lens: as focused.
-        rays: how they enter.
+        rays: rays as they enter.
         wavelengths_nm: ``(n,)``.
         clip: whether rims stop them, and the iris at its edge.
     """

@@ -26,7 +26,7 @@ PLACES = (
     ("top left corner", -1.0, 1.0),
     ("bottom right corner", 1.0, -1.0),
 )
-"""Where it is looked at: name, and place in half widths and half heights of the gate, right and up."""
+"""Places in the picture: name, and position in half widths and half heights of the gate, right and up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Bokeh:
         light: ``(side, side, 3)`` of red, green and blue, row 0 at the top, its centre in the middle; 1 is the ideal disc in the
             middle of the frame.
         share: of the light that the lens passes in the middle of the frame.
-        width_mm: of what the picture shows, on the film.
+        width_mm: width of the picture on the film.
     """
 
     name: str

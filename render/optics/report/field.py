@@ -23,7 +23,7 @@ _DARK = 2e-3  # of the light on the axis
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """Where light from a point in the plane of focus lands.
+    """Spot diagram of a point in the plane of focus.
 
     Attributes:
         height_mm: of the image.
@@ -44,9 +44,9 @@ class FieldCurves:
     Attributes:
         heights_mm: ``(n,)`` from the axis to the corner of the gate.
         tangential_mm: where the narrow beam around the chief ray focuses in the plane through the axis, behind the film.
-        sagittal_mm: likewise across that plane.
+        sagittal_mm: the same across that plane.
         distortion: share by which the image is farther up or down than an ideal lens's: negative is barrel-shaped.
-        distortion_across: likewise to the left or right, which differs for an anamorphic lens.
+        distortion_across: the same to the left or right, which differs for an anamorphic lens.
         illumination: of the film, 1 on the axis.
         geometric: the same if no rim blocked any light.
         cos4: fourth power of the cosine of the field angle.

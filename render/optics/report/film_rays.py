@@ -44,7 +44,7 @@ class FilmRays(Protocol):
         ...
 
     def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
-        """``(k,)`` where an ideal lens would have in the picture what this one has at the heights."""
+        """Heights ``(k,)`` at which an ideal lens would show what this lens shows at the given heights."""
         ...
 
     def beams(

@@ -46,7 +46,9 @@ class GlassRays:
         return self.principal.at(heights_mm, 0.0)[0]
 
     def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
-        """``(k,)`` where an ideal lens would have in the picture what this one has at the heights, in the plane of focus."""
+        """Heights ``(k,)`` at which an ideal lens would show what this lens shows at the given heights, in the plane of
+        focus.
+        """
         return self.principal.at(heights_mm, self._focus)[0] * self._lens.image_scale_mm
 
     def beams(
@@ -142,7 +144,7 @@ def _fit(nodes: DoubleArray, values: DoubleArray, solved: NDArray[np.bool_], sem
 
 
 def _reaches(at_rims: DoubleArray, semi_mm: DoubleArray) -> DoubleArray:
-    """``(f, n)`` how far out rays ``(f, n, 2 rims)`` meet the rim that they come nearest to, 1 being the rim itself."""
+    """Greatest relative radius ``(f, n)`` at which rays ``(f, n, 2 rims)`` meet a rim; 1 is the rim itself."""
     heights = np.linalg.norm(at_rims.reshape(*at_rims.shape[:2], -1, 2), axis=-1)
     return np.asarray((heights / semi_mm).max(axis=-1, initial=0.0))
 

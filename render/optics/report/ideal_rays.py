@@ -16,7 +16,7 @@ _MIDDLE_NM, _SPAN_NM = 562.5, 175.0  # colour errors are stated between 475 and 
 
 @dataclass(frozen=True, eq=False)
 class ThinRays:
-    """A thin lens as the renderer has it: its picture keeps its size when it focuses, and is even.
+    """Thin lens as rendered: its picture keeps its size over focus, and is evenly lit.
 
     A ray through the point l of the pupil that ends at the place p of the picture comes, at inverse depth w, from the slope
     ``p + δ(l, p) + l·(w − w_f)``; δ is the gradient of the wavefront (`render.model.lens.SeidelErrors`).
@@ -44,7 +44,7 @@ class ThinRays:
         return np.asarray(heights_mm / self.focal_length_mm + self._error(places, np.zeros((1, 2)), D_LINE_NM)[:, 0, 1])
 
     def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
-        """``(k,)`` where an ideal lens would have in the picture what this one has at the heights."""
+        """Heights ``(k,)`` at which an ideal lens would show what this lens shows at the given heights."""
         return self.seen(heights_mm) * self.focal_length_mm
 
     def beams(

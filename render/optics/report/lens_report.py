@@ -1,4 +1,4 @@
-"""All that can be said of a lens on its own: numbers, curves, spots and bokeh, for any lens model."""
+"""Report of a lens on its own: numbers, curves, spots and bokeh, for any lens model."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class LensReport:
         spots: over the field, in the plane of focus.
         curves: over the field.
         bokeh: None for a pinhole.
-        notes: what was solved for or is left out, one sentence each.
+        notes: values that were computed or left out, one sentence each.
     """
 
     camera: Camera
@@ -95,10 +95,10 @@ def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
 
     Args:
         camera: with its lens, f-number, focus and gate. The factors on a lens's errors are left at 1: it is shown as it is made.
-        wide_open: f-number of a lens that has no surfaces to say it; 0 where it opens as far as anybody likes.
+        wide_open: f-number of a lens without surfaces, wide open; 0 for no limit.
 
     Raises:
-        InputError: the lens is none.
+        InputError: the prescription is not a lens.
         SettingsError: it does not reach the focus distance.
     """
     lens, set_f_stop = mount_lens(camera) if has_surfaces(camera) else None, camera.f_stop

@@ -1,4 +1,4 @@
-"""The data sheet of a lens, measured on its rays: what a maker's test bench would write down of it."""
+"""Measurement of a data sheet from a lens's rays, as on a maker's test bench."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Dat
     """Measure a lens.
 
     Args:
-        rays: the lens, focused where it shall be measured.
-        heights_mm: ``(k,)`` image heights, from 0 outward; what is dark there is left out.
+        rays: rays of the focused lens.
+        heights_mm: ``(k,)`` image heights, from 0 outward; dark heights are left out.
         f_stop: of the rays.
     """
     light = np.clip(relative_light(rays, heights_mm)[0], 0.0, 2.0)

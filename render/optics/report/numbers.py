@@ -1,4 +1,4 @@
-"""The numbers of a lens as it is set: what a data sheet says, and what follows from its surfaces."""
+"""Numbers of a lens at its setting: its data-sheet values, and those that follow from its surfaces."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FARTHEST_LOOKED_AT_M, _NEAREST_LOOKED_AT_M = 1e4, 1e-3
 
 @dataclass(frozen=True)
 class Barrel:
-    """Places and sizes of what is in the barrel, the lens set as asked for. Lengths are mm.
+    """Positions and sizes inside the barrel at the lens's setting. Lengths are mm.
 
     Attributes:
         length: from the front vertex to the rear one.
@@ -32,7 +32,7 @@ class Barrel:
         exit_pupil_diameter: at the f-number.
         stop_diameter: at the f-number.
         petzval_radius: of the surface that the image would lie on without astigmatism; infinite where it is flat.
-        surfaces: how many.
+        surfaces: number of surfaces.
         focus_group: first and last index of the surfaces that move to focus; None where the whole lens does.
     """
 
@@ -62,7 +62,7 @@ class ThirdOrder:
         w220: field curvature, measured from the sagittal focus.
         w311: distortion.
         axial_colour: of the lines F and C.
-        lateral_colour: likewise.
+        lateral_colour: lateral colour.
     """
 
     w040: float

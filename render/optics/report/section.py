@@ -1,4 +1,4 @@
-"""A lens cut along its axis, with the rays of three beams: what a section drawing shows, in the lens's own millimetres.
+"""Section of a lens along its axis with the rays of three beams, for a section drawing, in the lens's own millimetres.
 
 z grows from the scene to the film, 0 at the front vertex of the lens focused at infinity (or at an ideal lens); y is up.
 """
@@ -82,7 +82,7 @@ def lens_section(camera: Camera) -> LensSection:
     """The section of a camera's lens, focused and stopped down as it is.
 
     Raises:
-        InputError: the lens is none.
+        InputError: the prescription is not a lens.
         SettingsError: it does not reach the focus distance.
     """
     corner = float(np.hypot(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)) / 2
@@ -134,7 +134,7 @@ def _outline(lens: FocusedLens, i: int) -> DoubleArray:
 
 
 def _profile(surface: Surface, y_mm: DoubleArray, curved: bool) -> DoubleArray:
-    """``(m,)`` sag at heights, beyond the clear diameter as at its rim or curved on; NaN where it ends."""
+    """Sag ``(m,)`` at heights; beyond the clear diameter it stays as at the rim, or curves on; NaN where it ends."""
     reach = y_mm if curved else np.minimum(y_mm, surface.semi_diameter_mm)
     return sag_mm(surface, reach**2)
 

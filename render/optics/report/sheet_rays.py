@@ -14,10 +14,10 @@ from render.optics.report.film_rays import Beams
 
 @dataclass(frozen=True, eq=False)
 class SheetRays:
-    """A lens by its data sheet as the renderer has it (`render.optics.data_sheet`): its picture keeps its size when it focuses.
+    """Lens described by its data sheet as rendered (`render.optics.data_sheet`): its picture keeps its size when it focuses.
 
     Attributes:
-        sheet: what was measured.
+        sheet: its measurements.
         focal_length_mm: of the lens.
         f_stop: above 0.
         focus_nearness_per_m: 1 over the focus distance.
@@ -38,7 +38,7 @@ class SheetRays:
         return seen_slopes(self.sheet, heights_mm, self.focal_length_mm)
 
     def paraxial_height_mm(self, heights_mm: DoubleArray) -> DoubleArray:
-        """``(k,)`` where an ideal lens would have in the picture what this one has at the heights."""
+        """Heights ``(k,)`` at which an ideal lens would show what this lens shows at the given heights."""
         return self.seen(heights_mm) * self.focal_length_mm
 
     def beams(

@@ -22,14 +22,14 @@ def write_focus(stage: Usd.Stage) -> None:
     camera = LensCamera(stage.GetPrimAtPath(CAMERA))
     camera.focus.author(FocusData(mode="points"))
     # Pip's brow between the eyes, and Mara's left eye: their own spaces, metres.
-    pip = camera.add_focus_point("pip", _anchored(stage, "pip", f"{PIP}/Body/Head/FacePlate", (0.0, 0.20, 0.21)))
-    mara = camera.add_focus_point("mara", _anchored(stage, "mara", f"{MARA}/Body/Head/VisorGlow", (0.05, 0.175, 0.155)))
+    pip = camera.add_focus_point("pip", _anchor(stage, "pip", f"{PIP}/Body/Head/FacePlate", (0.0, 0.20, 0.21)))
+    mara = camera.add_focus_point("mara", _anchor(stage, "mara", f"{MARA}/Body/Head/VisorGlow", (0.05, 0.175, 0.155)))
     for point, before, after in ((pip, 1.0, 0.0), (mara, 0.0, 1.0)):
         for time, value in ((FIRST_FRAME, before), (RACK_START, before), (RACK_END, after), (LAST_FRAME, after)):
             point.set_key("weight", time, value, "bezier", Tangents(0.0, HANDLE_FRAMES, 0.0, HANDLE_FRAMES))
 
 
-def _anchored(stage: Usd.Stage, name: str, path: str, near_m: ArrayLike) -> FocusPoint:
+def _anchor(stage: Usd.Stage, name: str, path: str, near_m: ArrayLike) -> FocusPoint:
     """A sharp focus point in the middle of the face of a mesh whose middle lies nearest to a place.
 
     Args:

@@ -33,7 +33,7 @@ def clipped_ball(radius: float, leaves: int, seed: int) -> Mesh:
         pitch = np.degrees(np.arccos(height)) + random.uniform(-28, 8)
         out = radius * random.uniform(0.72, 0.98)
         turn = rotation(y=yaw) @ rotation(x=pitch)
-        parts.append(small.turned(y=random.uniform(-50, 50)).moved(turn @ translation([0, out - 0.05, 0])))
+        parts.append(small.rotate(y=random.uniform(-50, 50)).transform(turn @ translation([0, out - 0.05, 0])))
     return merge(parts)
 
 

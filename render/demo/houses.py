@@ -141,7 +141,7 @@ def window(pane: str) -> dict[str, Mesh]:
     for side in (-1, 1):
         x = side * (width / 2 + 0.31)
         shutters += [box([0.05, height, 0.05]).at(x + d, height / 2, 0.05) for d in (-0.2, 0.2)]
-        shutters += [box([0.4, 0.1, 0.02]).turned(x=-28).at(x, 0.1 + 0.185 * k, 0.05) for k in range(8)]
+        shutters += [box([0.4, 0.1, 0.02]).rotate(x=-28).at(x, 0.1 + 0.185 * k, 0.05) for k in range(8)]
     return {
         "Trim": merge(frame),
         "ShopGreen": merge(shutters),

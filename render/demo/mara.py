@@ -34,8 +34,8 @@ def parts() -> dict[str, dict[str, Mesh]]:
 
 
 def _wheel() -> dict[str, Mesh]:
-    tyre = ring(0.135, 0.035, 48, 14).turned(z=90)
-    hub = lathe([[0.0, -0.05], [0.05, -0.045], [0.10, -0.012], [0.10, 0.012], [0.05, 0.045], [0.0, 0.05]], 28).turned(
+    tyre = ring(0.135, 0.035, 48, 14).rotate(z=90)
+    hub = lathe([[0.0, -0.05], [0.05, -0.045], [0.10, -0.012], [0.10, 0.012], [0.05, 0.045], [0.0, 0.05]], 28).rotate(
         z=90
     )
     spokes = [ball(0.014, 10, 6).at(0.035, 0.08 * np.cos(a), 0.08 * np.sin(a)) for a in np.arange(6) * np.pi / 3]
@@ -57,8 +57,8 @@ def _body() -> dict[str, Mesh]:
         return np.stack([out * np.sin(angle), height + 0.012 * fold * flutes * 8, out * np.cos(angle) * 0.88], axis=-1)
 
     collar = lathe([[0.075, 1.10], [0.135, 1.16], [0.145, 1.195], [0.130, 1.19], [0.07, 1.13]], 36)
-    cape = lathe(smooth_curve([[0.235, 0.90], [0.225, 0.94], [0.185, 1.05], [0.085, 1.145]], 16), 44).scaled(1, 1, 0.85)
-    belt = ring(0.148, 0.016, 40, 8).at(0, 0.785, 0).scaled(1, 1, 0.88)
+    cape = lathe(smooth_curve([[0.235, 0.90], [0.225, 0.94], [0.185, 1.05], [0.085, 1.145]], 16), 44).scale(1, 1, 0.85)
+    belt = ring(0.148, 0.016, 40, 8).at(0, 0.785, 0).scale(1, 1, 0.88)
     buttons = [ball(0.014, 12, 8).at(0, y, z) for y, z in ((0.66, 0.158), (0.54, 0.19), (0.42, 0.222))]
     neck = lathe([[0.045, 1.12], [0.040, 1.23]], 20)
     coat_mesh = surface(coat, 121, 56)
@@ -76,11 +76,11 @@ def _head() -> dict[str, Mesh]:
     )
     brim = lathe(smooth_curve([[0.13, 0.08], [0.20, 0.065], [0.262, 0.045]], 10), 44)
     eyes = merge(HEAD.patch(side * 0.36, -0.03, 0.20, 0.20, 1.03) for side in (-1, 1))
-    cheeks = [ring(0.034, 0.009, 24, 8).turned(z=90).at(side * 0.146, -0.02, 0) for side in (-1, 1)]
+    cheeks = [ring(0.034, 0.009, 24, 8).rotate(z=90).at(side * 0.146, -0.02, 0) for side in (-1, 1)]
     shade = HEAD.patch(0, -0.03, 0.86, 0.40, 1.008, 2.8)
     return {
         "Porcelain": HEAD.shell(48, 30).at(0, up, 0),
-        "Raincoat": merge([hat, brim]).turned(x=-6).at(0, up, 0),
+        "Raincoat": merge([hat, brim]).rotate(x=-6).at(0, up, 0),
         "FacePlate": shade.at(0, up, 0),
         "VisorGlow": eyes.at(0, up, 0),
         "Brass": merge([*cheeks]).at(0, up, 0),
@@ -90,7 +90,7 @@ def _head() -> dict[str, Mesh]:
 def _sleeve(path: list[list[float]], wrist_turn: float) -> dict[str, Mesh]:
     curve = smooth_curve(path, 26)
     sleeve = tube(curve, np.interp(np.linspace(0, 1, 26), [0, 0.5, 0.9, 1], [0.060, 0.048, 0.058, 0.062]), 18)
-    glove = hand(0.25).turned(x=wrist_turn).at(*(2 * curve[-1] - curve[-4]))
+    glove = hand(0.25).rotate(x=wrist_turn).at(*(2 * curve[-1] - curve[-4]))
     return {"Raincoat": sleeve, "Porcelain": glove}
 
 
@@ -139,6 +139,6 @@ def _umbrella_arm() -> dict[str, Mesh]:
     stays = [tube([[0, -0.42, 0], [0.3 * np.sin(a), -0.085, 0.3 * np.cos(a)]], 0.0035, 5) for a in angle]
     tips = [ball(0.011, 10, 6).at(0.6 * np.sin(a), -0.305, 0.6 * np.cos(a)) for a in angle]
     spike = lathe([[0.014, -0.01], [0.012, 0.03], [0.006, 0.09], [0.0, 0.10]], 12)
-    metal = merge([*ribs, *stays, *tips, spike]).turned(x=lean[0], z=lean[1]).at(*crown)
-    canopy = _canopy().turned(x=lean[0], z=lean[1]).at(*crown)
+    metal = merge([*ribs, *stays, *tips, spike]).rotate(x=lean[0], z=lean[1]).at(*crown)
+    canopy = _canopy().rotate(x=lean[0], z=lean[1]).at(*crown)
     return {**arm, "Brass": metal, "Wood": merge([hook, shaft]), "Umbrella": canopy}

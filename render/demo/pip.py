@@ -60,8 +60,8 @@ def _body() -> dict[str, Mesh]:
         for a in np.linspace(0, 2 * np.pi, 18, endpoint=False)
     ]
     belt = ring(0.2345, 0.011, 64, 10).at(0, 0.178, 0)
-    bezel = ring(0.040, 0.009, 32, 8).turned(x=78).at(0.0, 0.318, 0.218)
-    lamp = lathe([[0.036, 0.0], [0.026, 0.014], [0.0, 0.020]], 24).turned(x=78).at(0.0, 0.318, 0.216)
+    bezel = ring(0.040, 0.009, 32, 8).rotate(x=78).at(0.0, 0.318, 0.218)
+    lamp = lathe([[0.036, 0.0], [0.026, 0.014], [0.0, 0.020]], 24).rotate(x=78).at(0.0, 0.318, 0.216)
     bellows = [ring(0.088, 0.016, 36, 8).at(0, 0.505 + 0.024 * k, 0) for k in range(3)]
     return {
         "EnamelCream": shell,
@@ -81,7 +81,7 @@ def _scarf() -> Mesh:
         wave = height + 0.014 * np.sin(angle + phase) - 0.018 * np.cos(angle)
         path = np.stack([radius * np.sin(angle), wave, radius * np.cos(angle)], axis=1)
         wraps.append(hoop(path, 0.043, 14))
-    knot = Pillow((0.052, 0.046, 0.042), 2.3).shell(24, 14).turned(z=20).at(-0.075, 0.445, 0.158)
+    knot = Pillow((0.052, 0.046, 0.042), 2.3).shell(24, 14).rotate(z=20).at(-0.075, 0.445, 0.158)
     tails = [_scarf_tail(-0.085, 0.30, -9), _scarf_tail(-0.060, 0.22, 12)]
     return merge([*wraps, knot, *tails])
 
@@ -104,7 +104,7 @@ def _scarf_tail(x: float, length: float, lean: float) -> Mesh:
     fringe = [
         tube([[k * 0.011, -length, foot], [k * 0.012, -length - 0.035, foot + 0.004]], 0.0042, 5) for k in range(-4, 5)
     ]
-    return merge([strip, *fringe]).turned(z=lean).at(x, 0.45, 0.172)
+    return merge([strip, *fringe]).rotate(z=lean).at(x, 0.45, 0.172)
 
 
 def _head() -> dict[str, Mesh]:
@@ -116,12 +116,12 @@ def _head() -> dict[str, Mesh]:
     ear = lathe(
         [[0.078, 0.0], [0.078, 0.022], [0.066, 0.036], [0.05, 0.036], [0.044, 0.05], [0.018, 0.054], [0.0, 0.054]], 36
     )
-    ears = [ear.turned(z=-90 * side).at(side * 0.224, 0, -0.01) for side in (-1, 1)]
+    ears = [ear.rotate(z=-90 * side).at(side * 0.224, 0, -0.01) for side in (-1, 1)]
     mast = tube(smooth_curve([[0.11, 0.15, -0.06], [0.125, 0.22, -0.075], [0.118, 0.30, -0.10]], 12), 0.006, 8)
     tip = ball(0.019, 18, 12).at(0.118, 0.312, -0.102)
     smile = np.linspace(-0.16, 0.16, 14)
     mouth = tube(HEAD.project(smile, -0.27 + 1.9 * smile**2, 1.045), 0.0065, 8)
-    foot = lathe([[0.022, 0.0], [0.022, 0.012], [0.0, 0.016]], 16).turned(z=-25).at(0.11, 0.146, -0.06)
+    foot = lathe([[0.022, 0.0], [0.022, 0.012], [0.0, 0.016]], 16).rotate(z=-25).at(0.11, 0.146, -0.06)
     return {
         "EnamelCream": HEAD.shell().at(0, up, 0),
         "FacePlate": plate.at(0, up, 0),
@@ -142,7 +142,7 @@ def _arm(path: list[list[float]], wrist: tuple[float, float], curl: float) -> di
     sleeve = tube(curve, np.interp(np.linspace(0, 1, 26), [0, 0.5, 1], [0.036, 0.030, 0.034]), 14)
     shoulder = ball(0.062, 28, 18)
     cuff = tube(curve[-8:], np.interp(np.linspace(0, 1, 8), [0, 0.15, 1], [0.036, 0.052, 0.060]), 22)
-    fingers = hand(curl).scaled(0.85).turned(x=wrist[0], z=wrist[1]).at(*(2 * curve[-1] - curve[-4]))
+    fingers = hand(curl).scale(0.85).rotate(x=wrist[0], z=wrist[1]).at(*(2 * curve[-1] - curve[-4]))
     return {"Rubber": sleeve, "EnamelCream": merge([shoulder, fingers]), "EnamelTeal": cuff}
 
 

@@ -117,7 +117,7 @@ def _crate(x: float) -> Mesh:
     """A slatted crate, tipped towards the customer."""
     slats = [box([0.62, 0.05, 0.015]).at(0, 0.03 + 0.065 * k, z) for k in range(3) for z in (-0.2, 0.2)]
     ends = [box([0.015, 0.18, 0.4]).at(side * 0.31, 0.09, 0) for side in (-1, 1)]
-    return merge([*slats, *ends, box([0.62, 0.012, 0.4])]).turned(x=22).at(x, 0.98, 0.22)
+    return merge([*slats, *ends, box([0.62, 0.012, 0.4])]).rotate(x=22).at(x, 0.98, 0.22)
 
 
 def market_stall() -> dict[str, Mesh]:

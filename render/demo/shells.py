@@ -68,12 +68,12 @@ def _outline(angle: Array, power: float) -> tuple[Array, Array]:
 
 def hand(curl: float = 0.6) -> Mesh:
     """A soft three-fingered hand at the origin that points along -Y, palm towards +Z; ``curl`` bends its fingers."""
-    parts = [ball(0.048, 20, 14).scaled(1.0, 1.1, 0.8)]
+    parts = [ball(0.048, 20, 14).scale(1.0, 1.1, 0.8)]
     for x, spread in ((-0.026, -12), (0.0, 0), (0.026, 12)):
         bend = np.array(
             [[0, 0, 0], [0, -0.035, 0.004 + 0.01 * curl], [0, -0.058, 0.030 * curl], [0, -0.062, 0.060 * curl]]
         )
-        parts.append(tube(bend, [0.017, 0.017, 0.016, 0.014], 10).turned(z=spread).at(x, -0.035, 0.004))
+        parts.append(tube(bend, [0.017, 0.017, 0.016, 0.014], 10).rotate(z=spread).at(x, -0.035, 0.004))
     thumb = np.array([[0, 0, 0], [0.02, -0.02, 0.02], [0.022, -0.035, 0.045]])
     parts.append(tube(thumb, [0.017, 0.016, 0.014], 10).at(0.035, -0.005, 0.01))
     return merge(parts)

@@ -40,7 +40,7 @@ def _pavements() -> Mesh:
                 lift = KERB_M - 0.05 + random.uniform(-0.004, 0.004)
                 size = [width - 0.012, 0.1, length - 0.012]
                 slab = rounded_box(size, 0.008, 1) if z > FINE_Z_M else box(size)
-                slabs.append(slab.turned(x=random.uniform(-0.3, 0.3)).at(x, lift, z - length / 2))
+                slabs.append(slab.rotate(x=random.uniform(-0.3, 0.3)).at(x, lift, z - length / 2))
                 z -= length
     return merge(slabs)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 
-from render.demo.shapes.noise import Plane, blurred, fractal_noise, lattice_noise, normal_map
+from render.demo.shapes.noise import Plane, blur, fractal_noise, lattice_noise, normal_map
 from render.errors import OutputError
 
 SETTS_TILE_M = 2.0
@@ -146,7 +146,7 @@ def _shop() -> Plane:
         light = light + 0.85 * np.exp(-((radius / 0.30) ** 2))
         picture = np.where((radius < 0.075)[..., None], np.array([1.0, 0.80, 0.46]) * 1.2, picture)
         picture[(np.abs(across - x) < 0.006) & (up > 0.86)] = 0.05
-    return np.asarray(np.clip(blurred(picture.astype(np.float32), 1.3) * light[..., None], 0, 1), np.float32)
+    return np.asarray(np.clip(blur(picture.astype(np.float32), 1.3) * light[..., None], 0, 1), np.float32)
 
 
 def _tram() -> Plane:
@@ -159,7 +159,7 @@ def _tram() -> Plane:
         head = ((across - x) / 0.13) ** 2 + ((up - shoulder - 0.15) / 0.11) ** 2 < 1
         body = ((across - x) / 0.26) ** 2 + ((up - shoulder + 0.16) / 0.24) ** 2 < 1
         light = np.where(head | body, 0.13, light)
-    return blurred(np.asarray(light[..., None] * np.array([1.0, 0.80, 0.52]), np.float32), 1.0)
+    return blur(np.asarray(light[..., None] * np.array([1.0, 0.80, 0.52]), np.float32), 1.0)
 
 
 def _sky() -> Plane:
@@ -169,7 +169,7 @@ def _sky() -> Plane:
     colour = np.array([0.030, 0.055, 0.13]) * up + np.array([0.12, 0.17, 0.30]) * (1 - up)
     cloud = np.clip(fractal_noise(1024, 4, 6, 201)[:height] - 0.48, 0, 1)[..., None] * (1.2 - 0.6 * up)
     stars = np.random.default_rng(77).random((height, width)) > 0.99985
-    shining = blurred(stars.astype(np.float32), 0.8)[..., None] * 4 * (up > 0.3)
+    shining = blur(stars.astype(np.float32), 0.8)[..., None] * 4 * (up > 0.3)
     encoded = np.sqrt(np.clip(colour, 0, 1)) + cloud * np.array([0.30, 0.26, 0.30]) + shining
     return np.asarray(encoded, np.float32)
 

@@ -31,10 +31,10 @@ def _front_windows() -> tuple[Mesh, Mesh]:
     """The three panes of the driver's cab, and their frames."""
     panes, frames = [], []
     for x, width, yaw, z in ((-0.70, 0.52, -27, 0.06), (0.0, 0.72, 0, 0.17), (0.70, 0.52, 27, 0.06)):
-        panes.append(plate(width, 0.86).turned(y=yaw).at(x, 1.92, z))
+        panes.append(plate(width, 0.86).rotate(y=yaw).at(x, 1.92, z))
         bars = [rounded_box([width + 0.08, 0.07, 0.06], 0.02, 1).at(0, y, 0) for y in (-0.45, 0.45)]
         bars += [rounded_box([0.07, 0.96, 0.06], 0.02, 1).at(side * (width / 2 + 0.01), 0, 0) for side in (-1, 1)]
-        frames.append(merge(bars).turned(y=yaw).at(x, 1.92, z))
+        frames.append(merge(bars).rotate(y=yaw).at(x, 1.92, z))
     return merge(panes), merge(frames)
 
 
@@ -42,7 +42,7 @@ def _side_windows() -> Mesh:
     panes = []
     for k in range(6):
         for side in (-1, 1):
-            pane = plate(0.86, 0.80).turned(y=90 * side)
+            pane = plate(0.86, 0.80).rotate(y=90 * side)
             panes.append(pane.at(side * (WIDTH_M / 2 + 0.02), 1.93, -1.1 - 1.03 * k))
     return merge(panes)
 
@@ -53,8 +53,8 @@ def tram() -> dict[str, Mesh]:
     roof = rounded_box([WIDTH_M + 0.06, 0.34, LENGTH_M + 0.1], 0.16, 4).at(0, 2.62, -LENGTH_M / 2 + 0.05)
     monitor = rounded_box([1.2, 0.2, LENGTH_M * 0.7], 0.08, 3).at(0, 2.82, -LENGTH_M / 2)
     sign = rounded_box([1.0, 0.28, 0.16], 0.05, 2).at(0, 2.60, 0.16)
-    lamps = [lathe([[0.11, 0.0], [0.08, 0.03], [0.0, 0.045]], 24).turned(x=90).at(x, 0.98, 0.09) for x in (-0.62, 0.62)]
-    rims = [ring(0.125, 0.022, 28, 8).turned(x=90).at(x, 0.98, 0.09) for x in (-0.62, 0.62)]
+    lamps = [lathe([[0.11, 0.0], [0.08, 0.03], [0.0, 0.045]], 24).rotate(x=90).at(x, 0.98, 0.09) for x in (-0.62, 0.62)]
+    rims = [ring(0.125, 0.022, 28, 8).rotate(x=90).at(x, 0.98, 0.09) for x in (-0.62, 0.62)]
     bumper = rounded_box([1.7, 0.2, 0.3], 0.08, 3).at(0, 0.42, 0.12)
     skirt = box([WIDTH_M - 0.2, 0.4, LENGTH_M - 0.6]).at(0, 0.3, -LENGTH_M / 2)
     pole = tube([[0, 2.9, -3.2], [0, 3.5, -2.2], [0, 4.25, -3.3]], 0.025, 8)

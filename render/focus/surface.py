@@ -36,19 +36,19 @@ def focused_at(surface: FocalSurface, slopes: DoubleArray) -> tuple[DoubleArray,
     slopes = np.asarray(slopes, np.float64)
     w, log_pupil = on_plane(surface.plane, slopes), np.zeros(slopes.shape[:-1])
     if surface.controls is not None and surface.blend > 0:
-        values, held = interpolated(surface.controls, slopes)
+        values, held = interpolate(surface.controls, slopes)
         share = surface.blend * held
         w = w + share * (values[..., 0] - w)
         log_pupil = -share * values[..., 1]
     for half in surface.halves:
         w = w + beyond_edge(half, slopes) * (half.w - w)
     if surface.bends is not None:
-        values, held = interpolated(surface.bends, slopes)
+        values, held = interpolate(surface.bends, slopes)
         w = w + held * values[..., 0]
     return w, np.exp(log_pupil)
 
 
-def interpolated(controls: Controls, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+def interpolate(controls: Controls, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     """Interpolated values, and the share by which they apply.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from render.focus.smoothing import check_samples, smooth
-from render.focus.tracking import FocusRing, limits, speed_limited, tracked
+from render.focus.tracking import FocusRing, limit_speed, limits, track
 from render.model.arrays import DoubleArray
 
 
@@ -28,8 +28,8 @@ def drive(
     1. limits: the request is clamped to the ring's stops (`limits`). It comes first because a hand that waits
        beyond a stop would be late in coming back; what follows leaves the limits nowhere, as none of it overshoots.
     2. smoothing (`smooth`): exact at keys.
-    3. dead zone, then lag (`tracked`): small wandering of the target is let go; the hand comes late, at keys too.
-    4. speed (`speed_limited`): the ring turns no faster than the hand can, where the ring is known.
+    3. dead zone, then lag (`track`): small wandering of the target is let go; the hand comes late, at keys too.
+    4. speed (`limit_speed`): the ring turns no faster than the hand can, where the ring is known.
 
     What is at rest is not moved by any of them: after a target has stood still for a while, the focus is on it (within
     the dead zone).
@@ -54,5 +54,5 @@ def drive(
     """
     t, wanted = check_samples(times_s, w)
     focus = smooth(t, limits(wanted, close_focus_m), smoothing_s, exact_at_s=exact_at_s)
-    focus = tracked(t, focus, lag_s=lag_s, dead_zone_w=dead_zone_w)
-    return focus if ring is None else speed_limited(t, focus, ring.w_at(max_speed_rad_s))
+    focus = track(t, focus, lag_s=lag_s, dead_zone_w=dead_zone_w)
+    return focus if ring is None else limit_speed(t, focus, ring.w_at(max_speed_rad_s))

@@ -54,7 +54,7 @@ class FocusRing:
         return np.asarray(turn_rad, np.float64) / (self.throw_rad * self.close_focus_m)
 
 
-def tracked(
+def track(
     times_s: ArrayLike, w_target: ArrayLike, *, lag_s: ArrayLike = 0.0, dead_zone_w: ArrayLike = 0.0
 ) -> DoubleArray:
     """The focus of a hand that follows a target: an eye that sees blur, then a hand that is late.
@@ -79,10 +79,10 @@ def tracked(
     """
     t, target = check_samples(times_s, w_target)
     seen = _seen(target, over_time("dead zone", dead_zone_w, t))
-    return _followed(t, seen, over_time("lag in seconds", lag_s, t))
+    return _follow(t, seen, over_time("lag in seconds", lag_s, t))
 
 
-def speed_limited(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> DoubleArray:
+def limit_speed(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> DoubleArray:
     """Turn of the ring at limited speed: it arrives late, and then stays at the requested turn.
 
     Args:
@@ -127,7 +127,7 @@ def _seen(target: DoubleArray, zone: DoubleArray) -> DoubleArray:
     return np.array(focus)
 
 
-def _followed(t: DoubleArray, target: DoubleArray, lag_s: DoubleArray) -> DoubleArray:
+def _follow(t: DoubleArray, target: DoubleArray, lag_s: DoubleArray) -> DoubleArray:
     """Two delays of first order in a row, solved exactly for a target that runs straight from one time to the next."""
     first = second = float(target[0])
     hand = [second]

@@ -206,7 +206,7 @@ class Peeler:
             if targets.motion is not None and moving.any:
                 layer = replace(layer, moving=moving, motion=targets.motion)
             count = 0
-            while self._draw_counted(layer):
+            while self._draw_and_query(layer):
                 count += 1
                 if count == layers:
                     break
@@ -240,7 +240,7 @@ class Peeler:
             for number in range(first, min(first + LAYERS_PER_PACK, layers)):
                 slot = targets.slots[number % len(targets.slots)]
                 solid = number + 1 == layers
-                if not self._draw_counted(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, sampling)):
+                if not self._draw_and_query(LayerPass(view, draws, slot, HIDES_ALL, previous, solid, unlit, sampling)):
                     break
                 count, previous = count + 1, slot
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
@@ -287,7 +287,7 @@ class Peeler:
             raise GraphicsError("no scene is loaded: call load() first")
         self._lighting.bind(view)
 
-    def _draw_counted(self, layer: LayerPass) -> bool:
+    def _draw_and_query(self, layer: LayerPass) -> bool:
         """Draw a layer; true where any of its pixels was filled (occlusion query)."""
         query = GL.glGenQueries(1)
         name = int(np.ravel(query)[0])

@@ -119,7 +119,7 @@ def _way_to(mechanism: FocusMechanism, end_mm: float) -> _Way:
         nearness = seen.nearness if rows else 0.0  # at rest it is focused at infinity, however it is rounded
         if nearness is None or (rows and nearness <= rows[-1][0]):
             break
-        moved = mechanism.moved(float(shift_mm))
+        moved = mechanism.shifted_vertices(float(shift_mm))
         pupil_mm, pupil = entrance_pupil(replace(mechanism.system, vertices_mm=moved), mechanism.stop)
         rows.append((nearness, abs(pupil), seen.scale_mm, mechanism.film_mm - pupil_mm))
     nearness, pupils, scales_mm, to_film_mm = np.array(rows).T

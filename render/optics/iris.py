@@ -38,7 +38,7 @@ def fill_iris(square: DoubleArray, iris: IrisShape) -> DoubleArray:
     if iris.radial_weights:
         radius = _weighted_radius(square[..., 0], iris)
     if iris.blades:
-        radius, angle = _bladed(radius, angle, iris)
+        radius, angle = _clip_to_blades(radius, angle, iris)
     angle = angle + iris.rotation_rad
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
 
@@ -80,7 +80,7 @@ def _weighted_radius(share: DoubleArray, iris: IrisShape) -> DoubleArray:
     return np.asarray(np.interp(share * total[-1], total, radius))
 
 
-def _bladed(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) -> tuple[DoubleArray, DoubleArray]:
+def _clip_to_blades(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) -> tuple[DoubleArray, DoubleArray]:
     """Stretch the disc's sectors to the blades: equal shares of a sector's angle become equal shares of its area."""
     half = np.pi / iris.blades
     t = np.linspace(-half, half, _STEPS + 1)

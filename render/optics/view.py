@@ -87,12 +87,12 @@ class PinholeView:
         """Width and height in pixels."""
         return self.width, self.height
 
-    def resized(self, width: int, height: int) -> PinholeView:
+    def resize(self, width: int, height: int) -> PinholeView:
         """The same picture in other pixels."""
         x, y = width / self.width, height / self.height
         return replace(self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y)
 
-    def widened(self, margin: int) -> PinholeView:
+    def widen(self, margin: int) -> PinholeView:
         """View with ``margin`` more pixels on each side."""
         width, height = self.width + 2 * margin, self.height + 2 * margin
         return replace(self, width=width, height=height, cx=self.cx + margin, cy=self.cy + margin)

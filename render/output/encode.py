@@ -13,7 +13,7 @@ from render.errors import SettingsError
 from render.model.arrays import FloatArray
 from render.output.exr import encode_exr
 from render.output.formats import check_format
-from render.output.image_file import described, file_bytes
+from render.output.image_file import describe, file_bytes
 from render.output.metadata import SOFTWARE, FrameMetadata
 
 JPEG_QUALITY = 92
@@ -99,7 +99,7 @@ def _picture(graded: FloatArray, metadata: FrameMetadata | None) -> tuple[OpenIm
     spec = OpenImageIO.ImageSpec(width, height, 3, "uint8")
     if metadata is None:
         return spec, to_8_bit(graded)
-    spec = described(spec, metadata.exif_attributes())
+    spec = describe(spec, metadata.exif_attributes())
     spec.attribute("Software", SOFTWARE)
     spec.attribute("ImageDescription", metadata.description)
     spec.attribute("oiio:ColorSpace", metadata.grade.picture_space_id)

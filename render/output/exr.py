@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from render.errors import SettingsError
 from render.film.develop import expose
 from render.model.arrays import FloatArray
-from render.output.image_file import Part, described, file_bytes
+from render.output.image_file import Part, describe, file_bytes
 from render.output.metadata import Attribute, FrameMetadata
 
 NO_ID = 0xFFFFFFFF
@@ -71,7 +71,7 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
             if name == "prim_id":
                 own.append(("pullfocus:primPaths", "string", _manifest(aovs[name], metadata.prim_paths)))
             pixels = _ids(aovs[name]) if kind == "uint" else aovs[name].astype(np.float32)
-            spec = described(_spec(name, (width, height), channels, kind), [*camera, *own])
+            spec = describe(_spec(name, (width, height), channels, kind), [*camera, *own])
             parts.append((spec, pixels.reshape(height, width, len(channels))))
     return file_bytes(".exr", parts)
 
@@ -82,7 +82,7 @@ def _colour_part(color: FloatArray, camera: list[Attribute], metadata: FrameMeta
     pixels[..., 3] = np.clip(np.nan_to_num(color[..., 3]), 0, 1)
     height, width = color.shape[:2]
     own = _colour_space_attributes(metadata)
-    return described(_spec("rgba", (width, height), list("RGBA"), "half"), [*camera, *own]), pixels
+    return describe(_spec("rgba", (width, height), list("RGBA"), "half"), [*camera, *own]), pixels
 
 
 def _colour_space_attributes(metadata: FrameMetadata) -> list[Attribute]:

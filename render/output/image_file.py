@@ -19,7 +19,7 @@ _LAST_BYTES = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9"}
 Part = tuple[OpenImageIO.ImageSpec, NDArray[Any]]
 
 
-def described(spec: OpenImageIO.ImageSpec, attributes: Iterable[Attribute]) -> OpenImageIO.ImageSpec:
+def describe(spec: OpenImageIO.ImageSpec, attributes: Iterable[Attribute]) -> OpenImageIO.ImageSpec:
     """The same spec, with the attributes set."""
     for name, kind, value in attributes:
         spec.attribute(name, kind, value)

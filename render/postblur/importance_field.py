@@ -253,7 +253,7 @@ class ImportanceField:
         spreader.bind_textures(spread, **states, weights=spreader.tables.weights)
         spreader.bind_spread(spread, self._buffers)
         self._picked.bind_to_storage_buffer(5)
-        self._run_listed(spread, listed)
+        self._run_on_list(spread, listed)
         self._commit()
         if spreader.has_cutoff:
             self._update_cutoff()
@@ -308,7 +308,7 @@ class ImportanceField:
             weights=spreader.tables.weights,
         )
         spreader.bind_spread(program, (spreader.emitters, spreader.reaches, spreader.tile_bits))
-        self._run_listed(program, listed)
+        self._run_on_list(program, listed)
 
     def _list_tiles(self, marks: moderngl.Buffer) -> int:
         """List the marked tiles and return their number."""
@@ -322,7 +322,7 @@ class ImportanceField:
         self._ctx.memory_barrier()
         return int(np.frombuffer(self._listed.read(4), np.uint32)[0])
 
-    def _run_listed(self, program: moderngl.ComputeShader, count: int) -> None:
+    def _run_on_list(self, program: moderngl.ComputeShader, count: int) -> None:
         if count == 0:
             return
         self._listed.bind_to_storage_buffer(3)

@@ -58,12 +58,12 @@ class Previewer:
             The layers, and the view they show: the argument, or the same in fewer pixels.
         """
         width, height = (max(1, round(SKETCH_SHARE * side)) for side in (view.width, view.height))
-        small, wide = _widened(view.resized(width, height)), _widened(view)
+        small, wide = _widen(view.resize(width, height)), _widen(view)
         is_new = not peeler.has_layers(wide, unlit=unlit, cache_slot=PREVIEW) and not peeler.has_layers(
             small, unlit=unlit, cache_slot=SKETCH
         )
         if sketch == "always" or (sketch == "new" and is_new):
-            return self._peel(peeler, camera, small, unlit, SKETCH), view.resized(width, height)
+            return self._peel(peeler, camera, small, unlit, SKETCH), view.resize(width, height)
         return self._peel(peeler, camera, wide, unlit, PREVIEW), view
 
     def _peel(self, peeler: Peeler, camera: Camera, wide: PinholeView, unlit: bool, cache_slot: str) -> Layers:
@@ -117,5 +117,5 @@ class Previewer:
         self._tracer.release()
 
 
-def _widened(view: PinholeView) -> PinholeView:
-    return view.widened(int(np.ceil(_MARGIN * max(view.width, view.height))))
+def _widen(view: PinholeView) -> PinholeView:
+    return view.widen(int(np.ceil(_MARGIN * max(view.width, view.height))))

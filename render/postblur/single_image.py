@@ -66,14 +66,14 @@ class SingleImageBlur:
             ``(height, width, 4)`` float32, premultiplied.
         """
         fine = int(np.ceil(supersample))
-        scaled = view.resized(view.width * fine, view.height * fine)
+        scaled = view.resize(view.width * fine, view.height * fine)
         pupil_px = max(scaled.fx, scaled.fy) * pupil_radius_m(camera)
         nearest_w = peeler.nearest_w(scaled)
         inside = picture_focus(camera, scaled)
         most_px = largest_radius_px(inside, pupil_px, nearest_w)
         step = fine * margin_step
         margin = step * int(np.ceil(min(most_px, fine * MAX_MARGIN * max(view.width, view.height)) / step))
-        focus = picture_focus(camera, scaled.widened(margin))
+        focus = picture_focus(camera, scaled.widen(margin))
         reach = pupil_px * float(inside.over_picture()[1].max())
         peeled = _peel(peeler, scaled, focus, reach, nearest_w, layers, unlit)
         picture = self.blur_layers(peeled, camera, focus, pupil_px, most_px, blur, with_axis_errors=with_axis_errors)

@@ -149,7 +149,7 @@ class SpreadTables:
         offsets = np.arange(-self.half, self.half + 1.0)
         distances = np.hypot(offsets[:, None], offsets)
         for step, radius in enumerate(radii):
-            table = self._padded(make_table(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
+            table = self._pad(make_table(spread, radius, min(int(np.ceil(radius + 0.5)), self.half)))
             self.beyond_px = max(self.beyond_px, float(distances[table > 0].max() - radius))
             rows = np.pad(table, ((_ROWS - 1, _ROWS - 1), (0, 0)))
             packed[step] = np.stack([rows[i : i + side + _ROWS - 1] for i in range(_ROWS)], axis=-1)
@@ -162,7 +162,7 @@ class SpreadTables:
         steps = np.array([(step, radii[step]) for step in even], np.float32)
         self.steps = ctx.texture((len(steps), 1), 2, steps.tobytes(), dtype="f4")
 
-    def _padded(self, table: DoubleArray) -> DoubleArray:
+    def _pad(self, table: DoubleArray) -> DoubleArray:
         return np.pad(table, self.half - len(table) // 2)
 
     def cover(self, spread: Spread, most_px: float) -> bool:

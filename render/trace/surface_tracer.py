@@ -89,7 +89,7 @@ class SurfaceTracer:
             program.run(-(-count // _GROUP), len(wavelengths_nm))
             self._ctx.memory_barrier()
             found = np.frombuffer(answers.read(), np.float32).reshape(len(wavelengths_nm), count, 8)
-        return _unpacked(found)
+        return _unpack(found)
 
     def _program(self, height_field: HeightField | None) -> moderngl.ComputeShader:
         defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
@@ -107,7 +107,7 @@ class SurfaceTracer:
         set_uniforms(program, heights=[0, 1])
 
 
-def _unpacked(found: FloatArray) -> TracedLens:
+def _unpack(found: FloatArray) -> TracedLens:
     values = found.astype(np.float64)
     return TracedLens(
         slope=values[..., 0:2],

@@ -44,7 +44,7 @@ class Mesh:
         """Triangles drawn: a quad is two."""
         return 2 * len(self.quads) + len(self.triangles)
 
-    def moved(self, matrix: Array) -> Mesh:
+    def transform(self, matrix: Array) -> Mesh:
         """The mesh under an affine ``(4, 4)`` matrix for column vectors; a mirroring one keeps faces outward."""
         linear = matrix[:3, :3]
         normals = self.normals @ np.linalg.inv(linear)
@@ -61,14 +61,14 @@ class Mesh:
         """The mesh moved by an offset in metres."""
         return replace(self, points=self.points + np.array([x, y, z]))
 
-    def turned(self, *, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Mesh:
+    def rotate(self, *, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Mesh:
         """The mesh turned about the axes, in degrees; X first, then Y, then Z."""
-        return self.moved(rotation(x=x, y=y, z=z))
+        return self.transform(rotation(x=x, y=y, z=z))
 
-    def scaled(self, x: float, y: float | None = None, z: float | None = None) -> Mesh:
+    def scale(self, x: float, y: float | None = None, z: float | None = None) -> Mesh:
         """The mesh scaled about the origin; one number scales all ways alike."""
         factors = [x, x if y is None else y, x if z is None else z, 1.0]
-        return self.moved(np.diag(factors).astype(np.float64))
+        return self.transform(np.diag(factors).astype(np.float64))
 
 
 def merge(meshes: Iterable[Mesh]) -> Mesh:

@@ -26,7 +26,7 @@ def fractal_noise(size: int, cells: int, octaves: int, seed: int) -> Plane:
     return np.asarray(sum(layers) / sum(1 / (1 << k) for k in range(octaves)), np.float32)
 
 
-def blurred(image: Plane, sigma_px: float) -> Plane:
+def blur(image: Plane, sigma_px: float) -> Plane:
     """Gaussian blur of the first two axes, wrapping around (by the Fourier transform)."""
     height, width = image.shape[:2]
     decay = [np.exp(-2 * (np.pi * sigma_px * np.fft.fftfreq(n)) ** 2) for n in (height, width)]

@@ -136,7 +136,7 @@ def _problem(row: Row, said: frozenset[str]) -> str:
             return f"it has no {column.csv}"
         if value is None:
             continue
-        expected = _expected(name, value)
+        expected = _expected_range(name, value)
         if expected:
             return f"{column.csv} must be {expected}, but it is {value / column.factor:g}"
     distance, focal_length = row.numbers.get("focus_distance_m", math.inf), row.numbers.get("focal_length_mm", 0.0)
@@ -145,7 +145,7 @@ def _problem(row: Row, said: frozenset[str]) -> str:
     return ""
 
 
-def _expected(name: str, value: float) -> str:
+def _expected_range(name: str, value: float) -> str:
     """Expected range of a number that is outside it, in words; empty where the number is valid."""
     if name == "focus_distance_m":
         return "" if value > 0 else "above 0, or infinite"

@@ -50,12 +50,12 @@ def measure_solvers(points: int = POINTS, frames: int = FRAMES) -> list[SolverRo
         "one distance, thin lens": lambda: solve_distances(targets, 5.0, 1.25, near_priority=1.0, occluded="fade"),
         "one distance, lens with its own law": lambda: solve_distances(targets, 5.0, law=breathing, occluded="fade"),
         "focus and best stop": lambda: stops_for(targets, breathing, 0.03, occluded="fade"),
-        "tilted plane, limited": lambda: _tilted(targets),
+        "tilted plane, limited": lambda: _solve_tilt(targets),
     }
     return [SolverRow(name, points, frames, _seconds(solve)) for name, solve in solvers.items()]
 
 
-def _tilted(targets: FocusTargets) -> DoubleArray:
+def _solve_tilt(targets: FocusTargets) -> DoubleArray:
     """The planes with the points' shares found first, as a shot needs them."""
     shares = solve_distances(targets, 5.0, 1.25, occluded="fade").shares
     fits, wanted = fit_targets(targets, shares, 1.25)

@@ -71,7 +71,7 @@ def bench_lenses() -> tuple[BenchLens, ...]:
         BenchLens("telephoto", _lens("prescription", "telephoto", _TELEPHOTO), 5.6),
         BenchLens("wide", _lens("prescription", "wide", _WIDE), 2.8),
     )
-    return (BenchLens("thin", THIN_LENS, 2.8), *plain, *map(_dispersing, plain))
+    return (BenchLens("thin", THIN_LENS, 2.8), *plain, *map(_add_dispersion, plain))
 
 
 def _lens(model: LensModel, name: str, rows: tuple[Row, ...]) -> Lens:
@@ -82,7 +82,7 @@ def _lens(model: LensModel, name: str, rows: tuple[Row, ...]) -> Lens:
     return Lens(model, name, Prescription(surfaces, name=name))
 
 
-def _dispersing(plain: BenchLens) -> BenchLens:
+def _add_dispersion(plain: BenchLens) -> BenchLens:
     prescription = plain.lens.prescription
     if prescription is None:
         raise ValueError(f"{plain.name} has no glass")

@@ -72,7 +72,7 @@ class MotionBench:
     goals: list[Goal]
 
 
-class _Stand:
+class _MotionRig:
     """The demo shot, and what it takes to picture it."""
 
     def __init__(self, renderer: FrameRenderer, folder: Path, picture: FrameSettings) -> None:
@@ -80,7 +80,7 @@ class _Stand:
         self._shot = Shot.open(write_demo(folder))
         self._lens = self._shot.camera_at(None, FRAME, picture.width, picture.height)
 
-    def taken(self, repeats: Repeats, **changes: object) -> tuple[FloatArray, Spent]:
+    def trace(self, repeats: Repeats, **changes: object) -> tuple[FloatArray, Spent]:
         """A picture, exposed, and what it cost; nothing is kept from the one before but what is on the device."""
         settings = replace(self._picture, **changes)  # type: ignore[arg-type]
         frames: list[Frame] = []
@@ -105,14 +105,14 @@ def measure(picture: FrameSettings, repeats: Repeats, counts: Sequence[int]) -> 
         GraphicsError: there is no device to draw on.
     """
     with tempfile.TemporaryDirectory() as folder, FrameRenderer() as renderer:
-        stand = _Stand(renderer, Path(folder), picture)
+        stand = _MotionRig(renderer, Path(folder), picture)
         for way in ("moments", "velocities"):  # compiles shaders, and sends the scene
-            stand.taken(Repeats(1, 1), rays=8, motion=2, motion_by=way)
-        still_picture, still = stand.taken(repeats, motion=1)
+            stand.trace(Repeats(1, 1), rays=8, motion=2, motion_by=way)
+        still_picture, still = stand.trace(repeats, motion=1)
         rows = []
         for count in counts:
-            exact, exact_spent = stand.taken(Repeats(1, 1), motion=count) if count == picture.motion else (None, None)
-            fast, spent = stand.taken(repeats, motion=count, motion_by="velocities")
+            exact, exact_spent = stand.trace(Repeats(1, 1), motion=count) if count == picture.motion else (None, None)
+            fast, spent = stand.trace(repeats, motion=count, motion_by="velocities")
             rows.append(_row("velocities", count, spent, still, fast, exact))
             if exact is not None and exact_spent is not None:
                 rows.append(_row("moments", count, exact_spent, still, None, None))

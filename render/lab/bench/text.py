@@ -34,7 +34,7 @@ def _scenes(bench: LensBench) -> Iterator[str]:
             str(row.layers),
             f"{row.layers_mb:.0f}",
         )
-        yield _line("", "", *_bracketed([*_costs(row.cpu), *_ratio(row.cpu)]))
+        yield _line("", "", *_in_brackets([*_costs(row.cpu), *_ratio(row.cpu)]))
     yield f"Four layers of 1024x768 and their N-buffers: {bench.layers_mb_1024x768:.1f} MB"
 
 
@@ -43,26 +43,26 @@ def _sweeps(sweeps: Sweeps) -> Iterator[str]:
     yield _line(f"{sweeps.scene}:", "rays", *_STAGES, "reference", "ratio")
     for rays in sweeps.rays:
         yield _line("", str(rays.rays), *_costs(rays), *_ratio(rays))
-        yield _line("", "", *_bracketed([*_costs(rays.cpu), *_ratio(rays.cpu)]))
+        yield _line("", "", *_in_brackets([*_costs(rays.cpu), *_ratio(rays.cpu)]))
     yield ""
     yield _line("", "layers", *_STAGES, "peeled", "PSNR dB", "SSIM")
     for layers in sweeps.layers:
         likeness = (str(layers.peeled), f"{layers.psnr_db:.2f}", f"{layers.ssim:.4f}")
         yield _line("", str(layers.layers), *_costs(layers), *likeness)
-        yield _line("", "", *_bracketed(_costs(layers.cpu)))
+        yield _line("", "", *_in_brackets(_costs(layers.cpu)))
     yield ""
     yield _line("", "aperture", *_STAGES, "reference", "ratio", "blur px", "layers")
     for aperture in sweeps.aperture:
         blur = (f"{aperture.blur_px:.1f}", str(aperture.layers))
         yield _line("", f"f/{aperture.f_stop:g}", *_costs(aperture), *_ratio(aperture), *blur)
-        yield _line("", "", *_bracketed([*_costs(aperture.cpu), *_ratio(aperture.cpu)]))
+        yield _line("", "", *_in_brackets([*_costs(aperture.cpu), *_ratio(aperture.cpu)]))
     yield ""
     yield _line("lens", "surfaces", *_STAGES, "f-number", "colours", "thin trace", "over thin", "its table")
     for lens in sweeps.surfaces:
         glass = (f"f/{lens.f_stop:g}", "apart" if lens.disperses else "as one")
         beside = (f"{lens.thin_trace_ms:.0f}", f"{lens.trace_over_thin:.2f}", f"{lens.table_ms:.0f}")
         yield _line(lens.lens, str(lens.surfaces), *_costs(lens), *glass, *beside)
-        yield _line("", "", *_bracketed(_costs(lens.cpu)), "", "", "", f"({lens.cpu_trace_over_thin:.2f})")
+        yield _line("", "", *_in_brackets(_costs(lens.cpu)), "", "", "", f"({lens.cpu_trace_over_thin:.2f})")
 
 
 def _goals(bench: LensBench) -> Iterator[str]:
@@ -86,7 +86,7 @@ def _ratio(row: ReferenceTimes) -> list[str]:
     return [f"{row.reference_ms:.0f}", f"{row.ratio:.1f}"]
 
 
-def _bracketed(cells: Iterable[str]) -> list[str]:
+def _in_brackets(cells: Iterable[str]) -> list[str]:
     return [f"({cell})" for cell in cells]
 
 

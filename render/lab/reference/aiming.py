@@ -70,7 +70,7 @@ class AimedLens:
                 left, off = left[~near], off[~near]
                 if not len(left):
                     break
-                slopes[left] -= _limited(undone(jacobian[left], off))
+                slopes[left] -= _limit(undone(jacobian[left], off))
         return Aim(slopes, jacobian, solved)
 
     def on_stop(self, rear: TracedRays) -> DoubleArray:
@@ -129,7 +129,7 @@ def undone(jacobian: DoubleArray, off: DoubleArray) -> DoubleArray:
     return np.where(np.isfinite(step), step, np.nan)
 
 
-def _limited(step: DoubleArray) -> DoubleArray:
+def _limit(step: DoubleArray) -> DoubleArray:
     """The step, no longer than Newton's method can be trusted with."""
     length = np.sqrt((step**2).sum(axis=1, keepdims=True))
     return np.asarray(step * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-30)))

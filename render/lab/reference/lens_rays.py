@@ -51,12 +51,12 @@ def lens_rays(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -
     Raises:
         SettingsError: the lens has something that this reference does not know.
     """
-    plain = _unsqueezed(camera, pupil, corner)
+    plain = _unsqueeze(camera, pupil, corner)
     plain = _Drawn(plain, camera) if is_drawn(camera.lens) else plain
     return plain if camera.lens.squeeze == 1 else _Squeezed(plain, camera.lens.squeeze)
 
 
-def _unsqueezed(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -> LensRays:
+def _unsqueeze(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -> LensRays:
     lens = camera.lens
     if camera.f_stop > 0 and lens.model == "dataSheet":
         raise SettingsError("the ray-by-ray reference knows no lens by its data sheet")

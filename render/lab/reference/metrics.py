@@ -11,7 +11,7 @@ import numpy as np
 from render.model.arrays import FloatArray
 
 
-def display_encoded(radiance: FloatArray) -> FloatArray:
+def encode_for_display(radiance: FloatArray) -> FloatArray:
     """Radiance ``(h, w, 3+)`` clipped to [0, 1] and encoded by the sRGB curve (IEC 61966-2-1): ``(h, w, 3)`` float32."""
     linear = np.clip(np.nan_to_num(radiance[..., :3]), 0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055).astype(np.float32)
@@ -19,13 +19,13 @@ def display_encoded(radiance: FloatArray) -> FloatArray:
 
 def psnr_db(a: FloatArray, b: FloatArray) -> float:
     """Peak signal-to-noise ratio of two radiance pictures in dB; infinite where they are the same."""
-    error = float(np.mean((display_encoded(a).astype(np.float64) - display_encoded(b)) ** 2))
+    error = float(np.mean((encode_for_display(a).astype(np.float64) - encode_for_display(b)) ** 2))
     return float("inf") if error == 0 else -10 * float(np.log10(error))
 
 
 def ssim(a: FloatArray, b: FloatArray) -> float:
     """Mean structural similarity of the luma of two radiance pictures (Gaussian window of 1.5 px; 11 taps)."""
-    x, y = (display_encoded(picture).astype(np.float64) @ [0.2126, 0.7152, 0.0722] for picture in (a, b))
+    x, y = (encode_for_display(picture).astype(np.float64) @ [0.2126, 0.7152, 0.0722] for picture in (a, b))
     mean_x, mean_y = _blur(x), _blur(y)
     var_x, var_y = _blur(x * x) - mean_x**2, _blur(y * y) - mean_y**2
     covariance = _blur(x * y) - mean_x * mean_y

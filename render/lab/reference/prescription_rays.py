@@ -86,7 +86,7 @@ class PrescriptionRays:
         film = (-ideal * self._lens.image_scale_mm)[reachable]
         aim, rear = self._aimed_from(aimed, film, self._stop_mm[sample], guess[reachable])
         rays = [np.full((ideal[..., 0].size, size), fill) for size, fill in ((2, 0.0), (2, np.nan), (1, 0.0))]
-        for whole, part in zip(rays, self._traced(aimed, aim, rear), strict=True):
+        for whole, part in zip(rays, self._trace(aimed, aim, rear), strict=True):
             whole[np.flatnonzero(reachable)] = part
         offsets, out, light = (whole.reshape(*ideal.shape[:2], -1) for whole in rays)
         return SceneRays(offsets, out, light[..., 0] / self._axis_light)
@@ -109,7 +109,7 @@ class PrescriptionRays:
         solved[wrong] = again.solved
         return Aim(slopes, jacobian, solved), aimed.from_film(film, slopes)
 
-    def _traced(self, aimed: AimedLens, aim: Aim, rear: TracedRays) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
+    def _trace(self, aimed: AimedLens, aim: Aim, rear: TracedRays) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
         """Offsets ``(n, 2)`` in metres, slopes ``(n, 2)`` and light ``(n, 1)`` of aimed rays in object space."""
         rays, passes = aimed.out(rear)
         depth_mm = self._lens.entrance_pupil_mm - rays.positions[:, 2]
@@ -125,7 +125,7 @@ class PrescriptionRays:
         disc = lens_samples(_AXIS_RAYS, IrisShape(), tiled=False).disc[0] * self._lens.stop_radius_mm
         aimed, film = self._at(D_LINE_NM), np.zeros((_AXIS_RAYS, 2))
         aim = aimed.aim(film, disc)
-        return float(self._traced(aimed, aim, aimed.from_film(film, aim.slopes))[2].mean())
+        return float(self._trace(aimed, aim, aimed.from_film(film, aim.slopes))[2].mean())
 
     def _at(self, wavelength_nm: float) -> AimedLens:
         if wavelength_nm not in self._aimed:

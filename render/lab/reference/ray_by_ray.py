@@ -61,7 +61,7 @@ def ray_by_ray_picture(
         ideal = _ideal_slopes(view, samples.pixel[0, sample])
         for wavelength, channels in groups:
             through = lens.rays(sample, ideal, wavelength)
-            packets = seen_by.seen(in_packets(through.offsets), in_packets(through.slopes))
+            packets = seen_by.radiance(in_packets(through.offsets), in_packets(through.slopes))
             seen = through.weights[..., None] * from_packets(packets, height, width)
             picture[..., channels] += seen[..., channels] * camera.lens.transmittance
             picture[..., 3] += seen[..., 3] * len(channels) / 3

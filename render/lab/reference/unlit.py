@@ -52,7 +52,7 @@ class UnlitScene:
         corners, two_sided = [np.zeros((0, 3, 3))], [np.zeros(0, bool)]
         count = 0
         for batch in scene.batches:
-            triangles, placed = _placed(batch, camera_from_world)
+            triangles, placed = _transform_part(batch, camera_from_world)
             self._parts.append(_Part(batch, count, triangles))
             corners.append(placed)
             two_sided.append(np.full(len(placed), batch.double_sided))
@@ -61,7 +61,7 @@ class UnlitScene:
         self._dome = scene.dome if scene.dome is not None and scene.dome.visible else None
         self._world_from_camera = np.linalg.inv(camera_from_world)
 
-    def seen(self, offsets: DoubleArray, slopes: DoubleArray) -> DoubleArray:
+    def radiance(self, offsets: DoubleArray, slopes: DoubleArray) -> DoubleArray:
         """Radiance along each ray.
 
         Args:
@@ -79,7 +79,7 @@ class UnlitScene:
             hit = hits.w > 0
             if not hit.any():
                 break
-            colour = self._shaded(hits)
+            colour = self._shade(hits)
             alpha = np.where(colour[..., 3] >= OPAQUE, 1.0, colour[..., 3])
             share = (clear * alpha)[..., None]
             seen[..., :3] += share * colour[..., :3]
@@ -89,7 +89,7 @@ class UnlitScene:
         seen[..., :3] += (background + clear)[..., None] * self._behind_all(slopes)
         return seen
 
-    def _shaded(self, hits: Hits) -> DoubleArray:
+    def _shade(self, hits: Hits) -> DoubleArray:
         """``(packets, rays, 4)`` base colour and opacity of what was hit; 0 where nothing was."""
         colour = np.zeros((*hits.w.shape, 4))
         for part in self._parts:
@@ -122,7 +122,7 @@ def from_packets(packets: DoubleArray, height: int, width: int, side: int = 8) -
     return tiles.reshape(rows * side, columns * side, -1)[:height, :width]
 
 
-def _placed(batch: Batch, camera_from_world: DoubleArray) -> tuple[IndexArray, DoubleArray]:
+def _transform_part(batch: Batch, camera_from_world: DoubleArray) -> tuple[IndexArray, DoubleArray]:
     """Vertex indices ``(n, 3)`` and corners ``(n, 3, 3)`` of all instances, in camera space."""
     triangles = batch.geometry.triangles.astype(np.int64)
     indices, corners = [np.zeros((0, 3), np.int64)], [np.zeros((0, 3, 3))]
@@ -172,13 +172,13 @@ def _bilinear(image: Image, across: DoubleArray, down: DoubleArray, wrap_s: Wrap
     value = np.zeros((*x.shape, 4))
     for column, share_x in ((left, 1 - (x - left)), (left + 1, x - left)):
         for row, share_y in ((top, 1 - (y - top)), (top + 1, y - top)):
-            (i, inside_y), (j, inside_x) = _wrapped(row, height, wrap_t), _wrapped(column, width, wrap_s)
+            (i, inside_y), (j, inside_x) = _wrap(row, height, wrap_t), _wrap(column, width, wrap_s)
             texel = image.pixels[i, j].astype(np.float64)
             value += (share_x * share_y * inside_x * inside_y)[..., None] * texel
     return value
 
 
-def _wrapped(index: IndexArray, count: int, wrap: Wrap) -> tuple[IndexArray, DoubleArray]:
+def _wrap(index: IndexArray, count: int, wrap: Wrap) -> tuple[IndexArray, DoubleArray]:
     """Which texel stands for an index, and whether it counts."""
     inside = np.ones(index.shape)
     if wrap == "repeat":

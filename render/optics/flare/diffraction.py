@@ -85,7 +85,7 @@ def _star(
     light: Spectrum,
 ) -> Star:
     table = _overlap(shape, light)
-    padded = _padded(height), _padded(width)
+    padded = _pad_length(height), _pad_length(width)
     down = np.asarray(np.fft.fftfreq(padded[0])[:, None], np.float64)
     across = np.asarray(np.fft.rfftfreq(padded[1])[None], np.float64)
     shortest_nm = min(light.wavelengths_nm)
@@ -144,7 +144,7 @@ def _convolve(picture: FloatArray, transfer: FloatArray, padded: tuple[int, int]
     return made
 
 
-def _padded(length: int) -> int:
+def _pad_length(length: int) -> int:
     """At least twice the length, so that no light comes in from the other side; even, with small factors alone."""
     size = 2 * length
     while True:

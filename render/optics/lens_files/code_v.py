@@ -167,7 +167,7 @@ class _Reader:
         """A command about one surface: the last one that began, or the one that it names."""
         words = command.words
         named = words and _SURFACE.fullmatch(words[0].upper())
-        surface = self._named(words[0].upper(), command.line) if named else self._surfaces[-1]
+        surface = self._find_glass(words[0].upper(), command.line) if named else self._surfaces[-1]
         if named:
             words = words[1:]
         name, line, label = command.name[:3], command.line, surface.label
@@ -211,7 +211,7 @@ class _Reader:
             return
         raise self._text.error(f"{command.name} is not supported", command.line, label)
 
-    def _named(self, name: str, line: int) -> DraftSurface:
+    def _find_glass(self, name: str, line: int) -> DraftSurface:
         number = {"SO": 0, "SI": len(self._surfaces) - 1, "S": len(self._surfaces) - 1}.get(name)
         number = int(name[1:]) if number is None else number
         if number >= len(self._surfaces):

@@ -55,10 +55,10 @@ class PrivateGlasses:
             expected = f"expected one index for each of the {len(wavelengths)} wavelengths (PWL), got {len(words)}"
             raise self._text.error(f"glass {name}: {expected}", line)
         indices = np.array([self._text.number(word, f"index of glass {name}", line, at_least=1) for word in words])
-        self._glasses[name.upper()] = check_glass(self._text, _fitted(name, wavelengths, indices), line, "")
+        self._glasses[name.upper()] = check_glass(self._text, _fit(name, wavelengths, indices), line, "")
 
 
-def _fitted(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
+def _fit(name: str, wavelengths_nm: np.ndarray, indices: np.ndarray) -> Glass:
     """The glass through some indices: n = A + B/λ² (+ C/λ⁴ where there are three or more), by least squares."""
     powers = np.arange(min(len(indices), 3))
     table = (wavelengths_nm[:, None] / D_LINE_NM) ** (-2 * powers)

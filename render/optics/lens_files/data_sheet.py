@@ -198,7 +198,8 @@ def _join_tables(text: LensText, tables: list[Table], f_stop: float) -> DataShee
     parts: list[DataSheet] = []
     for table in tables:
         fields: dict[str, Any] = {
-            _COLUMNS[name][0]: tuple(_COLUMNS[name][1] * value for value in values) for name, values in _measured(table)
+            _COLUMNS[name][0]: tuple(_COLUMNS[name][1] * value for value in values)
+            for name, values in _given_columns(table)
         }
         if any(name in fields for part in parts for name in _fields_of(part)):
             raise text.error("two tables have the same column")
@@ -210,7 +211,7 @@ def _join_tables(text: LensText, tables: list[Table], f_stop: float) -> DataShee
     return DataSheet(tuple(heights.tolist()), **fields, f_stop=f_stop)
 
 
-def _measured(table: Table) -> Iterator[tuple[str, list[float]]]:
+def _given_columns(table: Table) -> Iterator[tuple[str, list[float]]]:
     return ((name, values) for name, values in table.items() if name != _HEIGHT)
 
 

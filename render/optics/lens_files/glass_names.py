@@ -30,7 +30,7 @@ def find_glass(name: str) -> Glass | None:
     """
     if name.upper() in ("AIR", "VACUUM"):
         return AIR
-    return glass_of_code(name) or _named(_plain(name))
+    return glass_of_code(name) or _find(_plain(name))
 
 
 def glass_of_code(code: str) -> Glass | None:
@@ -44,7 +44,7 @@ def glass_of_code(code: str) -> Glass | None:
     return None
 
 
-def _named(plain: str) -> Glass | None:
+def _find(plain: str) -> Glass | None:
     if not plain:
         return None
     known = _known_glasses()

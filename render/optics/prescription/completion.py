@@ -53,7 +53,7 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
     check_prescription(prescription)
     whole = with_clear_diameters(_with_back_focus(_with_aperture(with_stop(prescription))), image_height_mm)
     check_overlaps(whole)
-    return _with_light_checked(whole)
+    return _check_light(whole)
 
 
 def scale_prescription(prescription: Prescription, factor: float) -> Prescription:
@@ -155,7 +155,7 @@ def _check_marginal_ray(prescription: Prescription, stop_radius_mm: float) -> No
         raise bad_lens(prescription, what, int(edge.stopped_by[ray]))
 
 
-def _with_light_checked(prescription: Prescription) -> Prescription:
+def _check_light(prescription: Prescription) -> Prescription:
     """Raise `InputError` where no light on the axis gets through; say where a rim limits it more than the stop."""
     heights = np.linspace(0, 1, _FAN)[1:]
     stop_radius = prescription.surfaces[stop_index(prescription)].semi_diameter_mm

@@ -98,7 +98,7 @@ class FocusMechanism:
         """Whether the whole lens moves."""
         return self.moving == (0, len(self.system.powers) - 1)
 
-    def moved(self, shift_mm: float) -> DoubleArray:
+    def shifted_vertices(self, shift_mm: float) -> DoubleArray:
         """``(n,)`` z of the vertices."""
         moved = self.system.vertices_mm.copy()
         moved[self.moving[0] : self.moving[1] + 1] += shift_mm
@@ -106,7 +106,7 @@ class FocusMechanism:
 
     def film_through_lens(self, shift_mm: float) -> FilmThroughLens:
         """View of the film from object space, with the moving glass shifted by ``shift_mm``."""
-        system = replace(self.system, vertices_mm=self.moved(shift_mm))
+        system = replace(self.system, vertices_mm=self.shifted_vertices(shift_mm))
         (lift, scale), _ = transfer(system, 0, len(system.powers), to_mm=self.film_mm)
         depth = entrance_pupil(system, self.stop)[0] - float(system.vertices_mm[0])
         return FilmThroughLens(lift, scale - lift * depth, depth)
@@ -137,7 +137,7 @@ class FocusMechanism:
         return shift
 
     def _spot_miss(self, nearness: float, shift_mm: float, stop_radius_mm: float) -> float:
-        moved = self.moved(shift_mm)
+        moved = self.shifted_vertices(shift_mm)
         pupil = float(moved[0]) + self.film_through_lens(shift_mm).pupil_depth_mm
         object_mm = pupil - 1 / nearness if nearness else -np.inf
         return best_focus_mm(self.prescription, object_mm, stop_radius_mm, moved) - self.film_mm

@@ -102,7 +102,7 @@ def _assemble(
     prescription: Prescription, mechanism: FocusMechanism, shift_mm: float, stop_radius_mm: float
 ) -> FocusedLens:
     """The lens with what focuses it moved by ``shift_mm``."""
-    moved = mechanism.moved(shift_mm)
+    moved = mechanism.shifted_vertices(shift_mm)
     gaps = np.diff([*moved, mechanism.film_mm])
     surfaces = tuple(
         replace(surface, thickness_mm=float(gap)) for surface, gap in zip(prescription.surfaces, gaps, strict=True)

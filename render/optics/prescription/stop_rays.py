@@ -49,7 +49,7 @@ def rays_from_film(
         wavelength_nm: of the light.
     """
     slopes, solved = _aim(lens, film_mm, stops * lens.stop_radius_mm, wavelength_nm)
-    points, directions = _leaving(lens, film_mm, slopes)
+    points, directions = _leave_film(lens, film_mm, slopes)
     rays = trace_backward(
         lens.prescription, points, directions, wavelength_nm, vertices_mm=lens.vertices_mm, clip=False
     )
@@ -101,7 +101,7 @@ def _aim(
 
 def _on_stop(lens: FocusedLens, film_mm: DoubleArray, slopes: DoubleArray, wavelength_nm: float) -> DoubleArray:
     """Points ``(n, 2)`` of rays from the film in the plane of the stop's vertex; NaN for rays that do not reach it."""
-    points, directions = _leaving(lens, film_mm, slopes)
+    points, directions = _leave_film(lens, film_mm, slopes)
     stop_mm, behind = float(lens.vertices_mm[lens.stop]), (lens.stop + 1, len(lens.vertices_mm))
     if behind[0] == behind[1]:
         return np.asarray(film_mm + slopes * (lens.film_mm - stop_mm))
@@ -117,7 +117,7 @@ def _on_stop(lens: FocusedLens, film_mm: DoubleArray, slopes: DoubleArray, wavel
     return rays.at(stop_mm)
 
 
-def _leaving(lens: FocusedLens, film_mm: DoubleArray, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+def _leave_film(lens: FocusedLens, film_mm: DoubleArray, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     points = np.concatenate([film_mm, np.full((len(film_mm), 1), lens.film_mm)], axis=1)
     directions = np.concatenate([slopes, np.full((len(slopes), 1), -1.0)], axis=1)
     return points, directions / np.sqrt((directions**2).sum(axis=1))[:, None]

@@ -69,7 +69,7 @@ def aim(lens: FocusedLens, targets: Targets) -> AimedRays:
     for stage, before in zip(_STAGES, (0.0, *_STAGES), strict=False):
         start = pupil + _correction(jacobian, targets.stop_mm * (stage - before))
         pupil, off, jacobian = _solve(lens, targets, pupil, start, targets.stop_mm * stage, jacobian)
-    points, directions = _entering(lens, targets.nearness_per_mm, targets.slopes, pupil)
+    points, directions = _enter(lens, targets.nearness_per_mm, targets.slopes, pupil)
     with np.errstate(divide="ignore", invalid="ignore"):
         shrinking = 1 / np.abs(np.linalg.det(jacobian))
     return AimedRays(points, directions, shrinking, np.hypot(*off.T) <= _SOLVED * lens.stop_radius_mm)
@@ -119,7 +119,7 @@ def _on_stop(
     """Where some of the rays meet the stop, ``(n, 2)``, and the derivatives by the point on the pupil, ``(n, 2, 2)``."""
     nudge, count = _NUDGE * lens.entrance_pupil_radius_mm, len(of)
     moved = np.concatenate([pupil[of], pupil[of] + [nudge, 0], pupil[of] + [0, nudge]])
-    points, directions = _entering(lens, targets.nearness_per_mm, np.tile(targets.slopes[of], (3, 1)), moved)
+    points, directions = _enter(lens, targets.nearness_per_mm, np.tile(targets.slopes[of], (3, 1)), moved)
     rays = trace_forward(
         lens.prescription,
         points,
@@ -133,7 +133,7 @@ def _on_stop(
     return met, np.stack([by_x - met, by_y - met], axis=-1) / nudge
 
 
-def _entering(
+def _enter(
     lens: FocusedLens, nearness_per_mm: float, slopes: DoubleArray, pupil: DoubleArray
 ) -> tuple[DoubleArray, DoubleArray]:
     """Points on the plane of the front vertex, and unit directions, of rays from objects through points of the pupil's plane."""

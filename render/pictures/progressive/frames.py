@@ -62,7 +62,7 @@ class LiveFrames:
         """
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        largest = view.resized(*self._planner.largest_size(view.width, view.height))
+        largest = view.resize(*self._planner.largest_size(view.width, view.height))
         with renderer.on_device():
             camera = renderer.load(scene, camera, settings, is_preview=True)
             is_blurred = engine_of(settings).preview == "blur" and camera.f_stop > 0
@@ -81,7 +81,7 @@ class LiveFrames:
             left_ms = max(_LEAST_TRACE_SHARE * budget_ms, budget_ms - clock.total_ms)
             plan = self._plan(largest, settings, left_ms, rays)
             wavelengths = 1 if rays is None else min(settings.wavelengths, _PREVIEW_WAVELENGTHS)
-            picture = self._trace(peeled, camera, view.resized(plan.width, plan.height), settings, plan, wavelengths)
+            picture = self._trace(peeled, camera, view.resize(plan.width, plan.height), settings, plan, wavelengths)
         self._planner.learn(plan, clock.note("blur"))
         return picture, plan.rays
 

@@ -16,7 +16,7 @@ from render.focus.expressive import soft_sides
 from render.focus.smoothing import points_share, smooth
 from render.focus.solve import STATES, FocusSolutions
 from render.focus.timeline import drive
-from render.focus.tracking import tracked
+from render.focus.tracking import track
 from render.model.arrays import DoubleArray
 from render.model.focal_surface import FocalPlane
 from render.model.lens_law import LensLaw
@@ -173,7 +173,7 @@ def _follow_planes(inputs: FocusInputs, law: LensLaw, planes: DoubleArray) -> tu
     followed[:, 0] = follow(ring=ring, max_speed_rad_s=np.radians(speed))
     for column in (1, 2):
         level = smooth(seconds, planes[:, column], smoothing, exact_at_s=keys)
-        followed[:, column] = tracked(seconds, level, lag_s=lag)
+        followed[:, column] = track(seconds, level, lag_s=lag)
     return followed, np.abs(followed[:, 0] - follow())
 
 

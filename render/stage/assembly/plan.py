@@ -80,13 +80,13 @@ def _pieces_by_material(
     for number, part in enumerate(parts):
         material = looks.representative(part.material, time)
         wanted = looks.look(material, time).wanted
-        inherited, varies = _inherited(prim, wanted, time)
+        inherited, varies = _inherited_primvars(prim, wanted, time)
         key = (surface.source, wanted, inherited)
         pieces.append(Piece(surface, material, number, len(parts), double_sided, deforms or varies, wanted, key))
     return pieces
 
 
-def _inherited(prim: Usd.Prim, wanted: Wanted, time: Usd.TimeCode) -> tuple[Hashable, bool]:
+def _inherited_primvars(prim: Usd.Prim, wanted: Wanted, time: Usd.TimeCode) -> tuple[Hashable, bool]:
     """Key of the inherited primvars by which instances of one prim may differ; and whether any primvar varies over time."""
     values: list[Hashable] = []
     varies = False

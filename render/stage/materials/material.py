@@ -94,7 +94,7 @@ class _SurfaceReader:
         value = as_numbers(source.value if source else None, default)
         self._constants[name] = colour.rgb_to_working((value[0], value[1], value[2]))
         if source is not None and source.shader is not None:
-            self._connected(name, usd_name, source, default, "color")
+            self._read_connection(name, usd_name, source, default, "color")
 
     def _scalar(self, name: str, usd_name: str, default: float) -> None:
         source = self._network.source(self._shader, usd_name)
@@ -102,25 +102,27 @@ class _SurfaceReader:
         if source is None or source.shader is None:
             return
         if name in _TEXTURED_SCALARS:
-            self._connected(name, usd_name, source, (default,), "data")
+            self._read_connection(name, usd_name, source, (default,), "data")
         else:
             self._ignored(usd_name, f"a connection of {usd_name} is not honoured, {default} is used")
 
     def _normal(self) -> None:
         source = self._network.source(self._shader, "normal")
         if source is not None and source.shader is not None:
-            self._connected("normal", "normal", source, (0.0, 0.0, 1.0), "normal")
+            self._read_connection("normal", "normal", source, (0.0, 0.0, 1.0), "normal")
 
-    def _connected(self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str) -> None:
+    def _read_connection(
+        self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str
+    ) -> None:
         kind = self._nodes.kind(source.shader)
         if kind == "UsdUVTexture":
-            self._textured(name, usd_name, source, default, purpose)
+            self._read_texture(name, usd_name, source, default, purpose)
         elif kind.startswith("UsdPrimvarReader") and name in ("base_color", "opacity"):
             self._from_primvar(name, source, default)
         else:
             self._ignored(usd_name, f"{usd_name} is fed by {kind or 'an unknown shader'}, which is not honoured")
 
-    def _textured(self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str) -> None:
+    def _read_texture(self, name: str, usd_name: str, source: Source, default: tuple[float, ...], purpose: str) -> None:
         texture = self._nodes.read(self._network, source, purpose, self._path)
         if texture.lookup is not None:
             self._lookups[name] = texture.lookup

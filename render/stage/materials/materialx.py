@@ -113,10 +113,12 @@ class _SurfaceReader:
         color = self._numbers("base_color", _GREY) * self._numbers("base", (1.0,))[0]
         transmission = self._numbers("transmission", (0.0,))[0]
         through = self._numbers("transmission_color", (1.0, 1.0, 1.0))
-        return _working(color * (1 - transmission) + through * transmission)
+        return _to_working_space(color * (1 - transmission) + through * transmission)
 
     def _emission(self) -> tuple[float, float, float]:
-        return _working(self._numbers("emission_color", (1.0, 1.0, 1.0)) * self._numbers("emission", (0.0,))[0])
+        return _to_working_space(
+            self._numbers("emission_color", (1.0, 1.0, 1.0)) * self._numbers("emission", (0.0,))[0]
+        )
 
     def _scalar(self, theirs: str, ours: str) -> float:
         self._texture(theirs, ours, "data")
@@ -184,5 +186,5 @@ class _SurfaceReader:
         return None
 
 
-def _working(rgb: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
+def _to_working_space(rgb: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, float, float]:
     return colour.rgb_to_working((float(rgb[0]), float(rgb[1]), float(rgb[2])))

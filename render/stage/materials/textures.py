@@ -98,7 +98,7 @@ class _Linear:
         self._table: FloatArray | None = None
         if dtype == np.uint8:
             ramp = np.repeat(np.arange(256, dtype=np.uint8)[:, None, None], channels, axis=2)
-            self._table = self._computed(ramp)[:, 0]
+            self._table = self._convert(ramp)[:, 0]
 
     @property
     def is_table(self) -> bool:
@@ -107,7 +107,7 @@ class _Linear:
 
     def __call__(self, rows: NDArray[np.generic]) -> FloatArray:
         if self._table is None:
-            return self._computed(rows)
+            return self._convert(rows)
         out = np.empty((*rows.shape[:2], 4), np.float32)
         self.fill(out, rows)
         return out
@@ -125,7 +125,7 @@ class _Linear:
                 out[..., channel] = table[:, channel][colors[..., min(channel, colors.shape[2] - 1)]]
         out[..., 3] = table[:, 3][rows[..., -1]] if channels in (2, 4) else table[0, 3]
 
-    def _computed(self, rows: NDArray[np.generic]) -> FloatArray:
+    def _convert(self, rows: NDArray[np.generic]) -> FloatArray:
         linear = colour.linearise(_rgba(rows), self._source) * self._scale + self._bias
         finite: FloatArray = np.clip(np.nan_to_num(linear), -_MAX_FLOAT16, _MAX_FLOAT16).astype(np.float32)
         return finite

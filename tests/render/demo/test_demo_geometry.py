@@ -45,7 +45,7 @@ def test_a_solid_encloses_its_volume(mesh: Mesh, volume: float | None) -> None:
 
 
 def test_a_mirrored_solid_stays_outside_out() -> None:
-    mirrored = rounded_box([1, 2, 3], 0.2).scaled(-1, 1, 1)
+    mirrored = rounded_box([1, 2, 3], 0.2).scale(-1, 1, 1)
     assert enclosed_volume(mirrored) == pytest.approx(enclosed_volume(rounded_box([1, 2, 3], 0.2)))
 
 

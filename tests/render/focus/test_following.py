@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from render.errors import SettingsError
 from render.focus.smoothing import fade_weights, points_share, smooth
 from render.focus.timeline import drive
-from render.focus.tracking import FocusRing, limits, speed_limited, tracked
+from render.focus.tracking import FocusRing, limit_speed, limits, track
 
 FPS = 24.0
 SECONDS = np.arange(121) / FPS
@@ -119,13 +119,13 @@ def test_a_key_between_two_frames_is_kept_too():
 @pytest.mark.parametrize("lag", [0.1, 0.5])
 def test_a_steady_target_is_followed_by_just_the_lag(lag):
     target = 0.1 + 0.2 * SECONDS
-    late = tracked(SECONDS, target, lag_s=lag)
+    late = track(SECONDS, target, lag_s=lag)
     settled = 8 * lag < SECONDS
     np.testing.assert_allclose(late[settled], target[settled] - 0.2 * lag, rtol=1e-4)
 
 
 def test_a_target_that_stops_is_reached_and_not_passed():
-    focus = tracked(SECONDS, step_at(SECONDS), lag_s=0.3)
+    focus = track(SECONDS, step_at(SECONDS), lag_s=0.3)
     assert (np.diff(focus) >= 0).all()
     assert focus.max() <= 1.0
     assert focus[-1] == pytest.approx(1.0, rel=1e-3)
@@ -133,7 +133,7 @@ def test_a_target_that_stops_is_reached_and_not_passed():
 
 def test_the_hand_starts_softly():
     """Its first frame of a move is much shorter than its fastest: no jerk."""
-    moves = np.diff(tracked(SECONDS, np.minimum(0.2 * SECONDS, 0.5), lag_s=0.5))
+    moves = np.diff(track(SECONDS, np.minimum(0.2 * SECONDS, 0.5), lag_s=0.5))
     assert moves[0] < 0.05 * moves.max()
 
 
@@ -141,21 +141,21 @@ def test_the_hand_starts_softly():
 def test_what_the_hand_does_does_not_hang_on_how_finely_time_is_cut(cuts, lag):
     fine = np.linspace(0, 5, 120 * cuts + 1)
     target = np.interp(fine, SECONDS, step_at(SECONDS))
-    coarse = tracked(SECONDS, step_at(SECONDS), lag_s=lag)
-    np.testing.assert_allclose(tracked(fine, target, lag_s=lag)[::cuts], coarse, atol=1e-9)
+    coarse = track(SECONDS, step_at(SECONDS), lag_s=lag)
+    np.testing.assert_allclose(track(fine, target, lag_s=lag)[::cuts], coarse, atol=1e-9)
 
 
 @given(curves(), st.floats(0.01, 1))
 def test_the_dead_zone_is_never_left(curve, zone):
     times, w = curve
-    assert np.abs(tracked(times, w, dead_zone_w=zone) - w).max() <= zone + 1e-12
+    assert np.abs(track(times, w, dead_zone_w=zone) - w).max() <= zone + 1e-12
 
 
 def test_small_wandering_is_let_go_and_a_move_is_followed():
     wandering = 0.5 + 0.009 * np.sin(9 * SECONDS)
-    still = tracked(SECONDS, wandering, lag_s=0.2, dead_zone_w=0.01)
+    still = track(SECONDS, wandering, lag_s=0.2, dead_zone_w=0.01)
     assert np.ptp(still) == 0
-    moved = tracked(SECONDS, wandering + np.clip(SECONDS - 2, 0, 1), lag_s=0.2, dead_zone_w=0.01)
+    moved = track(SECONDS, wandering + np.clip(SECONDS - 2, 0, 1), lag_s=0.2, dead_zone_w=0.01)
     assert np.ptp(moved[SECONDS < 2]) < 0.01
     assert moved[-1] == pytest.approx(1.5, abs=0.02)
 
@@ -163,12 +163,12 @@ def test_small_wandering_is_let_go_and_a_move_is_followed():
 @given(curves(), st.floats(0.1, 5))
 def test_no_frame_turns_the_ring_faster_than_the_hand_can(curve, speed):
     times, w = curve
-    ring = speed_limited(times, w, speed)
+    ring = limit_speed(times, w, speed)
     assert (np.abs(np.diff(ring)) <= speed * np.diff(times) + 1e-12).all()
 
 
 def test_a_hand_that_is_too_slow_comes_late_and_then_stands():
-    ring = speed_limited(SECONDS, 100 * step_at(SECONDS), 40.0)  # 80 degrees at 40 in a second: two seconds
+    ring = limit_speed(SECONDS, 100 * step_at(SECONDS), 40.0)  # 80 degrees at 40 in a second: two seconds
     start = 2.5 - 1 / FPS
     np.testing.assert_allclose(ring, np.clip(20 + 40 * (SECONDS - start), 20, 100), atol=1e-9)
 
@@ -189,7 +189,7 @@ def test_a_hand_behind_a_stop_is_not_late_in_coming_back():
     w = np.where(SECONDS < 2.5, 5.0, 1.0)
     focus = drive(SECONDS, w, lag_s=0.2, close_focus_m=0.5)
     np.testing.assert_allclose(focus[SECONDS < 2.5], 2.0)
-    np.testing.assert_array_equal(focus, tracked(SECONDS, np.minimum(w, 2.0), lag_s=0.2))
+    np.testing.assert_array_equal(focus, track(SECONDS, np.minimum(w, 2.0), lag_s=0.2))
 
 
 def test_infinity_and_close_focus_are_the_ends():

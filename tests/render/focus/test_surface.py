@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from render.errors import SettingsError
-from render.focus.surface import beyond_edge, focused_at, interpolated
+from render.focus.surface import beyond_edge, focused_at, interpolate
 from render.model.focal_surface import MAX_CONTROLS, Controls, FocalPlane, FocalSurface, HalfLens
 
 PLANE = FocalPlane(0.25)
@@ -85,7 +85,7 @@ def test_it_is_continuous_where_a_falloff_ends():
 
 
 def share_of_left(slopes, weights=(1.0, 1.0), exponent=3.0):
-    values, _ = interpolated(controls([LEFT, RIGHT], [1.0, 0.0], weights, exponent=exponent), np.asarray(slopes, float))
+    values, _ = interpolate(controls([LEFT, RIGHT], [1.0, 0.0], weights, exponent=exponent), np.asarray(slopes, float))
     return values[..., 0]
 
 

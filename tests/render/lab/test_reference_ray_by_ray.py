@@ -25,7 +25,7 @@ RED, WHITE = (0.9, 0.1, 0.2), (1.0, 1.0, 1.0)
 def seen(scene: Scene, *slopes: tuple[float, float], offset: tuple[float, float] = (0.0, 0.0)) -> DoubleArray:
     """``(n, 4)`` what single rays see from the origin, looking along -Z."""
     there = UnlitScene(scene, np.eye(4), near_m=0.1, far_m=np.inf)
-    return there.seen(np.tile(offset, (len(slopes), 1, 1)), np.array(slopes)[:, None, :])[:, 0]
+    return there.radiance(np.tile(offset, (len(slopes), 1, 1)), np.array(slopes)[:, None, :])[:, 0]
 
 
 def board(depth_m: float, half_m: float = 1.0, **material: object) -> Batch:

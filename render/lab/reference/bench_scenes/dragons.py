@@ -95,9 +95,9 @@ def _spine() -> tuple[DoubleArray, DoubleArray]:
 
 def _head(place: DoubleArray) -> Mesh:
     """A skull, a snout and a jaw about the end of the spine, looking to +Z."""
-    skull = boulder(0.26, 96, 64, 51, 0.10).scaled(0.95, 0.85, 1.1)
-    snout = boulder(0.20, 96, 64, 52, 0.10).scaled(0.8, 0.6, 1.7).at(0, -0.02, 0.36)
-    jaw = boulder(0.17, 64, 48, 53, 0.10).scaled(0.75, 0.4, 1.7).turned(x=14).at(0, -0.19, 0.28)
+    skull = boulder(0.26, 96, 64, 51, 0.10).scale(0.95, 0.85, 1.1)
+    snout = boulder(0.20, 96, 64, 52, 0.10).scale(0.8, 0.6, 1.7).at(0, -0.02, 0.36)
+    jaw = boulder(0.17, 64, 48, 53, 0.10).scale(0.75, 0.4, 1.7).rotate(x=14).at(0, -0.19, 0.28)
     return merge([skull, snout, jaw]).at(*place)
 
 
@@ -152,7 +152,7 @@ def _hoard(made: Assembly) -> None:
     coin = lathe([[0, -0.012], [0.085, -0.012], [0.09, -0.006], [0.09, 0.006], [0.085, 0.012], [0, 0.012]], 20)
     made.add_instances("coin", coin, poses @ lean, "/Dragons/coins")
     eggs = np.array([[0.75, 0.62, -8.75], [1.15, 0.5, -8.7], [0.95, 0.45, -8.35]])
-    egg = boulder(0.2, 128, 96, 50, 0.05).scaled(1, 1.35, 1)
+    egg = boulder(0.2, 128, 96, 50, 0.05).scale(1, 1.35, 1)
     made.add_instances("hide", egg, poses_at(eggs, np.arange(3.0)), "/Dragons/eggs")
 
 
@@ -164,7 +164,7 @@ def _lanterns(made: Assembly) -> None:
 
 def _foreground(made: Assembly) -> None:
     """Iron bars and a tail's tip from above, as near as the lens blurs most."""
-    made.add("iron", railing(3.2, 1.1, 10).turned(y=6).at(-2.3, 0.25, -4.5), "/Dragons/railing")
+    made.add("iron", railing(3.2, 1.1, 10).rotate(y=6).at(-2.3, 0.25, -4.5), "/Dragons/railing")
     line = smooth_curve(
         [[2.75, 4.4, -5.1], [2.0, 3.7, -5.0], [1.8, 3.1, -4.95], [1.45, 2.8, -4.95], [1.32, 3.05, -4.95]], 420
     )

@@ -84,8 +84,8 @@ def _ground_floor(house: House) -> Parts:
     door_x = -0.3 * house.width_m
     shop = 0.46 * house.width_m
     shop_x = 0.18 * house.width_m
-    awning = plate(shop + 0.5, 1.35, 9, 2).turned(x=-62).at(shop_x, 2.62, 0.62)
-    sides = [plate(0.09, shop + 0.2).turned(z=90).at(shop_x, 0.55 + 1.75 * k, 0.06) for k in (0, 1)]
+    awning = plate(shop + 0.5, 1.35, 9, 2).rotate(x=-62).at(shop_x, 2.62, 0.62)
+    sides = [plate(0.09, shop + 0.2).rotate(z=90).at(shop_x, 0.55 + 1.75 * k, 0.06) for k in (0, 1)]
     return [
         (house.shutter, box([1.05, 2.15, 0.10]).at(door_x, 1.2, 0.02)),
         ("trim", window_frame(1.25, 2.4, 0).at(door_x, 1.25, 0.0)),

@@ -67,7 +67,7 @@ def arch(width_m: float, spring_m: float, top_m: float, depth_m: float, steps: i
         return np.stack([x, low, depth_m * (0.5 - v)], axis=-1)
 
     front = _in_metres(surface(face, steps + 1, 2), (0, 1))
-    return merge([front, front.turned(y=180), surface(soffit, steps + 1, 2)])
+    return merge([front, front.rotate(y=180), surface(soffit, steps + 1, 2)])
 
 
 def arcade(
@@ -117,8 +117,8 @@ def gable_roof(width_m: float, depth_m: float, rise_m: float, overhang_m: float 
     slope, angle = float(np.hypot(half, rise_m)), float(np.degrees(np.arctan2(rise_m, half)))
     length = slope + overhang_m
     # The slab hangs down from the ridge: its middle is half its length down the slope.
-    slab = box([width_m + 0.5, 0.14, length]).at(0, 0, length / 2).turned(x=angle).at(0, rise_m, -half)
-    back = slab.at(0, 0, half).turned(y=180).at(0, 0, -half)
+    slab = box([width_m + 0.5, 0.14, length]).at(0, 0, length / 2).rotate(x=angle).at(0, rise_m, -half)
+    back = slab.at(0, 0, half).rotate(y=180).at(0, 0, -half)
     ridge = tube([[-width_m / 2 - 0.25, rise_m + 0.06, -half], [width_m / 2 + 0.25, rise_m + 0.06, -half]], 0.12, 8)
     return merge([slab, back, ridge])
 
@@ -150,7 +150,7 @@ def railing(length_m: float, height_m: float, bars: int) -> Mesh:
     ]
     for k in range(bars + 1):
         parts.append(tube([[k * length_m / bars, 0.0, 0], [k * length_m / bars, height_m, 0]], 0.013, 6, capped=False))
-    hoop = ring(radius, 0.011, 14, 5).turned(x=90)
+    hoop = ring(radius, 0.011, 14, 5).rotate(x=90)
     parts += [hoop.at((k + 0.5) * length_m / bars, height_m - 1.1 * radius, 0) for k in range(bars)]
     return merge(parts)
 

@@ -91,7 +91,7 @@ def _angel() -> Mesh:
     body = robe(0.88 * _ANGEL_M, 128, 72, 11, 31)
     y = 0.88 * _ANGEL_M
     head = merge(
-        [ball(0.145, 28, 18).scaled(0.9, 1.15, 1).at(0.0, y + 0.14, 0.02), ball(0.12, 20, 12).at(0, y + 0.19, -0.08)]
+        [ball(0.145, 28, 18).scale(0.9, 1.15, 1).at(0.0, y + 0.14, 0.02), ball(0.12, 20, 12).at(0, y + 0.19, -0.08)]
     )
     arms = []
     for side in (-1, 1):
@@ -105,20 +105,20 @@ def _angel() -> Mesh:
         )
         arms.append(tube(line, np.linspace(0.105, 0.05, 22), 20))
     wing = _wing()
-    return merge([body, head, *arms, wing, wing.scaled(-1, 1, 1)])
+    return merge([body, head, *arms, wing, wing.scale(-1, 1, 1)])
 
 
 def _wing() -> Mesh:
     """The wing on the +X side: three rows of feathers along its bone."""
     bone = smooth_curve([[0.08, 1.55, -0.18], [0.42, 2.05, -0.32], [0.80, 2.35, -0.38], [1.05, 2.25, -0.36]], 30)
     parts = [tube(bone, np.linspace(0.07, 0.03, 30), 12)]
-    feather = ball(0.5, 12, 10).scaled(0.14, 1.0, 0.035).at(0, -0.48, 0)
+    feather = ball(0.5, 12, 10).scale(0.14, 1.0, 0.035).at(0, -0.48, 0)
     for row, (count, length) in enumerate(((17, 1.15), (14, 0.75), (12, 0.42))):
         for k in range(count):
             t = k / (count - 1)
             x, y, z = bone[int(3 + 26 * t)]
             tilt = 4 + 34 * t - 6 * row
-            parts.append(feather.scaled(1.0, length * (0.8 + 0.35 * t), 1.0).turned(z=tilt).at(x, y, z + 0.035 * row))
+            parts.append(feather.scale(1.0, length * (0.8 + 0.35 * t), 1.0).rotate(z=tilt).at(x, y, z + 0.035 * row))
     return merge(parts)
 
 
@@ -172,7 +172,7 @@ def _foreground(made: Assembly) -> None:
     posts = np.array([[-2.7 + 0.36 * k, 0.42, -4.96 + 0.02 * k] for k in range(11)])
     made.add_instances("marble", lathe(profile, 30), poses_at(posts), "/Statues/balustrade")
     for y in (0.36, 1.18):
-        rail = rounded_box([4.1, 0.12, 0.26], 0.03, 3).turned(y=-3.2).at(-0.9, y, -4.86)
+        rail = rounded_box([4.1, 0.12, 0.26], 0.03, 3).rotate(y=-3.2).at(-0.9, y, -4.86)
         made.add("sandstone", rail, "/Statues/balustrade")
     path = np.array([[2.95, 4.1, -5.15], [2.2, 3.8, -5.05], [1.65, 3.35, -5.0], [1.3, 2.8, -5.0]])
     wood, leaves = hanging_branch(path, 24, 0.36, 29)

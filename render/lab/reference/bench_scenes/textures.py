@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.demo.shapes.noise import Plane, blurred, fractal_noise
+from render.demo.shapes.noise import Plane, blur, fractal_noise
 from render.model.scene import Image
 
 Colour = tuple[float, float, float]
@@ -151,7 +151,7 @@ def leaf_card(tint: Colour, seed: int, leaves: int = 26, size: int = 256) -> Ima
         shade = random.uniform(0.72, 1.18) * (0.85 + 0.3 * rib) * (0.85 + 0.2 * s)
         colour = np.where(inside[..., None] > 0.5, shade[..., None] * np.array(tint), colour)
         alpha = np.maximum(alpha, inside)
-    return linear(blurred(colour.astype(np.float32), 0.7), np.clip(alpha, 0, 1), "leaves")
+    return linear(blur(colour.astype(np.float32), 0.7), np.clip(alpha, 0, 1), "leaves")
 
 
 def lit_window(light: Colour, seed: int, size: int = 128) -> Image:
@@ -178,9 +178,7 @@ def evening_sky(zenith: Colour, horizon: Colour, ground: Colour, seed: int, heig
     )
     colour = colour + cloud * (np.array([0.95, 0.86, 0.80]) - colour)
     below = np.clip(-up * 18, 0, 1)[:, None, None]
-    return linear(
-        blurred((colour * (1 - below) + below * np.array(ground)).astype(np.float32), 1.0), name="evening sky"
-    )
+    return linear(blur((colour * (1 - below) + below * np.array(ground)).astype(np.float32), 1.0), name="evening sky")
 
 
 def stripes(tint: Colour, size: int = 128) -> Image:

@@ -127,7 +127,7 @@ def _row(made: Assembly, houses: tuple[House, ...], side: int) -> None:
     for house in houses:
         z -= house.width_m / 2
         for look, mesh in house_parts(house):
-            made.add(look, mesh.turned(y=-90 * side).at(side * (STREET_M / 2 + 2.4), 0, z), "/Town/houses")
+            made.add(look, mesh.rotate(y=-90 * side).at(side * (STREET_M / 2 + 2.4), 0, z), "/Town/houses")
         z -= house.width_m / 2
 
 
@@ -142,7 +142,7 @@ def _arcade(made: Assembly) -> None:
         ("stone", wall),
         ("stone", box([length, 0.2, 2.2]).at(length / 2, 3.6, -0.9)),
     ):
-        made.add(look, mesh.turned(y=90).at(place, 0.14, -4.0), "/Town/arcade")
+        made.add(look, mesh.rotate(y=90).at(place, 0.14, -4.0), "/Town/arcade")
 
 
 def _gate_tower(made: Assembly, z: float) -> None:
@@ -160,8 +160,8 @@ def _gate_tower(made: Assembly, z: float) -> None:
     for x in (-1.7, 1.7):
         made.add("trim", window_frame(1.1, 2.0).at(x, 8.4, z + 0.05), "/Town/gate")
         made.add("lit window", plate(1.1, 2.0).at(x, 8.4, z + 0.06), "/Town/gate")
-    made.add("trim", ring(1.05, 0.09, 32, 8).turned(x=90).at(0, 12.0, z + 0.06), "/Town/gate")
-    made.add("clock", disk(1.0, 32).turned(x=90).scaled(1, 1, 0.5).at(0, 12.0, z + 0.05), "/Town/gate")
+    made.add("trim", ring(1.05, 0.09, 32, 8).rotate(x=90).at(0, 12.0, z + 0.06), "/Town/gate")
+    made.add("clock", disk(1.0, 32).rotate(x=90).scale(1, 1, 0.5).at(0, 12.0, z + 0.05), "/Town/gate")
 
 
 def _fountain(made: Assembly, place: DoubleArray) -> None:
@@ -198,12 +198,12 @@ def _pine_cone(radius_m: float, height_m: float) -> Mesh:
     t = np.linspace(0, 1, 14)
     girth = radius_m * np.sin(np.pi * (0.12 + 0.88 * t)) ** 0.8
     parts = [lathe(np.stack([0.86 * girth, height_m * t], axis=1), 20)]
-    scale = ball(0.24 * radius_m, 9, 7).scaled(1, 1.2, 0.6)
+    scale = ball(0.24 * radius_m, 9, 7).scale(1, 1.2, 0.6)
     for k in range(130):
         v = (k + 0.5) / 130
         turn = k * 137.50776
         reach = 0.9 * radius_m * np.sin(np.pi * (0.12 + 0.88 * v)) ** 0.8
-        parts.append(scale.turned(x=38).at(0, 0, reach).turned(y=turn).at(0, height_m * v, 0))
+        parts.append(scale.rotate(x=38).at(0, 0, reach).rotate(y=turn).at(0, height_m * v, 0))
     return merge(parts)
 
 
@@ -265,7 +265,7 @@ def _market(made: Assembly) -> None:
     posts = [tube([[x, 0, z], [x, 2.1 + 0.25 * (z < 0), z]], 0.035, 8) for x in (-0.9, 0.9) for z in (-0.6, 0.6)]
     table = [rounded_box([2.0, 0.08, 1.3], 0.02, 1).at(0, 0.85, 0), box([1.9, 0.7, 0.06]).at(0, 0.45, 0.6)]
     made.add("wood", merge([*posts, *table]).at(*stall), "/Town/stall")
-    made.add("awning", plate(2.2, 1.7, 9, 2).turned(x=-80).at(*(stall + np.array([0, 2.22, 0.05]))), "/Town/stall")
+    made.add("awning", plate(2.2, 1.7, 9, 2).rotate(x=-80).at(*(stall + np.array([0, 2.22, 0.05]))), "/Town/stall")
     random = np.random.default_rng(14)
     heap = [
         [stall[0] + x, 0.95 + 0.1 * random.random(), stall[2] + z]
@@ -274,7 +274,7 @@ def _market(made: Assembly) -> None:
     ]
     half = len(heap) // 2
     made.add_instances("fruit", ball(0.085, 12, 8), poses_at(np.array(heap[:half])), "/Town/stall")
-    made.add_instances("squash", ball(0.1, 12, 8).scaled(1, 0.8, 1), poses_at(np.array(heap[half:])), "/Town/stall")
+    made.add_instances("squash", ball(0.1, 12, 8).scale(1, 0.8, 1), poses_at(np.array(heap[half:])), "/Town/stall")
     barrel = lathe(
         [[0.24, 0.0], [0.30, 0.2], [0.32, 0.42], [0.30, 0.64], [0.24, 0.84], [0.21, 0.84], [0.21, 0.78], [0, 0.78]], 18
     )
@@ -286,8 +286,8 @@ def _market(made: Assembly) -> None:
 
 def _foreground(made: Assembly) -> None:
     """The balcony's railing and a branch, as near as the lens blurs most."""
-    made.add("iron", railing(4.0, 1.0, 13).turned(y=5).at(-2.45, 0.95, -4.95), "/Town/balcony")
-    made.add("stone", box([4.4, 0.1, 0.35]).turned(y=5).at(-0.45, 0.91, -5.05), "/Town/balcony")
+    made.add("iron", railing(4.0, 1.0, 13).rotate(y=5).at(-2.45, 0.95, -4.95), "/Town/balcony")
+    made.add("stone", box([4.4, 0.1, 0.35]).rotate(y=5).at(-0.45, 0.91, -5.05), "/Town/balcony")
     path = np.array([[3.25, 4.85, -5.4], [2.4, 4.55, -5.3], [1.6, 4.1, -5.2], [1.0, 3.55, -5.25]])
     wood, leaves = hanging_branch(path, 26, 0.46, 6)
     made.add("wood", wood, "/Town/branch")

@@ -36,6 +36,11 @@ def commands(page: Path, program: str) -> list[list[str]]:
     return [words for words in typed if words[0] == program]
 
 
+def programs() -> list[str]:
+    """The Python programs of the pages."""
+    return [block for page in PAGES for block in blocks(page, "python")]
+
+
 def split_commands(block: str) -> Iterator[list[str]]:
     """The commands of a shell block as words; a command goes on over the lines of a quoted text."""
     command = ""
@@ -122,7 +127,7 @@ def test_the_requests_of_the_pages_are_answered(
 
 
 def test_the_live_pictures_program_runs(service: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (program,) = (block for page in PAGES for block in blocks(page, "python"))
+    (program,) = (program for program in programs() if "ws://" in program)
     monkeypatch.chdir(tmp_path)
     httpx.get(f"{service}/livez", timeout=300).raise_for_status()  # answers once the demo shot is written
     small = program.replace('"width": 480', '"width": 64, "rays": 4')
@@ -130,6 +135,15 @@ def test_the_live_pictures_program_runs(service: str, tmp_path: Path, monkeypatc
     pictures = sorted(Path().glob("live.*"))
     assert [picture.suffix for picture in pictures][-1] == ".png"
     assert all(is_picture(picture) for picture in pictures)
+
+
+def test_the_other_python_programs_run(demo: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (program,) = (program for program in programs() if "ws://" not in program)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "demo").symlink_to(demo)
+    exec(program.replace("width=480, height=270", "width=64, height=36, rays=4"), {})
+    assert is_picture(tmp_path / "stopped_down.png")
+    assert "fStop" in (tmp_path / "edits.usda").read_text()
 
 
 def test_the_links_of_the_readme_lead_somewhere() -> None:

@@ -12,6 +12,7 @@ from render.cli.main import main
 from service.models.exposure import EXPOSURE_EXAMPLE, ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FILM_EXAMPLE, FilmSettings, FilmSettingsEdit
 from tests.service.conftest import ROOM, send
+from usd_schemas.settings.tables import rest_settings
 
 SMALL = {"time": 1, "width": 64, "height": 36, "rays": 4, "supersample": 1, "layers": 2}
 
@@ -63,6 +64,12 @@ def test_a_shot_that_says_nothing_exposes_as_usd_does(client, shot):
     assert film["gateMm"] == pytest.approx([36, 20.25], rel=1e-6)
 
 
+def others(resource, known):
+    """A value other than the default of each number that REST sets and the test does not name."""
+    missing = [item for item in rest_settings(resource) if not item.read_only and item.camel_name not in known]
+    return {item.camel_name: next(end for end in item.hard if end not in (None, item.default)) for item in missing}
+
+
 def test_everything_that_can_be_read_can_be_set(client, shot):
     exposure = {
         "exposureTimeS": 0.5,
@@ -90,6 +97,7 @@ def test_everything_that_can_be_read_can_be_set(client, shot):
         "meteringCompensationStops": 1,
         "meteringSmoothingS": 0.5,
     }
+    exposure |= others("exposure", {*exposure, "shutterAngleDeg"})
     assert set(exposure) == {info.alias for info in ExposureSettingsEdit.model_fields.values()} - {
         "time",
         "shutterAngleDeg",
@@ -133,6 +141,7 @@ def test_everything_that_can_be_read_can_be_set(client, shot):
         "cdlPower": [1, 1.1, 1.2],
         "cdlSaturation": 0.5,
     }
+    film |= others("film", {*film, "stock"})
     assert set(film) == {info.alias for info in FilmSettingsEdit.model_fields.values()} - {"time", "stock"}
     answer = edit(client, shot, "film", film)
     assert answer.status_code == 200, answer.text

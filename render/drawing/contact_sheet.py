@@ -116,7 +116,7 @@ def _write_head(figure: Figure, sheet: ContactSheet, layout: _Layout) -> None:
     compared = " and ".join(f"{len(axis.choices)} {_PLURALS[axis.name]}" for axis in sheet.axes)
     times = sorted({picture.time for picture in sheet.pictures})
     films = {picture.film for picture in sheet.pictures}
-    told = [sheet.stage, sheet.camera, *([f"frame {times[0]:g}"] if len(times) == 1 else [])]
+    told = [sheet.stage, sheet.camera_path, *([f"frame {times[0]:g}"] if len(times) == 1 else [])]
     if len(films) == 1 and sheet.axes[0].name != "stock":
         told += films - {""}
     room = wide - 2 * layout.margin

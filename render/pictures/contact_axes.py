@@ -1,4 +1,4 @@
-"""What a contact sheet compares: ``stock=vision3_500t_5219,velvia_50`` or ``stop=1.4,2.8,5.6``, checked before any rendering."""
+"""Axes of a contact sheet, such as ``stock=vision3_500t_5219,velvia_50`` or ``stop=1.4,2.8``, checked before any rendering."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from render.shot.lens.lens_choice import LensChoice, choose_lens
 
 MAX_PICTURES = 64
-"""Of one sheet: more are too small to compare, and take too long."""
+"""Most pictures of one sheet: more are too small to compare, and take too long."""
 
 Value = str | float | LensChoice
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the things that are compared.
+    """One value that is compared.
 
     Attributes:
-        label: for people.
+        label: text under the picture.
         value: a stock's name, a number, or a lens.
     """
 
@@ -33,10 +33,10 @@ class Choice:
 
 @dataclass(frozen=True)
 class Axis:
-    """What is different from one column, or row, to the next.
+    """The values that differ from one column, or row, to the next.
 
     Attributes:
-        name: of `AXES`.
+        name: one of `AXES`.
         choices: two or more, or one for a label alone.
     """
 
@@ -45,16 +45,17 @@ class Axis:
 
 
 def parse_axes(typed: list[str]) -> tuple[Axis, ...]:
-    """The axes that are asked for: one, or columns and rows.
+    """Parse one axis, or columns and rows.
 
     Args:
         typed: such as ``stop=2,4,8``.
 
     Raises:
-        SettingsError: one cannot be read, or names what there is not; they are too many, or two alike; or too many pictures.
-        InputError: a lens file is none.
+        SettingsError: an axis cannot be read or names an unknown value; there are too many axes, two equal ones, or too many
+                pictures.
+        InputError: a lens file holds no lens.
     """
-    axes = tuple(_axis(text) for text in typed)
+    axes = tuple(_parse_axis(text) for text in typed)
     if not 1 <= len(axes) <= 2:
         raise SettingsError(f"a contact sheet compares one or two things, got {len(axes)}")
     if len({axis.name for axis in axes}) < len(axes):
@@ -65,7 +66,7 @@ def parse_axes(typed: list[str]) -> tuple[Axis, ...]:
     return axes
 
 
-def _axis(text: str) -> Axis:
+def _parse_axis(text: str) -> Axis:
     name, equals, values = text.partition("=")
     name = name.strip()
     if name not in AXES or not equals:
@@ -80,14 +81,14 @@ def _axis(text: str) -> Axis:
     return Axis(name, choices)
 
 
-def _stock(word: str) -> Choice:
+def _parse_stock(word: str) -> Choice:
     entry = library_stock(word)
     if entry.kind != "camera":
         raise SettingsError(f"{entry.name} is a print stock, expected one for the camera", code="unknown_stock")
     return Choice(entry.title, entry.name)
 
 
-def _lens(word: str) -> Choice:
+def _parse_lens(word: str) -> Choice:
     try:
         lens = choose_lens(word)
         return Choice(lens.name or word, lens)
@@ -95,7 +96,7 @@ def _lens(word: str) -> Choice:
         raise SettingsError(error.detail, code=error.code, path=error.path) from error
 
 
-def _number(name: str, word: str, low: float, high: float) -> float:
+def _parse_number(name: str, word: str, low: float, high: float) -> float:
     try:
         number = float(word)
     except ValueError:
@@ -105,41 +106,41 @@ def _number(name: str, word: str, low: float, high: float) -> float:
     return number
 
 
-def _stop(word: str) -> Choice:
-    number = _number("stop", word.lower().removeprefix("f/"), 0.1, 1000.0)
+def _parse_stop(word: str) -> Choice:
+    number = _parse_number("stop", word.lower().removeprefix("f/"), 0.1, 1000.0)
     return Choice(f"f/{number:g}", number)
 
 
-def _push(word: str) -> Choice:
-    number = _number("push", word, PUSHES.least, PUSHES.most)
+def _parse_push(word: str) -> Choice:
+    number = _parse_number("push", word, PUSHES.least, PUSHES.most)
     if number == 0:
         return Choice("developed as usual", number)
-    return Choice(f"{'pushed' if number > 0 else 'pulled'} {_stops(abs(number))}", number)
+    return Choice(f"{'pushed' if number > 0 else 'pulled'} {_in_stops(abs(number))}", number)
 
 
-def _exposure(word: str) -> Choice:
-    number = _number("exposure", word, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS)
+def _parse_exposure(word: str) -> Choice:
+    number = _parse_number("exposure", word, -MAX_COMPENSATION_STOPS, MAX_COMPENSATION_STOPS)
     if number == 0:
         return Choice("as it is exposed", number)
-    return Choice(f"{_stops(abs(number))} {'over' if number > 0 else 'under'}", number)
+    return Choice(f"{_in_stops(abs(number))} {'over' if number > 0 else 'under'}", number)
 
 
-def _stops(number: float) -> str:
+def _in_stops(number: float) -> str:
     return f"{number:g} stop{'' if number == 1 else 's'}"
 
 
-def _frame(word: str) -> Choice:
-    number = _number("frame", word, -1e9, 1e9)
+def _parse_frame(word: str) -> Choice:
+    number = _parse_number("frame", word, -1e9, 1e9)
     return Choice(f"frame {number:g}", number)
 
 
 AXES: dict[str, Callable[[str], Choice]] = {
-    "stock": _stock,
-    "stop": _stop,
-    "lens": _lens,
-    "push": _push,
-    "exposure": _exposure,
-    "frame": _frame,
+    "stock": _parse_stock,
+    "stop": _parse_stop,
+    "lens": _parse_lens,
+    "push": _parse_push,
+    "exposure": _parse_exposure,
+    "frame": _parse_frame,
 }
 EXAMPLES = {
     "stock": "vision3_500t_5219,velvia_50",

@@ -1,4 +1,4 @@
-"""A long exposure: one picture over many frames, whose shutter is opened and closed at will."""
+"""A long exposure: one picture over many frames, whose shutter is opened and closed interactively."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from render.engines import check_settings
 from render.errors import SettingsError
 from render.film import Grade, GradeChoice
 from render.film.gathering import GatheredLight
@@ -29,22 +30,22 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import FrameRenderer, FrameSettings
 
 MOST_MOMENTS = 32
-"""Of an interval, where their number is found out: what moves by more pixels is looked at less often than at each of them."""
+"""Most moments of an interval whose number of moments is measured."""
 LEAST_RAYS = 4
-"""Of a moment, likewise: fewer leave beads on a trail, however close its moments are."""
+"""Fewest rays of such a moment: with fewer, a trail shows beads however close its moments are."""
 _SEEDS = 2**31
 
 
 @dataclass(frozen=True)
 class LongExposureState:
-    """How far a long exposure is.
+    """Progress of a long exposure.
 
     Attributes:
-        open_frames: for how long the shutter was open, in frames.
+        open_frames: time that the shutter was open, in frames.
         open_seconds: likewise, in seconds.
-        intervals: in how many pieces.
-        nd_stops: of the neutral density before the lens.
-        gain: what the mean light is multiplied by; 1 where the filter takes all that the time adds.
+        intervals: number of exposed intervals.
+        nd_stops: neutral density in front of the lens.
+        gain: factor of the mean light; 1 where the filter takes all that the time adds.
     """
 
     open_frames: float
@@ -67,14 +68,14 @@ class LongExposure:
     exposure that is keyed counts as it is in each interval; a camera that meters does so once, before its shutter opens.
 
     Attributes:
-        shot: which goes on; whoever opens it anew may put it in the place of the old one.
+        shot: the shot; it may be replaced by the same shot opened anew.
     """
 
     def __init__(
         self,
         renderer: FrameRenderer,
         shot: Shot,
-        camera: str | None,
+        camera_path: str | None,
         begin: float,
         settings: FrameSettings,
         *,
@@ -83,24 +84,25 @@ class LongExposure:
         stock: str | None = None,
         choice: GradeChoice | None = None,
     ) -> None:
-        """Put the camera on its tripod; the shutter is closed.
+        """Prepare the exposure; the shutter is closed.
 
         Args:
             renderer: of the calling thread.
             shot: the shot.
-            camera: prim path; None for the shot's default camera.
+            camera_path: prim path; None for the shot's default camera.
             begin: USD time code. Film, grade and the exposure that others are measured against are those of this time.
-            settings: how each interval is rendered, with as many rays each; a ``motion`` of 1 lets the moments of each be as many
-                as pixels that anything moves by, up to `MOST_MOMENTS`, with `LEAST_RAYS` or more each.
-            nd_stops: of a filter before the lens; None for one that keeps the exposure.
-            grade: for which display, in place of what the shot says.
-            stock: a film of the library, likewise.
-            choice: what is wanted of the grade, in place of parts of what the shot says.
+            settings: engine, size and sampling of each interval. With a ``motion`` of 1 each interval has a moment for each pixel
+                that anything moves by, up to `MOST_MOMENTS`, with `LEAST_RAYS` or more each.
+            nd_stops: neutral density in front of the lens; None for one that keeps the exposure.
+            grade: in place of the shot's grade.
+            stock: a film of the library, in place of the shot's film.
+            choice: display, view and look, in place of these parts of the shot's grade.
 
         Raises:
-            SettingsError: more is asked for than colour, or a number or a name makes no sense.
-            CameraError: it is no camera, has impossible numbers, or a shutter that closes before it opens.
+            SettingsError: no engine can do this, there are AOVs besides colour, or a number or a name is out of range.
+            CameraError: the prim is no camera, has impossible numbers, or a shutter that closes before it opens.
         """
+        check_settings(settings)
         if set(settings.aovs) != {"color"}:
             raise SettingsError("a long exposure has colour alone: nothing is at one depth while it moves")
         if nd_stops is not None and not 0 <= nd_stops <= MAX_ND_STOPS:
@@ -108,18 +110,18 @@ class LongExposure:
                 f"the neutral density of a long exposure must be from 0 to {MAX_ND_STOPS} stops, got {nd_stops:g}"
             )
         self.shot = shot
-        self._renderer, self._camera, self._settings = renderer, camera, settings
+        self._renderer, self._camera_path, self._settings = renderer, camera_path, settings
         self._begin, self._nd_stops = begin, nd_stops
-        self._lens = self._at(begin)
-        check_shutter(self._lens)
-        self._finish = shot.film.finish(self._lens, begin, grade, stock, choice)
-        self._metered = auto_expose(renderer, shot, self._lens, begin, settings.shading)
+        self._camera = self._camera_at(begin)
+        check_shutter(self._camera)
+        self._finish = shot.film.finish(self._camera, begin, grade, stock, choice)
+        self._metered = auto_expose(renderer, shot, self._camera, begin, settings.shading)
         self._light = GatheredLight()
         self._prim_paths: tuple[str, ...] = ()
         self._last: tuple[float, Moment] | None = None
 
     def expose(self, begin: float, end: float, on_progress: Callable[[float], None] | None = None) -> None:
-        """Have the shutter open over an interval. Whatever interrupts it leaves the picture as it was before.
+        """Expose an interval. Where it is interrupted, the picture stays as it was before.
 
         Args:
             begin: USD time code.
@@ -127,7 +129,7 @@ class LongExposure:
             on_progress: called with the share of the interval that is done, from 0 to 1.
 
         Raises:
-            SettingsError: it ends before it begins.
+            SettingsError: the interval ends before it begins.
             CameraError: the camera has impossible numbers at one of the moments, or a shutter that closes before it opens.
             GraphicsError: the device refuses.
         """
@@ -137,40 +139,40 @@ class LongExposure:
                 code="bad_shutter",
             )
         settings = self._settings
-        lens = self._at(begin)
-        check_shutter(lens)
-        opened = replace(lens, shutter_open=0.0, shutter_close=end - begin, shutter=GLOBAL_SHUTTER)
+        camera = self._camera_at(begin)
+        check_shutter(camera)
+        opened = replace(camera, shutter_open=0.0, shutter_close=end - begin, shutter=GLOBAL_SHUTTER)
         if settings.motion == 1:
-            count = self._moments_of(begin, end)
+            count = self._count_moments(begin, end)
             settings = replace(settings, motion=count, rays=min(max(settings.rays, LEAST_RAYS * count), MAX_RAYS))
-        # Another seed for each interval, the same one whenever the interval is exposed: noise averages out, and stopping changes
-        # nothing.
+        # A seed of its own for each interval: noise averages out, and the picture does not depend on where the exposure stopped.
         seed = (settings.seed + round(begin * 1000)) % _SEEDS
         frame = expose_frame(
             self._renderer,
             self.shot,
-            self._camera,
+            self._camera_path,
             opened,
             begin,
             replace(settings, seed=seed),
             on_progress,
         )
         self._prim_paths = frame.prim_paths
-        keyed = self._metered is self._lens
-        self._light.add(_exposed_alike(frame.color, lens, self._lens) if keyed else frame.color, end - begin)
+        is_keyed = self._metered is self._camera
+        light = _match_exposure(frame.color, camera, self._camera) if is_keyed else frame.color
+        self._light.add(light, end - begin)
 
     @property
     def state(self) -> LongExposureState:
-        """How far it is."""
+        """Progress so far."""
         frames = self._light.frames
-        own = self._lens.shutter_close - self._lens.shutter_open
+        own = self._camera.shutter_close - self._camera.shutter_open
         gained = math.log2(frames / (own if own > 0 else 1.0)) if frames else 0.0
         nd_stops = gained if self._nd_stops is None else self._nd_stops
         seconds = frames / self.shot.stage.GetTimeCodesPerSecond()
         return LongExposureState(frames, seconds, self._light.intervals, nd_stops, 2.0 ** (gained - nd_stops))
 
-    def picture(self) -> Picture:
-        """What is on the film so far; the exposure may go on afterwards.
+    def develop(self) -> Picture:
+        """Develop the light on the film so far; the exposure may go on afterwards.
 
         Raises:
             SettingsError: the shutter was never open.
@@ -180,23 +182,23 @@ class LongExposure:
         state = self.state
         light = self._light.light
         light[..., :3] *= np.float32(state.gain)
-        lens = replace(self._metered, shutter_open=0.0, shutter_close=state.open_frames, shutter=GLOBAL_SHUTTER)
-        said = {"longExposureSeconds": state.open_seconds, "ndStops": state.nd_stops, "intervals": state.intervals}
+        camera = replace(self._metered, shutter_open=0.0, shutter_close=state.open_frames, shutter=GLOBAL_SHUTTER)
+        numbers = {"longExposureSeconds": state.open_seconds, "ndStops": state.nd_stops, "intervals": state.intervals}
         picture = develop_picture(
-            self.shot, Frame(light, {}, self._prim_paths), lens, self._begin, self._settings, self._finish
+            self.shot, Frame(light, {}, self._prim_paths), camera, self._begin, self._settings, self._finish
         )
         metadata = replace(
             picture.metadata,
-            settings={**picture.metadata.settings, **said},
+            settings={**picture.metadata.settings, **numbers},
             exposure_time_s=state.open_seconds,
         )
         return replace(picture, metadata=metadata)
 
-    def _at(self, time: float) -> Camera:
-        return self.shot.camera_at(self._camera, time, self._settings.width, self._settings.height)
+    def _camera_at(self, time: float) -> Camera:
+        return self.shot.camera_at(self._camera_path, time, self._settings.width, self._settings.height)
 
-    def _moments_of(self, begin: float, end: float) -> int:
-        """As many as pixels that what moves fastest moves by."""
+    def _count_moments(self, begin: float, end: float) -> int:
+        """Count the pixels that the fastest surface moves by in an interval, within bounds."""
         before = self._last[1] if self._last is not None and self._last[0] == begin else self._moment(begin)
         after = self._moment(end)
         self._last = (end, after)
@@ -204,12 +206,12 @@ class LongExposure:
         return min(max(math.ceil(travel), 2), MOST_MOMENTS)
 
     def _moment(self, time: float) -> Moment:
-        return make_moment(self.shot.scene_at(time), self._at(time))
+        return make_moment(self.shot.scene_at(time), self._camera_at(time))
 
 
-def _exposed_alike(color: FloatArray, lens: Camera, first: Camera) -> FloatArray:
-    """Light such that the exposure of the first frame makes of it what the camera's own exposure at the time would."""
-    if lens.exposure_scale == first.exposure_scale or first.exposure_scale == 0:
+def _match_exposure(color: FloatArray, camera: Camera, first: Camera) -> FloatArray:
+    """Scale light so that the first frame's exposure gives what the camera's own exposure would."""
+    if camera.exposure_scale == first.exposure_scale or first.exposure_scale == 0:
         return color
-    ratio = np.float32(lens.exposure_scale / first.exposure_scale)
+    ratio = np.float32(camera.exposure_scale / first.exposure_scale)
     return np.concatenate([color[..., :3] * ratio, color[..., 3:]], axis=-1)

@@ -84,7 +84,7 @@ def develop_exposure(state: PictureWorkerState, key: str, record: ShotRecord, ed
     with state.opened.use(record, edits) as shot:
         exposure = _exposure(state, key)
         exposure.shot = shot
-        picture = exposure.picture()
+        picture = exposure.develop()
     return encode(file_format, picture.frame, picture.graded, picture.metadata)
 
 

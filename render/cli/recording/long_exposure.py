@@ -61,7 +61,7 @@ def record_long_exposure(job: RecordJob, options: LongExposureOptions, file: Pat
 
 
 def _write(job: RecordJob, exposure: LongExposure, file: Path) -> None:
-    picture = exposure.picture()
+    picture = exposure.develop()
     write_frame(file, picture.frame, job.overlay(picture.graded, picture.camera), picture.metadata)
 
 

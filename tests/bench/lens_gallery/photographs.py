@@ -125,7 +125,7 @@ class Photographer:
                 )
                 for begin, end in entry.opening.intervals():
                     taken.expose(begin, end)
-                picture, state = taken.picture(), taken.state
+                picture, state = taken.develop(), taken.state
                 shutter = f"{state.open_seconds:.2g} s, ND {state.nd_stops:.1f} stops"
         finally:
             self._shot.edits.replace(self._unedited)

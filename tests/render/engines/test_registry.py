@@ -21,8 +21,9 @@ EXEMPT = ("render/engines/", "render/lab/")  # the engines themselves, and bench
 NAMES = set(engine_names())
 
 
-def test_the_engines_are_those_that_they_were() -> None:
-    assert engine_names() == ("lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole")
+def test_engines_are_listed_by_rank() -> None:
+    today = ("lens", "flag", "scatter", "gather", "linear", "importance", "accumulation", "pinhole")
+    assert tuple(name for name in engine_names() if name in today) == today
 
 
 def test_listing_engines_loads_neither_opengl_nor_usd() -> None:

@@ -82,7 +82,7 @@ def exposed(
 
 def line_of(exposure: LongExposure) -> np.ndarray:
     """The mean of all lines, which see the same: ``(WIDTH,)``."""
-    return np.asarray(exposure.picture().frame.color[..., 0].mean(axis=0))
+    return np.asarray(exposure.develop().frame.color[..., 0].mean(axis=0))
 
 
 def share_of_time(begins: float, ends: float, half: float) -> np.ndarray:
@@ -118,7 +118,7 @@ def test_by_velocities_it_is_the_same_trail(renderer: FrameRenderer, shot: Shot)
 @pytest.mark.parametrize("step", [5, 17])
 def test_trails_have_no_gaps_however_fast_a_light_is(renderer: FrameRenderer, shot: Shot, step: int) -> None:
     """Up to 11 pixels an interval, by a light of 4; with two moments to each it would be beads."""
-    trail = exposed(renderer, shot, f"1:{CLOSES}x{step}").picture().frame.color[:, 44:196, 0]
+    trail = exposed(renderer, shot, f"1:{CLOSES}x{step}").develop().frame.color[:, 44:196, 0]
     assert trail.mean() == pytest.approx(4 / 160, rel=0.005)
     assert trail.mean(axis=0) == pytest.approx(4 / 160, rel=0.12)
     assert trail.min() > 0.75 * 4 / 160
@@ -131,14 +131,14 @@ def test_stopped_and_gone_on_with_it_is_the_same_picture(renderer: FrameRenderer
         at_once.expose(begin, begin + 1)
     for begin in range(1, 4):
         stopped.expose(begin, begin + 1)
-    peeked = stopped.picture()
+    peeked = stopped.develop()
     assert peeked.frame.color[HEIGHT // 2, 19, 0] == pytest.approx(1.0, abs=1e-6)
     with pytest.raises(KeyboardInterrupt):
         stopped.expose(4, 5, on_progress=_interrupt)
-    np.testing.assert_array_equal(stopped.picture().frame.color, peeked.frame.color)
+    np.testing.assert_array_equal(stopped.develop().frame.color, peeked.frame.color)
     for begin in range(4, 7):
         stopped.expose(begin, begin + 1)
-    np.testing.assert_array_equal(stopped.picture().graded, at_once.picture().graded)
+    np.testing.assert_array_equal(stopped.develop().graded, at_once.develop().graded)
 
 
 def _interrupt(share: float) -> None:
@@ -188,7 +188,7 @@ def test_a_keyed_exposure_counts_as_it_is_in_each_interval(renderer: FrameRender
 
 
 def test_the_file_says_what_was_exposed(renderer: FrameRenderer, shot: Shot) -> None:
-    metadata = exposed(renderer, shot, "1:7x3").picture().metadata
+    metadata = exposed(renderer, shot, "1:7x3").develop().metadata
     said = {name: value for name, _, value in metadata.exr_attributes(WIDTH, HEIGHT)}
     assert said["pullfocus:longExposureSeconds"] == pytest.approx(0.25)
     assert said["pullfocus:intervals"] == 2
@@ -250,7 +250,7 @@ def test_what_cannot_be_exposed_is_told(renderer: FrameRenderer, shot: Shot) -> 
             LongExposure(renderer, shot, "/cam", 1.0, SETTINGS, nd_stops=stops)
     exposure = LongExposure(renderer, shot, "/cam", 1.0, SETTINGS, grade=Grade())
     with pytest.raises(SettingsError, match="never open"):
-        exposure.picture()
+        exposure.develop()
     with pytest.raises(SettingsError, match="opens at 2 and closes at 2"):
         exposure.expose(2.0, 2.0)
     with pytest.raises(PullfocusError, match="kodachrome_26"):

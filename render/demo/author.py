@@ -29,7 +29,7 @@ def frames() -> range:
 
 @contextmanager
 def editing(stage: Usd.Stage, layer: Sdf.Layer) -> Iterator[None]:
-    """Sends what is authored meanwhile into ``layer``."""
+    """Direct authoring into ``layer`` within the context."""
     with Usd.EditContext(stage, Usd.EditTarget(layer)):
         yield
 

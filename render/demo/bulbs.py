@@ -35,7 +35,7 @@ class LightString:
     Attributes:
         start: metres.
         end: metres.
-        sag_m: how far its middle hangs below the straight line.
+        sag_m: sag of its middle below the straight line.
     """
 
     start: tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""The dome's picture: what the street looks like all around from the middle of the shot, as light.
+"""Picture of the dome: the street's surroundings as light, from the middle of the shot.
 
 It is painted from the same lists as the set (bulbs, lamp posts, house fronts), so that wet stones and enamel mirror what
 the picture shows, although a rasterised surface sees nothing but its lights and the dome.

@@ -33,7 +33,7 @@ def _anchor(stage: Usd.Stage, name: str, path: str, near_m: ArrayLike) -> FocusP
     """A sharp focus point in the middle of the face of a mesh whose middle lies nearest to a place.
 
     Args:
-        stage: where the mesh is.
+        stage: stage of the mesh.
         name: of the focus point.
         path: of the mesh.
         near_m: ``(3,)`` metres in the mesh's space.

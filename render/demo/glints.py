@@ -28,7 +28,7 @@ WATER_F0 = 0.035
 
 @dataclass(frozen=True)
 class Glow:
-    """A small light: where it is (metres), its colour, and its radiance times the area that it shows (m²)."""
+    """Small light: position (metres), colour, and radiance times its visible area (m²)."""
 
     place_m: Array
     colour: Colour

@@ -95,7 +95,7 @@ def write_cast(stage: Usd.Stage) -> None:
 
 
 def write_motion(stage: Usd.Stage) -> None:
-    """Keys what `MOTIONS` says, and where the robots stand."""
+    """Author the keys of `MOTIONS` and the robots' positions."""
     stand(stage.GetPrimAtPath(PIP), PIP_PLACE_M, yaw=PIP_YAW)
     animate(stage.GetPrimAtPath(MARA), translate=mara_place, rotate=lambda frame: [0.0, -12.0, 0.0])
     for path, motion in MOTIONS.items():

@@ -1,4 +1,4 @@
-"""Where the street's lights stand, in metres: shared by the set, the lighting and the pictures of reflected light."""
+"""Positions of the street's lights, in metres: shared by the set, the lighting and the pictures of reflected light."""
 
 from __future__ import annotations
 

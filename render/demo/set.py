@@ -54,7 +54,7 @@ def write_set(stage: Usd.Stage) -> None:
 
 
 def _write_library(stage: Usd.Stage) -> None:
-    """The props as class prims: they are only seen where they are instanced."""
+    """Author the props as class prims, which are visible only as instances."""
     stage.CreateClassPrim(LIBRARY)
     library: dict[str, dict[str, Mesh]] = {
         "LampPost": props.lamp_post(),

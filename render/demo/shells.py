@@ -40,7 +40,7 @@ class Pillow:
             pitch: of its middle, radians.
             wide: half its width, radians.
             tall: half its height, radians.
-            scale: how far off the shell its rim lies; its middle lies a little farther.
+            scale: offset of its rim from the shell; its middle is a little farther.
             power: of its outline; 2 is an ellipse, more is boxier.
         """
 

@@ -39,7 +39,7 @@ def write_demo(directory: Path) -> Path:
     The same files come out byte for byte every time; files of the same names are replaced.
 
     Args:
-        directory: is made where it does not exist.
+        directory: folder, created if it does not exist.
 
     Returns:
         Path of the root layer.

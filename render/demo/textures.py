@@ -108,7 +108,7 @@ def _stripes(colour: tuple[float, float, float]) -> Plane:
 
 
 def _window_warm() -> Plane:
-    """A lit room behind curtains: brightest low in the middle, where the lamp stands."""
+    """Draw a lit room behind curtains: brightest low in the middle, at the lamp."""
     size = 256
     across, up = np.meshgrid(np.linspace(-1, 1, size), np.linspace(1, 0, size))
     lamp = np.exp(-((across * 1.1) ** 2 + ((up - 0.42) * 1.9) ** 2))

@@ -1,4 +1,4 @@
-"""`pullfocus bench`: what the engines cost and how near they come to the truth, measured here and now.
+"""`pullfocus bench`: cost of the engines and their distance from the references, measured on this machine.
 
 `render.cli` finds this command through the entry point group ``pullfocus.commands``, so that no product module imports the lab.
 """
@@ -54,7 +54,7 @@ _BENCHES = (
 
 
 def bench(arguments: Sequence[str]) -> int:
-    """Measure; print and write what was found.
+    """Run a bench, and print and write its results.
 
     Args:
         arguments: as typed after ``pullfocus bench``.

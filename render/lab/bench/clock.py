@@ -38,15 +38,15 @@ class Repeats:
     enough_ms: float = 2000.0
 
     def more(self, runs: int, spent_ms: float) -> bool:
-        """Whether another run is wanted after so many, which took so long together."""
+        """Whether another repetition is due after ``runs`` repetitions in ``spent_ms``."""
         return runs < self.least or (runs < self.most and spent_ms < self.enough_ms)
 
 
 class StageClock:
-    """Tells stages of work on the device apart: waits for the device at the end of each.
+    """Clock of stages of work on the device; it waits for the device at the end of each.
 
     Args:
-        finish: returns when the device has done all that it was asked.
+        finish: returns when the device has executed all commands.
     """
 
     def __init__(self, finish: Callable[[], None]) -> None:
@@ -56,7 +56,7 @@ class StageClock:
         self._began = _now()
 
     def __call__(self, stage: str) -> None:
-        """Count what has passed since the last call as the stage's."""
+        """Add the time since the last call to the stage."""
         self._finish()
         now = _now()
         self.spent[stage] = Spent(now.wall_ms - self._began.wall_ms, now.cpu_ms - self._began.cpu_ms)
@@ -72,9 +72,9 @@ def time_work(finish: Callable[[], None], work: Callable[[], None], repeats: Rep
     """The median of some runs, each until the device has done it.
 
     Args:
-        finish: returns when the device has done all that it was asked.
+        finish: returns when the device has executed all commands.
         work: to be measured.
-        repeats: how often.
+        repeats: repetitions.
     """
     runs: list[Spent] = []
     while repeats.more(len(runs), sum(run.wall_ms for run in runs)):

@@ -9,7 +9,7 @@ from render.model.frame_settings import FrameSettings
 
 
 def add_picture_arguments(parser: argparse.ArgumentParser, picture: FrameSettings) -> None:
-    """Declare the arguments of a bench that measures a picture of this size where nothing else is said."""
+    """Declare the arguments of a bench with this default picture."""
     parser.add_argument(
         "--json", metavar="FILE|-", help="write what was found for programs too; - in place of the tables"
     )
@@ -20,7 +20,7 @@ def add_picture_arguments(parser: argparse.ArgumentParser, picture: FrameSetting
 
 
 def with_width(picture: FrameSettings, width: int | None) -> FrameSettings:
-    """The picture in the width that was asked for, 16:9; as it is where none was.
+    """Picture settings with a requested width, 16:9; unchanged for None.
 
     Raises:
         SettingsError: it is too small or too large.

@@ -39,11 +39,11 @@ class FinishRow:
 
     Attributes:
         name: of it.
-        live_ms: on the device, the picture sent there and read back, by the wall's clock.
+        live_ms: on the device, the picture sent there and read back, wall time.
         live_cpu_ms: by the processor's, of all threads, which on a software rasteriser do the work.
         first_ms: the first time, when shaders are compiled and curves are sent.
-        share: of the frame's time, by the wall's clock.
-        file_ms: on the processor, as files are finished, by the wall's clock.
+        share: of the frame's time, wall time.
+        file_ms: on the processor, as files are finished, wall time.
         file_cpu_ms: by the processor's.
         apart: greatest difference of the two, in 255 levels; the live one is rounded to whole levels.
     """

@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def picture_from_arguments(arguments: argparse.Namespace) -> FrameSettings:
-    """The picture that the arguments ask for.
+    """Picture settings from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

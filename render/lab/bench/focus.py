@@ -1,4 +1,4 @@
-"""The focus bench: how fast focus is solved, and what a focal surface that no lens has costs the tracer.
+"""Focus bench: time of the focus solvers, and cost of an expressive focal surface in the tracer.
 
 pullfocus bench focus                      the tables and the goals
 python -m render.lab.bench.focus --json -      the same where only numpy, pyrender and moderngl are installed

@@ -67,7 +67,7 @@ def moving_points(points: int, frames: int) -> FocusTargets:
     """Half of them sharp, half soft, each on a path of its own; always the same ones.
 
     Args:
-        points: how many.
+        points: number of points.
         frames: over which they move.
     """
     random = np.random.default_rng(4)

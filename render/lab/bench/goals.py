@@ -14,7 +14,7 @@ LAYERS_MB = 64.0
 
 
 def judge(bench: LensBench) -> list[Goal]:
-    """The goals, each with what was measured."""
+    """Goals with their measured values."""
     ratio = RATIO_ON_CPU if bench.software else RATIO_ON_GPU
     goals = [goal for row in bench.scenes for goal in _of_scene(row, ratio)]
     goals += _of_sweeps(bench.sweeps)

@@ -41,7 +41,7 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
     Args:
         scenes: at least one, by name.
         plan: what.
-        say: is told how far it is.
+        say: receives progress messages.
 
     Raises:
         GraphicsError: there is no device to draw on.
@@ -106,7 +106,7 @@ def main() -> int:
 
 
 def _asked_file(typed: str | None) -> Path | None:
-    """Where the JSON goes; that no file can be written there is said before anything is measured."""
+    """Path of the JSON. A path that cannot be written is reported before anything is measured."""
     if typed is None or typed == "-":
         return None
     check_writable(typed)

@@ -31,26 +31,26 @@ from render.pictures.progressive.renderer import ProgressiveRenderer
 from render.shot import Shot
 
 Change = Callable[[int], PreviewRequest]
-"""Makes the change of a step of the drag, and says what is asked for then."""
+"""Function that makes the change of a step of the drag and returns the request."""
 _STALE_AFTER_S = (0.05, 0.4, 1.0)
 
 
 @dataclass(frozen=True)
 class DragRow:
-    """One drag. Milliseconds, from before the change until the picture is there as a JPEG.
+    """One drag, in milliseconds from before the change to the encoded JPEG.
 
     Attributes:
-        name: what is dragged.
-        steps: how often.
+        name: dragged quantity.
+        steps: number of steps.
         first_ms: the first picture of a step: the median.
-        first_p95_ms: likewise, all but one in twenty are quicker.
+        first_p95_ms: 95th percentile of the same.
         read_share: of a step, that goes to reading the shot.
         width: of the first picture in pixels.
         rays: of it.
         rest_first_ms: the first picture when the hand rests.
-        rest_final_ms: the last one then, which is as `record` has it.
+        rest_final_ms: time to the last picture, which equals `record`'s.
         left_ms: from when the work became stale until it was left: the longest of some tries.
-        look_p95_ms: while it works towards the last picture, it looks so often whether that is still wanted: 95 of 100 times.
+        look_p95_ms: 95th percentile of the time between two cancellation points.
         look_longest_ms: and always.
         equal: whether the last one is equal to what `record` makes, to the bit.
     """
@@ -150,7 +150,9 @@ class _Stand:
         return shown
 
     def _final(self, asked: PreviewRequest) -> tuple[float, float, ProgressivePicture, list[float]]:
-        """Milliseconds to the first and to the last picture, that one, and those between two looks whether it is wanted."""
+        """Times to the first and to the last picture, the last picture, and times between cancellation points, in
+        milliseconds.
+        """
         began = perf_counter()
         times, looks, looked = [], [0.0], began
 

@@ -17,7 +17,7 @@ STEPS = 20
 FIRST_MS = {"focus": 120.0, "aperture": 120.0, "time": 400.0}
 """After which the first picture of each drag is to be there, by its median."""
 LOOK_MS = 30.0
-"""After which work should have looked whether it is still wanted."""
+"""Longest allowed time between two cancellation points, milliseconds."""
 DRAGS = ("focus", "aperture", "time", "camera", "grade")
 
 
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def plan_from_arguments(arguments: argparse.Namespace) -> LivePlan:
-    """The plan that the arguments ask for.
+    """Plan from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

@@ -25,7 +25,7 @@ SceneMaker = Callable[[], tuple[Scene, Camera]]
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A loaded scene, how it is drawn, and its reference.
+    """Loaded scene with its settings and its reference picture.
 
     Attributes:
         rig: that draws it, one scene at a time.
@@ -36,7 +36,7 @@ class Subject:
         repeats: of the table's pictures.
         sweep_repeats: of those of the sweeps.
         reference: the accumulation buffer's picture.
-        reference_spent: what that cost.
+        reference_spent: cost of the reference.
     """
 
     rig: LensRig
@@ -76,7 +76,7 @@ def scene_row(of: Subject) -> SceneRow:
 
 
 def rays_sweep(of: Subject, counts: Sequence[int]) -> Iterator[RaysRow]:
-    """Rows for so many rays."""
+    """Rows of the sweep over the number of rays."""
     for rays in counts:
         traced = of.rig.trace(of.camera, replace(of.settings, rays=rays), of.sweep_repeats)
         views = rays / of.settings.rays
@@ -86,7 +86,7 @@ def rays_sweep(of: Subject, counts: Sequence[int]) -> Iterator[RaysRow]:
 
 
 def layers_sweep(of: Subject, counts: Sequence[int]) -> Iterator[LayersRow]:
-    """Rows for so many layers."""
+    """Rows of the sweep over the number of layers."""
     for layers in counts:
         traced = of.rig.trace(of.camera, replace(of.settings, layers=layers), of.sweep_repeats)
         wall, cpu = times(traced)
@@ -109,7 +109,7 @@ def aperture_sweep(of: Subject, f_stops: Sequence[float]) -> Iterator[ApertureRo
 
 
 def surfaces_sweep(of: Subject, lenses: Sequence[BenchLens]) -> Iterator[SurfacesRow]:
-    """Rows for lenses, each beside the ideal lens at its f-number, which is measured anew so that both see the same machine."""
+    """Rows for lenses, each beside the ideal lens at its f-number, measured again so that both see the same machine load."""
     for lens in lenses:
         thin = traced = of.rig.trace(
             replace(of.camera, lens=THIN_LENS, f_stop=lens.f_stop), of.settings, of.sweep_repeats

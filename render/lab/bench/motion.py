@@ -1,4 +1,4 @@
-"""The motion bench: what motion costs by velocities and by peeling every moment, on the demo shot, and how near the two come.
+"""Motion bench: cost of motion by velocities and by peeling every moment, on the demo shot, and their difference.
 
 pullfocus bench motion
 """
@@ -34,12 +34,12 @@ class MotionRow:
     Attributes:
         way: ``still``, ``velocities`` or ``moments``.
         moments: of the shutter's opening.
-        ms: reading the scene, peeling and tracing, by the wall's clock.
+        ms: reading the scene, peeling and tracing, wall time.
         cpu_ms: by the processor's, of all threads.
         ratio: over the still frame's: by the processor's clock where it does the work, which then counts no other work of a busy
             machine; by the wall's where a graphics device does.
-        psnr_db: against as many moments, each peeled; of a still, against those that velocities are held to.
-        ssim: likewise.
+        psnr_db: against as many moments, each peeled; for the still, against the velocities' reference.
+        ssim: the same comparison.
     """
 
     way: str
@@ -73,7 +73,7 @@ class MotionBench:
 
 
 class _MotionRig:
-    """The demo shot, and what it takes to picture it."""
+    """The demo shot with a renderer."""
 
     def __init__(self, renderer: FrameRenderer, folder: Path, picture: FrameSettings) -> None:
         self._renderer, self._picture = renderer, picture
@@ -81,7 +81,7 @@ class _MotionRig:
         self._lens = self._shot.camera_at(None, FRAME, picture.width, picture.height)
 
     def trace(self, repeats: Repeats, **changes: object) -> tuple[FloatArray, Spent]:
-        """A picture, exposed, and what it cost; nothing is kept from the one before but what is on the device."""
+        """Render and expose a picture, and return its cost; nothing but uploads is kept from the one before."""
         settings = replace(self._picture, **changes)  # type: ignore[arg-type]
         frames: list[Frame] = []
 

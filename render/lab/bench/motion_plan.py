@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_picture(arguments: argparse.Namespace) -> FrameSettings:
-    """The picture that the arguments ask for.
+    """Picture settings from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

@@ -14,7 +14,7 @@ PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=Fal
 """Settings that the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
 TABLE_REPEATS, SWEEP_REPEATS = Repeats(least=3), Repeats(least=1)
 SWEPT = "statues"
-"""The scene of the sweeps, where it is among those measured."""
+"""Scene of the sweeps, if it is measured."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from render.lab.bench.results import Goal
 
 
 def check_file(asked: str | None) -> None:
-    """Find out before anything is measured whether the JSON can be written where it is asked for.
+    """Check, before anything is measured, that the requested JSON file can be written.
 
     Args:
         asked: a file, ``-`` for standard output, or None for none.
@@ -27,12 +27,12 @@ def check_file(asked: str | None) -> None:
 
 
 def say(found: Any, table: str, asked: str | None) -> None:
-    """Write the JSON where it is asked for, and print the table unless the JSON is printed.
+    """Write the JSON to the requested file, and print the table unless the JSON is printed.
 
     Args:
         found: a dataclass of all that was found.
         table: the same for people.
-        asked: as `check_file` has it.
+        asked: as in `check_file`.
 
     Raises:
         OutputError: the file cannot be written.

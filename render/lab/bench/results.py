@@ -16,7 +16,7 @@ class Times:
     """Milliseconds of a picture by either clock: peeling + N-buffers + tracing = total.
 
     Attributes:
-        peel_ms: the layers, with the search for how large and how many they must be.
+        peel_ms: layers, with the search for their extent and number.
         nbuffer_ms: what bounds them.
         trace_ms: the rays, their lens's table looked up and the picture read back.
         total_ms: all of it.
@@ -34,7 +34,7 @@ class ReferenceTimes(Times):
 
     Attributes:
         reference_ms: the accumulation buffer with as many views as rays.
-        ratio: how many times faster the lens engine is.
+        ratio: speed of the lens engine over the reference.
     """
 
     reference_ms: float
@@ -49,8 +49,8 @@ class SceneRow(ReferenceTimes):
         name: of the scene.
         triangles: in it.
         psnr_db: against the accumulation buffer with the same lens samples.
-        ssim: likewise.
-        layers: how many were peeled.
+        ssim: the same comparison.
+        layers: number of peeled layers.
         layers_mb: megabytes (10⁶) of layers and N-buffers, supersampling and guard band included.
         cpu: the same times by the processor's clock, of all threads.
     """
@@ -77,10 +77,10 @@ class LayersRow(Times):
     """One count of layers.
 
     Attributes:
-        layers: asked for.
+        layers: requested number of layers.
         peeled: layers that there were.
         psnr_db: against the accumulation buffer.
-        ssim: likewise.
+        ssim: the same comparison.
         cpu: by the processor's clock.
     """
 
@@ -98,7 +98,7 @@ class ApertureRow(ReferenceTimes):
     Attributes:
         f_stop: the f-number.
         blur_px: largest circle of confusion in the picture, radius.
-        layers: how many were peeled.
+        layers: number of peeled layers.
         cpu: by the processor's clock.
     """
 
@@ -121,7 +121,7 @@ class SurfacesRow(Times):
         thin_trace_ms: the ideal lens's tracing at the same f-number, measured beside it.
         trace_over_thin: this lens's tracing over that.
         cpu: by the processor's clock.
-        cpu_trace_over_thin: likewise.
+        cpu_trace_over_thin: the same in processor time.
     """
 
     lens: str
@@ -179,7 +179,7 @@ class LensBench:
         device: the driver's name of what drew.
         software: whether that is a rasteriser on the CPU.
         width: of the pictures, pixels.
-        height: likewise.
+        height: picture height in pixels.
         rays: per pixel.
         supersample: layer pixels per picture pixel along each axis.
         scenes: the table.
@@ -201,7 +201,7 @@ class LensBench:
 
 
 def as_json(bench: LensBench) -> str:
-    """All of it for programs; null stands for what is infinite, such as the PSNR of equal pictures, or no number."""
+    """JSON of the results; null stands for infinity, such as the PSNR of equal pictures, and for NaN."""
     return json.dumps(_finite(asdict(bench)), indent=2, allow_nan=False) + "\n"
 
 
@@ -225,7 +225,7 @@ def times(traced: Traced) -> tuple[Times, Times]:
 
 
 def against(traced: Traced, reference: Spent) -> tuple[ReferenceTimes, ReferenceTimes]:
-    """The same beside what the reference cost."""
+    """Times relative to the reference's cost."""
     wall, cpu = times(traced)
     return (
         ReferenceTimes(**vars(wall), reference_ms=reference.wall_ms, ratio=reference.wall_ms / wall.total_ms),

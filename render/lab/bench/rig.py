@@ -25,13 +25,13 @@ from render.trace.rays import ray_pattern
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """A picture of the lens engine and what it cost.
+    """Picture of the lens engine and its cost.
 
     Attributes:
         color: ``(height, width, 4)`` float32.
         stages: by `render.trace.lens.STAGES`, medians over the runs.
         table: the making of the lens's table, which later pictures share.
-        layers: how many were peeled.
+        layers: number of peeled layers.
         layers_bytes: memory of the layers and their N-buffers.
     """
 
@@ -62,7 +62,7 @@ class LensRig:
         """Trace the loaded scene's picture: with one ray to compile shaders and make the lens's table, then for the clock.
 
         Raises:
-            InputError: the camera's lens is none.
+            InputError: the camera's prescription is not a lens.
             SettingsError: it does not reach the focus distance.
         """
         picture, first = self._timed(camera, replace(settings, rays=1))
@@ -75,7 +75,7 @@ class LensRig:
         return Traced(picture.color, stages, first["rays"], layers.count, layers.targets.bytes + nbuffers.bytes)
 
     def accumulate(self, camera: Camera, settings: FrameSettings) -> tuple[FloatArray, Spent]:
-        """The loaded scene's picture from the accumulation buffer with the same lens samples, and what it cost."""
+        """Picture of the loaded scene from the accumulation buffer with the same lens samples, and its cost."""
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         points = accumulated_rays(camera, settings.rays, settings.seed)
         sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
@@ -91,7 +91,7 @@ class LensRig:
         return self._peeler.nearest_w(PinholeView.from_camera(camera, settings.width, settings.height))
 
     def layers_bytes(self, camera: Camera, width: int, height: int, layers: int) -> int:
-        """Memory of so many layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
+        """Memory of ``layers`` layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
         view = PinholeView.from_camera(camera, width, height)
         peeled = self._peeler.peel(view, layers=layers, umbra=umbra_reach(view.fx * pupil_radius_m(camera)))
         return peeled.targets.bytes + self._nbuffers.build(peeled).bytes

@@ -74,7 +74,9 @@ class AimedLens:
         return Aim(slopes, jacobian, solved)
 
     def on_stop(self, rear: TracedRays) -> DoubleArray:
-        """``(n, 2)`` where rays from behind meet the plane of the stop, whatever rims say; NaN where they do not."""
+        """Points ``(n, 2)`` of rays from the film in the plane of the stop; rims are ignored; NaN for rays that do not
+        reach it.
+        """
         return rear.at(float(self._lens.vertices_mm[self._lens.stop]))
 
     def out(self, rear: TracedRays) -> tuple[TracedRays, NDArray[np.bool_]]:
@@ -97,7 +99,7 @@ class AimedLens:
         )  # fmt: skip
 
     def _miss(self, film_mm: DoubleArray, stop_mm: DoubleArray, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-        """By how much rays miss their points of the stop, ``(n, 2)`` mm, and the derivative of that by the slope."""
+        """Misses ``(n, 2)`` of rays on the stop, mm, and their derivative by the slope."""
         met, by_x, by_y = (
             self.on_stop(self.from_film(film_mm, slopes + _NUDGE * np.array(nudge)))
             for nudge in ((0, 0), (1, 0), (0, 1))

@@ -49,7 +49,7 @@ def lens_rays(camera: Camera, pupil: DoubleArray, corner: tuple[float, float]) -
         corner: largest slopes, right and up, that a pixel has through a pinhole.
 
     Raises:
-        SettingsError: the lens has something that this reference does not know.
+        SettingsError: the lens has a feature that this reference does not support.
     """
     plain = _unsqueeze(camera, pupil, corner)
     plain = _Drawn(plain, camera) if is_drawn(camera.lens) else plain

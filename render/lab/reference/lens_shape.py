@@ -77,7 +77,7 @@ class SurfaceShape:
         return np.asarray(points[0] ** 2 + points[1] ** 2 > (self.rim_mm * _RIM_SLACK) ** 2)
 
     def meet(self, origins: DoubleArray, directions: DoubleArray) -> DoubleArray:
-        """``(3, n)`` where rays first meet the surface within the slab that it fills.
+        """Points ``(3, n)`` where rays first meet the surface within its slab.
 
         F is of one sign where the ray enters the slab and of the other where it leaves it, so that there is a root.
 

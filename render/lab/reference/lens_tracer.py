@@ -1,4 +1,4 @@
-"""Rays through a lens from first principles, in float64: what the fast tracers are held against.
+"""Reference tracer of rays through a lens, from first principles in float64, for tests of the fast tracers.
 
 Nothing here is shared with them but the data and the refractive indices. Rays find each surface as the root of a function
 (`render.lab.reference.lens_shape`), and Snell's law bends them, written for vectors. Places are ``(x, y, z)`` in
@@ -48,7 +48,7 @@ class TracedRays:
         return np.asarray(self.blocked_at == OPEN)
 
     def at(self, z_mm: float) -> DoubleArray:
-        """``(n, 2)`` where the straight line of each ray crosses the plane at ``z_mm``; NaN for blocked rays."""
+        """Points ``(n, 2)`` of each ray's line in the plane ``z_mm``; NaN for blocked rays."""
         slopes = self.directions[:, :2] / self.directions[:, 2:]
         crossing = self.positions[:, :2] + (z_mm - self.positions[:, 2:]) * slopes
         return np.where(self.passes[:, None], crossing, np.nan)
@@ -74,7 +74,7 @@ def trace(
         wavelength_nm: of all rays.
         origins: ``(n, 3)`` before the first surface that the rays meet.
         directions: ``(n, 3)`` unit vectors; z positive toward the film, negative toward the scene.
-        toward: where the rays go.
+        toward: direction of the rays.
         clip: whether rims and stop block. If not, surfaces go on for a quarter beyond their rims, and flat from there.
         medium: in front of the first surface.
         heights: for each surface a ``(h, w)`` map of millimetres toward the film that are added to it, or None. It covers the

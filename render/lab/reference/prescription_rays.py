@@ -42,7 +42,7 @@ class _Guesses:
 
     Attributes:
         across: ``(columns,)`` ideal slopes of the nodes.
-        up: ``(rows,)`` likewise.
+        up: ``(rows,)`` the same upward.
         aims: ``(samples, rows, columns, 6)`` slope on the film's side, and the derivative of the stop point by it.
         open: ``(samples, rows, columns)`` whether such a ray was found and passes the lens.
     """
@@ -80,7 +80,7 @@ class PrescriptionRays:
         self._axis_light = self._light_on_axis()
 
     def rays(self, sample: int, ideal: DoubleArray, wavelength_nm: float) -> SceneRays:
-        """As `render.lab.reference.lens_rays.LensRays` says."""
+        """See `render.lab.reference.lens_rays.LensRays`."""
         aimed = self._at(wavelength_nm)
         guess, reachable = self._guesses_at(wavelength_nm).at(sample, ideal)
         film = (-ideal * self._lens.image_scale_mm)[reachable]

@@ -35,7 +35,7 @@ def ray_by_ray_picture(
     """Render one picture.
 
     Args:
-        scene: what is there.
+        scene: scene.
         camera: what looks, with its lens: thin (or pinhole), seidel, spherical, heightField or prescription.
         width: pixels.
         height: pixels.
@@ -49,7 +49,7 @@ def ray_by_ray_picture(
 
     Raises:
         SettingsError: the picture, the rays or the lens's settings are out of range.
-        InputError: the lens is none.
+        InputError: the prescription is not a lens.
     """
     view = PinholeView.from_camera(camera, width, height)
     samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)

@@ -123,7 +123,7 @@ class _Boxes:
 
     Attributes:
         low: ``(nodes, 3)`` corner in (x/z, y/z, w).
-        high: likewise.
+        high: the same, upper corner.
         leaves: ``(leaves, size)`` triangles, -1 where there is none.
     """
 

@@ -15,7 +15,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.scene import Batch, Dome, Image, Scene, TextureLookup, Wrap
 
 OPAQUE = 0.999
-"""Opacity from which a surface hides what is behind it altogether."""
+"""Opacity from which a surface hides all surfaces behind it."""
 
 _MOST_SURFACES = 64  # partly transparent ones, one behind the other
 _BEHIND = 1 - 1e-9
@@ -26,7 +26,7 @@ class _Part:
     """The triangles of one batch.
 
     Attributes:
-        batch: where they come from.
+        batch: batch of the triangles.
         first: number of their first one in the scene.
         triangles: ``(n, 3)`` vertex indices, instance after instance, counter-clockwise also where an instance is mirrored.
     """
@@ -43,7 +43,7 @@ class UnlitScene:
         """Bring the scene's triangles, instances and all, before the camera.
 
         Args:
-            scene: what is there.
+            scene: scene.
             camera_from_world: ``(4, 4)``.
             near_m: nearest depth at which anything is seen.
             far_m: farthest, may be infinite.

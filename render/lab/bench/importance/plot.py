@@ -1,4 +1,4 @@
-"""What is won and lost by making a share of a picture's changes: Fearing's figure 4 (1995), with the quality beside the time."""
+"""Plot of quality and time against the share of changes that is spread: Fearing's figure 4 (1995)."""
 
 from __future__ import annotations
 

@@ -9,11 +9,11 @@ from render.lab.bench.results import Goal
 
 @dataclass(frozen=True)
 class ExperimentRow:
-    """An experiment at one size. Seconds are by the wall's clock, for all of its frames.
+    """An experiment at one size. Seconds are wall time, for all of its frames.
 
     Attributes:
         name: of the experiment.
-        title: what moves in it.
+        title: moving objects.
         size: pixels along each side.
         frames: of the animation.
         linear_frames: those that the linear method was measured on; its seconds are scaled from them.

@@ -58,11 +58,11 @@ class _Stand:
         spreader.update_tables(Gaussian(), self._most_px)
 
     def none(self, picture: Picture) -> Spent:
-        """Send a picture; what it cost."""
+        """Upload a picture, and return its cost."""
         return self._timed(lambda: self._send(picture))
 
     def linear(self, picture: Picture) -> Spent:
-        """Spread a picture whole; what it cost."""
+        """Spread a whole picture, and return its cost."""
 
         def spread() -> None:
             self.linear_sums = self._linear.spread(self._send(picture), 1.0, Gaussian(), self._most_px)
@@ -70,7 +70,7 @@ class _Stand:
         return self._timed(spread)
 
     def ordered(self, picture: Picture, share: float = 1.0) -> Spent:
-        """Spread what has changed; what it cost."""
+        """Spread the changes, and return their cost."""
         made = self._made
 
         def spread() -> None:
@@ -105,7 +105,7 @@ class _Stand:
         return clock.spent["work"]
 
     def release(self) -> None:
-        """Give the memory back."""
+        """Release the memory."""
         for made in (self._light, self._radii, self._linear, self._ordered):
             if made is not None:
                 made.release()
@@ -168,7 +168,7 @@ def _experiment(stand: _Stand, experiment: Experiment, plan: Plan, *, is_softwar
 
 
 def _means(spent: Sequence[Spent]) -> tuple[float, float]:
-    """Seconds by the wall's clock and by the processor's."""
+    """Mean wall time and processor time in seconds."""
     return float(np.mean([one.wall_ms for one in spent])) / 1e3, float(np.mean([one.cpu_ms for one in spent])) / 1e3
 
 

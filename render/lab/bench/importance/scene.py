@@ -27,7 +27,7 @@ _STAR_INNER = 0.382  # of its radius: corners between its points
 
 @dataclass(frozen=True)
 class Moved:
-    """Where the star and the focus are.
+    """Position of the star and of the focus.
 
     Attributes:
         star: across, down and away from the lens, in mm.
@@ -43,8 +43,8 @@ class Experiment:
     """One of Fearing's animations.
 
     Attributes:
-        name: what it is told apart by.
-        title: what moves.
+        name: unique name.
+        title: moving objects.
         f_number: of the lens.
         at: where everything is at a time from 0 to 1.
         goal: Fearing's speed-up.
@@ -133,7 +133,7 @@ class StillLife:
         return np.asarray(0.5 * diameter * self.size / FILM_MM)
 
     def _star(self, x: float, y: float, z: float) -> tuple[_Bools, DoubleArray]:
-        """Where a star of five points is, and how bright."""
+        """Position and brightness of a five-pointed star."""
         scale = 2 * FOCAL_MM / FILM_MM / z
         du, dv = (self._u - x * scale) / (_STAR_RADIUS_MM * scale), (self._v - y * scale) / (_STAR_RADIUS_MM * scale)
         sector = np.mod(np.arctan2(du, -dv) + np.pi / 5, 2 * np.pi / 5) - np.pi / 5
@@ -187,7 +187,7 @@ class StillLife:
 
     @staticmethod
     def _put(light: FloatArray, depth: DoubleArray, where: _Bools, z: float | DoubleArray, colour: _Numbers) -> None:
-        """Put a thing in front of what is farther."""
+        """Draw an object in front of farther ones."""
         nearer = where & (z < depth)
         light[..., :3] = np.where(nearer[..., None], colour, light[..., :3])
         depth[:] = np.where(nearer, z, depth)

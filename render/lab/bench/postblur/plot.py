@@ -27,9 +27,9 @@ def draw_blur_growth(
     Args:
         title: of the drawing.
         radii: in pixels.
-        times_ms: of each blur, by what it is called; each pair of them is one colour, the second dashed.
+        times_ms: times of each blur by its name; each pair of them is one colour, the second dashed.
         memory_mb: that the linear one holds.
-        bound_mb: of its piles, where the fewest rows that reach each other do not need more.
+        bound_mb: limit on its contributions, unless the fewest rows need more.
         suffix: ``png`` or ``svg``.
 
     Returns:

@@ -34,10 +34,10 @@ class QualityRow:
         ms: the whole picture, by the wall's clock, what is kept from the picture before not made again: of ``importance`` all
             but what has changed, which is nothing.
         cpu_ms: by the processor's, of all threads.
-        lens_psnr_db: against the lens tracer; None of itself.
-        lens_ssim: likewise.
-        accumulation_psnr_db: against the accumulation buffer; None of itself.
-        accumulation_ssim: likewise.
+        lens_psnr_db: against the lens tracer; None for itself.
+        lens_ssim: the same comparison.
+        accumulation_psnr_db: against the accumulation buffer; None for itself.
+        accumulation_ssim: the same comparison.
     """
 
     scene: str

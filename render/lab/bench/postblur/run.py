@@ -138,7 +138,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments: as `render.lab.bench.postblur.plan.add_arguments` declares them.
 
     Raises:
-        SettingsError: the drawing is to be of a kind that there is none of.
+        SettingsError: the plot's file format is unknown.
         GraphicsError: there is no device to draw on.
         OutputError: a file cannot be written.
     """

@@ -35,13 +35,13 @@ class Growth:
     """Time against radius over one picture. Milliseconds.
 
     Attributes:
-        flag_ms: of FLAG at each radius, by the wall's clock.
+        flag_ms: wall time of FLAG at each radius.
         flag_cpu_ms: by the processor's, of all threads.
         naive_ms: of the naive gather.
         naive_cpu_ms: likewise.
         flag_exponent: of the radius that FLAG's time grows with.
         naive_exponent: likewise.
-        ahead: how many times faster FLAG is at each radius.
+        ahead: speed of FLAG over the naive gather at each radius.
         crossover_px: radius from which on FLAG is ahead, the smallest measured or between two; None where it is not at the
             largest.
     """
@@ -66,7 +66,7 @@ def growth(ctx: moderngl.Context, plan: PostBlurPlan, *, mixed: bool, by_process
 
     Args:
         ctx: a context.
-        plan: how large, how wide, how often.
+        plan: sizes, radii and repetitions.
         mixed: radii that change over the picture, from 0 to the largest, in place of one.
         by_processor: judge by the processor's clock, which does the work.
     """
@@ -127,7 +127,7 @@ def exponent(radii: Sequence[float], times: Sequence[float]) -> float:
 
 
 def crossover(radii: Sequence[float], fast: Sequence[float], slow: Sequence[float]) -> float | None:
-    """The radius from which on the first is faster, between two that were measured or the smallest; None where it is not at the
+    """Radius from which the first is faster, between two measured ones or the smallest; None where it is slower at the
     largest.
     """
     lead = np.log(np.asarray(slow) / np.asarray(fast))
@@ -143,7 +143,7 @@ def crossover(radii: Sequence[float], fast: Sequence[float], slow: Sequence[floa
 def _picture(
     ctx: moderngl.Context, scope: Resources, side: int, radius_px: float, *, mixed: bool
 ) -> tuple[Field, moderngl.Texture]:
-    """Noise, out of focus everywhere, and where it is to be blurred to."""
+    """Field of noise, out of focus everywhere, and the target of its blur."""
     light = np.random.default_rng(0).random((side, side, 4)).astype(np.float32)
     light[..., 3] = 1
     radii = np.full((side, side), radius_px) * (_waves(side) if mixed else 1.0)

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def plan_from_arguments(arguments: argparse.Namespace) -> SoakPlan:
-    """The plan that the arguments ask for.
+    """Plan from the command line's arguments.
 
     Args:
         arguments: as `add_arguments` declares them.

@@ -77,7 +77,7 @@ class SoakBench:
 
 
 class _Soak:
-    """The shot, its driver, and what is done to it."""
+    """Shot and driver of the soak, with its random edits."""
 
     def __init__(self, renderer: FrameRenderer, shot: Shot, seed: int) -> None:
         self._renderer, self._shot = renderer, shot
@@ -105,7 +105,7 @@ class _Soak:
         self.pictures = self.finals = self.left = self.gl_errors = 0
 
     def step(self) -> None:
-        """One edit, and the pictures of it that somebody waits for."""
+        """Make one edit and its pictures."""
         edit = self._random.choice(self._edits)
         self.kinds[edit.__name__.strip("_").replace("_", " ")] += 1
         edit()

@@ -1,4 +1,4 @@
-"""From meshes to a `Scene` of few draws: what is added with one look is merged into one batch, as the stage reader does."""
+"""Assembly of meshes into a `Scene` of few draws: meshes of one look are merged into one batch, as by the stage reader."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ half a metre."""
 
 @dataclass(frozen=True)
 class Look:
-    """A material, and whether what it is on is seen from both sides."""
+    """Material, and whether its surfaces are double-sided."""
 
     material: Material
     double_sided: bool = False
@@ -29,7 +29,7 @@ _SCALED_DOWN: DoubleArray = np.diag([MODEL_SCALE, MODEL_SCALE, MODEL_SCALE, 1.0]
 
 @dataclass
 class Assembly:
-    """Collects what stands in a scene.
+    """Collects the objects of a scene.
 
     Attributes:
         looks: by name.
@@ -41,11 +41,11 @@ class Assembly:
     _paths: list[str] = field(default_factory=list)
 
     def add(self, look: str, mesh: Mesh, path: str) -> None:
-        """Add a mesh where it stands, in metres before the model is scaled down."""
+        """Add a mesh at its position, in metres before the model is scaled down."""
         self._merged.setdefault(look, []).append((mesh, self._prim(path)))
 
     def add_instances(self, look: str, mesh: Mesh, poses: DoubleArray, path: str) -> None:
-        """Add a mesh at each of ``(k, 4, 4)`` poses, likewise: one draw."""
+        """Add a mesh at each of ``(k, 4, 4)`` poses, as one draw."""
         prim = self._prim(path)
         material = self.looks[look]
         geometry = _geometry([(mesh, prim)])

@@ -38,7 +38,7 @@ class ImportanceEngine(Engine):
     """Spreads what has changed since the picture before."""
 
     name = "importance"
-    summary = "makes the picture of linear from what has changed shutter_time the frame before"
+    summary = "makes the picture of linear from what has changed since the frame before"
     rank = 50
     uses_image_space = True
     preview = "blur"

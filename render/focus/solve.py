@@ -285,7 +285,7 @@ def why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
     if not names:
         return "there is no focus point, so the camera's own focus distance is kept"
     told = ", ".join(f"{name} ({s.replace('_', ' ')})" for name, s in zip(names, states, strict=True))
-    return f"no focus point point_weights, so the camera's own focus distance is kept: {told}"
+    return f"no focus point counts, so the camera's own focus distance is kept: {told}"
 
 
 def _at_the_end(limit: FocusLimit, near_w: float, far_w: float) -> str:

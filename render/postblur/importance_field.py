@@ -55,7 +55,7 @@ class UpdateLimit:
 
     def __post_init__(self) -> None:
         if not 0 < self.share <= 1:
-            raise SettingsError(f"the share of changes to be spreader must be above 0 and at most 1, got {self.share}")
+            raise SettingsError(f"the share of changes to be spread must be above 0 and at most 1, got {self.share}")
         if self.budget_ms is not None and not self.budget_ms >= 0:
             raise SettingsError(f"budget_ms must be 0 or more, got {self.budget_ms}")
 

@@ -65,10 +65,10 @@ def scale_prescription(prescription: Prescription, factor: float) -> Prescriptio
         SettingsError: the factor is no positive number.
     """
     if not 0 < factor < float("inf"):
-        raise SettingsError(f"a lens can be scale_prescription by a positive number only, got {factor}")
+        raise SettingsError(f"a lens can be scaled by a positive number only, got {factor}")
     notes = prescription.notes
     if abs(factor - 1) > _ROUNDED and any(" mm" in note for note in notes):
-        notes = (*notes, f"Lengths in these notes are from before the lens was scale_prescription by {factor:.4g}.")
+        notes = (*notes, f"Lengths in these notes are from before the lens was scaled by {factor:.4g}.")
     surfaces = tuple(_scale_surface(surface, factor) for surface in prescription.surfaces)
     return replace(prescription, surfaces=surfaces, notes=notes)
 

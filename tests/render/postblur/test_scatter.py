@@ -286,7 +286,7 @@ def test_a_picture_finds_all_its_tables_again(blur: ScatterBlur, monkeypatch: py
     errors = soft_lens(3.0)
     for _ in range(2):
         picture(blur, np.full((40, 40), 500, np.float32), far=point(40), errors=errors)
-        assert len(made) == 12, "of six targets, for both split"
+        assert len(made) == 12, "of six targets, for both fields"
 
 
 def test_memory_is_given_back(blur: ScatterBlur) -> None:

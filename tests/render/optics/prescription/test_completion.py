@@ -294,7 +294,7 @@ def test_notes_of_a_scaled_lens_say_which_lengths_they_have() -> None:
     assert any(" mm" in note for note in whole.notes)
     assert scale_prescription(whole, 1.5).notes == (
         *whole.notes,
-        "Lengths in these notes are from before the lens was scale_prescription by 1.5.",
+        "Lengths in these notes are from before the lens was scaled by 1.5.",
     )
     assert scale_prescription(whole, 1.0001).notes == whole.notes
     assert scale_prescription(replace(whole, notes=("No lengths.",)), 2).notes == ("No lengths.",)
@@ -312,5 +312,5 @@ def test_rays_scale_with_the_lens(factor: float, height: float, slope: float) ->
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
 def test_a_lens_is_scaled_by_positive_numbers_only(factor: float) -> None:
-    with pytest.raises(SettingsError, match="scale_prescription by a positive number"):
+    with pytest.raises(SettingsError, match="scaled by a positive number"):
         scale_prescription(SINGLET, factor)

@@ -5280,7 +5280,7 @@ export interface components {
             readonly display?: string | null;
             /**
              * Engine
-             * @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed shutter_time the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp.
+             * @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed since the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp.
              * @default lens
              * @example lens
              * @enum {string}
@@ -10007,7 +10007,7 @@ export interface operations {
                 readonly client?: string | null;
                 /** @description Display of the OpenColorIO configuration, in place of the shot's. */
                 readonly display?: string | null;
-                /** @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed shutter_time the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp. */
+                /** @description `lens` traces rays of the lens through peeled layers; `flag` blurs one picture in linear time, without noise; `scatter` draws each point of one picture as the iris, with the spherical aberration of the lens; `gather` blurs one picture point by point, the slow definition of flag; `linear` blurs one picture pixel by pixel; `importance` makes the picture of linear from what has changed since the frame before; `accumulation` renders the scene once for each ray, as a slow reference; `pinhole` has everything sharp. */
                 readonly engine?: "lens" | "flag" | "scatter" | "gather" | "linear" | "importance" | "accumulation" | "pinhole";
                 /** @description Stock of the film library; the shot's own when left out. */
                 readonly film?: string | null;

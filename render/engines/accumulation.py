@@ -68,16 +68,16 @@ class AccumulationEngine(Engine):
 
     def draw(self, request: DrawRequest) -> FloatArray:
         """Accumulate the request's part of the views."""
-        from render.trace.accumulator import accumulated_rays, accumulated_sampling
+        from render.trace.accumulator import choose_view_sampling, make_lens_points
 
         camera, view, settings = request.camera, request.view, request.settings
         first, step = request.part
         return self._accumulator.accumulate(
             self._device.peeler,
             view,
-            accumulated_rays(camera, settings.rays, settings.seed)[first::step],
+            make_lens_points(camera, settings.rays, settings.seed)[first::step],
             focal_surface(camera).plane,
             unlit=request.is_unlit,
-            sampling=accumulated_sampling(camera, view, settings.rays, settings.supersample),
+            sampling=choose_view_sampling(camera, view, settings.rays, settings.supersample),
             on_progress=request.on_progress,
         )

@@ -1,6 +1,6 @@
 """Engine ``gather``: the picture of ``flag`` by the definition of the blur, point by point. A baseline.
 
-Computes: as ``flag``, but each pixel looks at every point around it and takes the light of those whose iris image reaches it.
+Computes: as ``flag``, but each pixel tests every point around it and sums the light of those whose iris image reaches it.
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4).

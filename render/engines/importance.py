@@ -1,8 +1,9 @@
-"""Engine ``importance``: the picture of ``linear``, made by what has changed since the picture before.
+"""Engine ``importance``: the picture of ``linear``, updated where it has changed since the picture before.
 
-Computes: the sums that a picture is made of are kept. The old effect of each pixel that has changed is taken from those around it
-and the new one added, what shows most first. When all changes are made the picture is that of ``linear`` to the bit. A picture of
-another size begins anew; the margin around the picture grows in steps, so that pictures of one shot mostly have one size.
+Computes: the sums of ``linear`` are kept from picture to picture. The old effect of each changed pixel is subtracted from its
+neighbours and the new one added, the most visible changes first. When all changes are made the picture is that of ``linear``
+to the bit. A picture of another size begins anew; the margin around the picture grows in steps, so that pictures of one shot
+mostly have one size.
 
 Settings: as ``linear``. Frames of one command or one live view are drawn in their order.
 

@@ -1,10 +1,10 @@
 """Engine ``lens``: rays of the camera's lens traced through peeled layers.
 
 Computes: the scene is drawn once from the centre of the entrance pupil as layers of surfaces, each pixel's surfaces with what
-they hide. Every lens ray is a line ``s(w) = a + b·w`` on those layers, with w the inverse depth in 1/m (see
-``docs/conventions``); the tracer bounds where it can meet a surface by N-buffers, walks it there, and takes the surface's
-radiance. The picture is the mean over the rays of each pixel. It has depth of field, tilted and bent focal surfaces,
-vignetting, distortion and every error that a lens model or prescription has.
+they hide. Every lens ray is a line ``s(w) = a + b·w`` on those layers, with w the inverse depth in 1/m; the tracer bounds by
+N-buffers where it can meet a surface, marches along it there, and takes the radiance of the surface. The picture is the mean
+over the rays of each pixel. It has depth of field, tilted and bent focal surfaces, vignetting, distortion and every error
+that a lens model or prescription has.
 
 Settings:
     rays        lens rays per pixel, 1 to 4096 (100). Noise falls with their square root.

@@ -12,7 +12,7 @@ Settings:
 Cost: proportional to the area of the circles of confusion; 40 bytes a pixel for each side of the focus, and tables of 3 MB
 for radii up to 20 pixels, 84 MB up to 96.
 
-Limits: dividing by the weights is no transport of light: edges in front of the focus are softer than they are. An ideal lens,
+Limits: dividing by the sum of weights does not conserve the light of a point. An ideal lens,
 or one by its data sheet in image space. 34 to 35 dB from the engine ``lens`` on generated scenes.
 
 Source: Potmesil & Chakravarty 1981, "A Lens and Aperture Camera Model for Synthetic Image Generation"; the cut-off of what is

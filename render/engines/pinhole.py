@@ -1,14 +1,14 @@
 """Engine ``pinhole``: everything sharp.
 
 Computes: the picture of the engine ``lens`` with the iris closed to a point (f-number 0). The rays of a pixel differ only in
-where they leave the sensor, so that they anti-alias. Distortion of a lens model is in the picture; a lens by its data sheet is
-put on the finished picture (`render.pictures.image_space`).
+where they leave the sensor, so that they anti-alias. The errors of a lens by its data sheet are
+applied to the finished picture (`render.pictures.image_space`).
 
 Settings: as ``lens``. rays 4 to 8 are enough for anti-aliasing (100), layers 1 is enough where nothing is transparent (4).
 
-Cost: the demo shot at 960x540 takes 2.9 s on two CPU cores with 100 rays, most of it in peeling four layers.
+Cost: the demo shot at 960x540 takes 2.9 s on two CPU cores with 100 rays and four layers.
 
-Limits: no depth of field, no flare, no vignetting by the glass.
+Limits: no depth of field, no flare, no errors, distortion or vignetting of a prescription.
 
 Source: the limit of the engine ``lens`` (Lee, Eisemann & Seidel 2010, section 3.1) for a pupil of radius 0.
 

@@ -1,8 +1,8 @@
 """Engine ``scatter``: each point out of focus drawn as the picture of the iris.
 
 Computes: the scene is peeled once from the pupil's centre and parted at the focus. Each point is drawn as a spot: a table of
-where the rays of a point on the axis land, at the point's circle of confusion. Points of alike neighbours are drawn as one
-square, wide spots at less resolution.
+where the rays of a point on the axis land, at the point's circle of confusion. Equal neighbours are drawn as one square,
+wide spots at less resolution.
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4).
@@ -12,8 +12,8 @@ Settings:
 Cost: frame 40 of the demo shot at 960x540 takes 0.7 s of processor time on two CPU cores, with the layers kept and
 supersample 1; nearly the same for all radii, and up to five times as long where every pixel has a radius of its own.
 
-Limits: the errors of the lens on its axis alone: masks of the iris and spherical aberration, no coma, no cat's eyes, no
-colours of glass. Visibility is that of the pupil's centre. 38 to 41 dB from the engine ``lens`` on generated scenes.
+Limits: of the lens only masks of the iris and errors on the axis (spherical aberration): no coma, no cat's eyes, no colour
+fringes. Visibility is that of the pupil's centre. 38 to 41 dB from the engine ``lens`` on generated scenes.
 
 Source: Kyaw 2013, section 7.3; `render.postblur.scatter` says what differs.
 

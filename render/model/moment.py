@@ -29,8 +29,8 @@ class Moment:
     """The shot at one moment of the shutter's opening.
 
     Attributes:
-        scene: what is there.
-        camera: what looks, its focus solved.
+        scene: the scene.
+        camera: the camera, its focus solved.
         share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
     """
 

@@ -25,14 +25,14 @@ from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
 
 
-def accumulated_rays(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
+def make_lens_points(camera: Camera, rays: int, seed: int = 0) -> DoubleArray:
     """Make the lens points of `Accumulator.accumulate`: the rays that the lens tracer has where its pattern is not tiled."""
     samples = lens_samples(rays, camera.iris, seed=seed, tiled=False)
     pupil = samples.pupil[0] * pupil_radius_m(camera) / [camera.lens.squeeze, 1.0]
     return np.concatenate([pupil, samples.pixel[0]], axis=1)
 
 
-def accumulated_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
+def choose_view_sampling(camera: Camera, view: PinholeView, rays: int, supersample: float) -> SurfaceSampling:
     """Give the texture filter of the views. It is that of layers of the same supersample: the views' offsets sample between the
     pixels, and each view stands for its share of the pupil."""
     patch = patch_px_m(max(view.fx, view.fy), pupil_radius_m(camera), rays)
@@ -65,7 +65,7 @@ class Accumulator:
             lens_points: ``(n, 4)``: x right and y up on the pupil in metres, x right and y down on the sensor in pixels.
             plane: the plane of focus.
             unlit: take base colour for radiance.
-            sampling: `accumulated_sampling`.
+            sampling: `choose_view_sampling`.
             on_progress: called with the share that is done.
 
         Returns:

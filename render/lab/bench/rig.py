@@ -18,7 +18,7 @@ from render.model.frame_settings import FrameSettings
 from render.model.scene import Scene
 from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
-from render.trace.accumulator import Accumulator, accumulated_rays, accumulated_sampling
+from render.trace.accumulator import Accumulator, choose_view_sampling, make_lens_points
 from render.trace.lens import STAGES, LensTracer, Stage, TracedPicture
 from render.trace.rays import ray_pattern
 
@@ -77,8 +77,8 @@ class LensRig:
     def accumulate(self, camera: Camera, settings: FrameSettings) -> tuple[FloatArray, Spent]:
         """Picture of the loaded scene from the accumulation buffer with the same lens samples, and its cost."""
         view = PinholeView.from_camera(camera, settings.width, settings.height)
-        points = accumulated_rays(camera, settings.rays, settings.seed)
-        sampling = accumulated_sampling(camera, view, settings.rays, settings.supersample)
+        points = make_lens_points(camera, settings.rays, settings.seed)
+        sampling = choose_view_sampling(camera, view, settings.rays, settings.supersample)
         plane = focal_surface(camera).plane
         self._accumulator.accumulate(self._peeler, view, points[:1], plane, sampling=sampling)  # compiles
         clock = StageClock(self.graphics.ctx.finish)

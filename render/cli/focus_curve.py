@@ -152,7 +152,7 @@ def _import_curve(shot: Shot, camera: str, format: str, arguments: argparse.Name
             shot.stage,
             camera,
             read.curve,
-            read.said,
+            read.given,
             baked=arguments.baked,
             comment=comment,
             tolerance=arguments.tolerance,

@@ -163,23 +163,23 @@ def stops_for(
     limits_mm = np.broadcast_to(np.asarray(coc_limits_mm, np.float64), (targets.frames,))[:, None]
     circles = np.where(targets.blurs_mm > 0, targets.blurs_mm, limits_mm)
     circles = circles / np.where(counting, np.minimum(weights / full, 1.0), 1.0)
-    found = split(targets.axis_w(tilts), circles, law, counting=counting, f_stop_range=f_stop_range)
+    best = split(targets.axis_w(tilts), circles, law, counting=counting, f_stop_range=f_stop_range)
     some = counting.any(axis=1)
     own_m = np.broadcast_to(np.asarray(camera_distances_m, np.float64), some.shape)
     own_m = np.where(own_m > 0, own_m, np.inf)
     with np.errstate(divide="ignore"):
-        distances_m = np.where(some, 1 / found.w, own_m)
+        distances_m = np.where(some, 1 / best.w, own_m)
     sources: list[FocusSource] = ["points" if by_points else "camera" for by_points in some.tolist()]
-    limits: list[FocusLimit] = [_LIMITS[end] for end in found.limits.tolist()]
+    limits: list[FocusLimit] = [_LIMITS[end] for end in best.limits.tolist()]
     focus = FocusSolutions(
         focus_distance_m=distances_m,
-        shares=found.decides,
+        shares=best.decides,
         state_codes=codes,
         sources=tuple(sources),
-        reasons=tuple(_reason(targets, codes, found, frame) for frame in range(targets.frames)),
+        reasons=tuple(_reason(targets, codes, best, frame) for frame in range(targets.frames)),
         limits=tuple(limits),
     )
-    return StopSolutions(focus, found.f_stops, found.holds)
+    return StopSolutions(focus, best.f_stops, best.holds)
 
 
 def _pair(
@@ -200,16 +200,16 @@ def _pair(
         tension = np.where(grows, larger, tension)
 
 
-def _reason(targets: FocusTargets, codes: NDArray[np.int8], found: Split, frame: int) -> str:
-    deciding = [targets.names[i] for i in np.flatnonzero(found.decides[frame]).tolist()]
+def _reason(targets: FocusTargets, codes: NDArray[np.int8], best: Split, frame: int) -> str:
+    deciding = [targets.names[i] for i in np.flatnonzero(best.decides[frame]).tolist()]
     if not deciding:
         return why(targets.names, codes[frame], False)
-    f_stop, excess = found.f_stops[frame], found.excess[frame]
-    told = f"split between {' and '.join(deciding)}" if len(deciding) > 1 else f"focused by {deciding[0]}"
-    if found.holds[frame]:
-        return f"{told} at f/{f_stop:.3g}, which holds every point within its circle of confusion"
+    f_stop, excess = best.f_stops[frame], best.excess[frame]
+    summary = f"split between {' and '.join(deciding)}" if len(deciding) > 1 else f"focused by {deciding[0]}"
+    if best.holds[frame]:
+        return f"{summary} at f/{f_stop:.3g}, which holds every point within its circle of confusion"
     return (
-        f"{told} at f/{f_stop:.3g}, as far as the lens stops down: circles of confusion are up to {excess:.3g} times what "
+        f"{summary} at f/{f_stop:.3g}, as far as the lens stops down: circles of confusion are up to {excess:.3g} times what "
         "they may be"
     )
 

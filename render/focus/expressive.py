@@ -138,8 +138,8 @@ def focal_controls(
     Raises:
         SettingsError: the exponent is out of range.
     """
-    wanted = target_w(points, plane, coc_slope_mm_m, sides)
-    is_placed = np.isfinite(wanted) & np.isfinite(points.slopes).all(-1) & (points.weights > 0)
+    targets = target_w(points, plane, coc_slope_mm_m, sides)
+    is_placed = np.isfinite(targets) & np.isfinite(points.slopes).all(-1) & (points.weights > 0)
     heaviest = np.max(points.weights, where=is_placed, initial=0.0)
     fades = np.where(is_placed, np.minimum(points.fades, 1.0), 0.0)
     fades = fades * np.minimum(points.weights / max(heaviest * FADING_WEIGHT, 1e-300), 1.0)
@@ -155,7 +155,7 @@ def focal_controls(
     base = np.stack([on_plane(plane, places), np.zeros(len(order))], axis=-1)
     controls = Controls(
         places,
-        np.stack([wanted[order], np.log(points.extents[order])], axis=-1),
+        np.stack([targets[order], np.log(points.extents[order])], axis=-1),
         weights * fades**exponent,  # at the edge of a region α/d^β is what others have: the region shrinks as the fade
         _fading_falloffs(points.falloffs[order] * frame_width, fades, FADING_REACH_FRAME_WIDTHS * frame_width),
         exponent,
@@ -200,8 +200,8 @@ def target_w(
         base = on_plane(plane, points.slopes)
         if sides is None:
             sides = soft_sides(w[None] - shifts, base[None], off[None])
-        wanted = np.where(is_blurred, np.where(np.isfinite(off), w + sides * off, np.nan), np.where(w > 0, aims, w))
-        return wanted - shifts
+        targets = np.where(is_blurred, np.where(np.isfinite(off), w + sides * off, np.nan), np.where(w > 0, aims, w))
+        return targets - shifts
 
 
 def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleArray:

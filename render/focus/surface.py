@@ -36,15 +36,15 @@ def focused_at(surface: FocalSurface, slopes: DoubleArray) -> tuple[DoubleArray,
     slopes = np.asarray(slopes, np.float64)
     w, log_pupil = on_plane(surface.plane, slopes), np.zeros(slopes.shape[:-1])
     if surface.controls is not None and surface.blend > 0:
-        values, held = interpolate(surface.controls, slopes)
-        share = surface.blend * held
+        values, influence = interpolate(surface.controls, slopes)
+        share = surface.blend * influence
         w = w + share * (values[..., 0] - w)
         log_pupil = -share * values[..., 1]
     for half in surface.halves:
         w = w + beyond_edge(half, slopes) * (half.w - w)
     if surface.bends is not None:
-        values, held = interpolate(surface.bends, slopes)
-        w = w + held * values[..., 0]
+        values, influence = interpolate(surface.bends, slopes)
+        w = w + influence * values[..., 0]
     return w, np.exp(log_pupil)
 
 
@@ -70,8 +70,8 @@ def interpolate(controls: Controls, slopes: DoubleArray) -> tuple[DoubleArray, D
     shares = lit * (np.where(np.isfinite(nearest), nearest, 1.0) / d2) ** (controls.exponent / 2)
     total = shares.sum(-1)
     values = (shares[..., None] * controls.values).sum(-2) / np.maximum(total, 1e-300)[..., None]
-    held = 1 - np.prod(np.where(controls.weights > 0, 1 - reach, 1.0), axis=-1)
-    return np.where(total[..., None] > 0, values, 0.0), np.where(total > 0, held, 0.0)
+    influence = 1 - np.prod(np.where(controls.weights > 0, 1 - reach, 1.0), axis=-1)
+    return np.where(total[..., None] > 0, values, 0.0), np.where(total > 0, influence, 0.0)
 
 
 def beyond_edge(half: HalfLens, slopes: DoubleArray) -> DoubleArray:

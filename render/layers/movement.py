@@ -49,7 +49,7 @@ def find_movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, M
         Movements by the ids of the batches in the middle; still batches have none.
     """
     before, after = _by_key(opening), _by_key(closing)
-    found = {}
+    moves = {}
     for key, batch in _keys(middle):
         first, last = before.get(key), after.get(key)
         if first is None or last is None or (first is batch and last is batch):
@@ -57,8 +57,8 @@ def find_movements(middle: Scene, opening: Scene, closing: Scene) -> dict[int, M
         if _has_same_topology(batch, first) and _has_same_topology(batch, last):
             movement = _movement(batch, first, last)
             if movement is not None:
-                found[id(batch)] = movement
-    return found
+                moves[id(batch)] = movement
+    return moves
 
 
 def swept_bounds(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:

@@ -101,5 +101,5 @@ class Movers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for held in (self._movers, self._arrivals, self._swept):
-            held.release()
+        for resource in (self._movers, self._arrivals, self._swept):
+            resource.release()

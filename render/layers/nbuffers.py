@@ -49,7 +49,7 @@ class NBufferBuilder:
     ) -> None:
         self._ctx, self._cancellation = ctx, cancellation
         self._programs = programs
-        self._held: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
+        self._textures: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
         self._built: tuple[Layers, NBuffers] | None = None
 
     def build(self, layers: Layers, movers: Movers | None = None) -> NBuffers:
@@ -78,9 +78,9 @@ class NBufferBuilder:
 
     def release(self) -> None:
         """Release the memory."""
-        for texture in self._held or ():
+        for texture in self._textures or ():
             texture.release()
-        self._held = self._built = None
+        self._textures = self._built = None
 
     def _fill(self, program: moderngl.ComputeShader, layers: Layers, texture: moderngl.TextureArray) -> None:
         """Fill the texture's first slice with the contents of each block."""
@@ -106,12 +106,12 @@ class NBufferBuilder:
             self._cancellation.poll()
 
     def _allocate(self, width: int, height: int, levels: int) -> tuple[moderngl.TextureArray, moderngl.TextureArray]:
-        if self._held is None or self._held[0].size != (width, height, levels):
+        if self._textures is None or self._textures[0].size != (width, height, levels):
             self.release()
             with Construction() as making:
                 ranges = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="f4"))
                 bins = making.keep(self._ctx.texture_array((width, height, levels), 2, dtype="u4"))
-            self._held = ranges, bins
-            for texture in self._held:
+            self._textures = ranges, bins
+            for texture in self._textures:
                 texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        return self._held
+        return self._textures

@@ -54,18 +54,18 @@ def nearest_depth_m(index: SceneIndex, view: PinholeView) -> float:
         tuple[float, int, int]
     ] = []  # depth of the nearest hull left in a nest, the nest, the hull's place in it
 
-    def push(number: int, place: int) -> None:
-        if place < len(levels[number].depths_m):
-            heapq.heappush(queue, (float(levels[number].depths_m[place]), number, place))
+    def push(number: int, position: int) -> None:
+        if position < len(levels[number].depths_m):
+            heapq.heappush(queue, (float(levels[number].depths_m[position]), number, position))
 
     push(0, 0)
     while queue:
-        depth_m, number, place = heapq.heappop(queue)
+        depth_m, number, position = heapq.heappop(queue)
         level = levels[number]
         if level.open is None or len(levels) > MAX_STEPS:
             return depth_m
-        after = place + level.at_once
-        levels.append(level.open(level.numbers[place:after]))
+        after = position + level.at_once
+        levels.append(level.open(level.numbers[position:after]))
         push(number, after)
         push(len(levels) - 1, 0)
     return float("inf")
@@ -125,7 +125,7 @@ def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -
     """
     depth = -points[..., 2]
     x, y = view.fx * (points[..., 0] - view.eye_x_m), view.fy * (points[..., 1] - view.eye_y_m)
-    sides = (
+    planes = (
         view.cx * depth + x,
         (view.width - view.cx) * depth - x,
         view.cy * depth - y,
@@ -133,7 +133,7 @@ def _depths_in_view(points: DoubleArray, edges: IndexArray, view: PinholeView) -
     )
     nearest: DoubleArray = np.maximum(depth.min(1), view.near_m)
     nearest[(depth.max(1) < view.near_m) | (nearest > view.far_m)] = np.inf
-    for inside in sides:  # positive on the view's side of it, px·m
+    for inside in planes:  # positive on the view's side of it, px·m
         within = np.where(inside >= 0, depth, np.inf).min(1)
         cut = np.flatnonzero((inside < 0).any(1) & np.isfinite(within))
         within[cut] = np.minimum(within[cut], _depths_at_cut(inside[cut][:, edges], depth[cut][:, edges]))

@@ -175,23 +175,23 @@ class Peeler:
             moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        asked = PeelKey(view, layers, umbra, unlit, sampling)
+        key = PeelKey(view, layers, umbra, unlit, sampling)
         kept = self._kept.pop(cache_slot, None)
-        if kept is not None and not moves and kept[0].matches(asked):
+        if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
             return kept[1]
-        made = self._draw_layers(asked, moves or {}, cache_slot)
+        peeled = self._draw_layers(key, moves or {}, cache_slot)
         if not moves:
-            self._kept[cache_slot] = asked, made
-        return made
+            self._kept[cache_slot] = key, peeled
+        return peeled
 
     def has_layers(self, view: PinholeView, *, unlit: bool, cache_slot: str) -> bool:
         """Whether a cache slot holds layers of this view, for any number of layers and any pupil."""
         kept = self._kept.get(cache_slot)
         return kept is not None and kept[0].unlit == unlit and kept[0].view.matches(view)
 
-    def _draw_layers(self, asked: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
-        view, layers, umbra, unlit, sampling = asked.view, asked.layers, asked.umbra, asked.unlit, asked.sampling
+    def _draw_layers(self, key: PeelKey, moves: Mapping[int, Movement], cache_slot: str) -> Layers:
+        view, layers, umbra, unlit, sampling = key.view, key.layers, key.umbra, key.unlit, key.sampling
         self._bind_lighting(view)
         draws = self._renderer.visible_draws(view)
         layers = min(layers, MAX_LAYERS)

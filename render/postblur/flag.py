@@ -164,14 +164,14 @@ class Flag:
     def _tile_maxima(self, values: moderngl.Texture, along: tuple[int, int], scope: Resources) -> moderngl.Texture:
         """Maximum of each tile of a row or of a column."""
         size = [-(-side // _TILE) if step else side for side, step in zip(values.size, along, strict=True)]
-        made = scope.keep(self._ctx.texture((size[0], size[1]), 1, dtype="f4"))
+        maxima = scope.keep(self._ctx.texture((size[0], size[1]), 1, dtype="f4"))
         program = self._programs.compute("flag/flag_tile_max.comp", {"TILE": _TILE})
         values.use(0)
         set_uniforms(program, values=0, along=along)
-        made.bind_to_image(0, read=False, write=True)
+        maxima.bind_to_image(0, read=False, write=True)
         program.run(-(-size[0] // 8), -(-size[1] // 8))
         self._ctx.memory_barrier()
-        return made
+        return maxima
 
     def _compile(self, two_sided: bool) -> tuple[moderngl.ComputeShader, moderngl.ComputeShader]:
         defines: Defines = {"TILE": _TILE} | OUTLINE_DEFINES | ({"TWO_SIDED": 1} if two_sided else {})

@@ -104,7 +104,7 @@ class ImportanceField:
         importance: Importance = Importance(),  # noqa: B008 - it is frozen
     ) -> None:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
-        self._held = Resources()
+        self._resources = Resources()
         self._is_whole = False  # whether the sums hold the whole field
         self._side = 0.0
         self._is_ordered = False
@@ -161,14 +161,14 @@ class ImportanceField:
 
     def release(self) -> None:
         """Release the memory; the next field is spread from nothing."""
-        self._held.close()
+        self._resources.close()
         self._is_whole = False
         self._spreader.release()
 
     def _allocate(self) -> None:
-        self._held.close()
+        self._resources.close()
         self._is_whole = False
-        keep, spreader = self._held.keep, self._spreader
+        keep, spreader = self._resources.keep, self._spreader
         self._light = keep(self._ctx.texture(spreader.size, 4, dtype="f4"))  # light and state that the sums belong to
         self._state, self._before = (keep(self._ctx.texture(spreader.size, 2, dtype="f4")) for _ in range(2))
         self._sums = keep(self._ctx.buffer(reserve=32 * spreader.size[0] * spreader.size[1]))
@@ -179,7 +179,7 @@ class ImportanceField:
         tiles = spreader.half_tiles // 2
         self._reached, self._rechecked = (keep(self._ctx.buffer(reserve=4 * tiles)) for _ in range(2))
         self._listed = keep(self._ctx.buffer(reserve=4 * (tiles + 1)))
-        self._sorter = ChangeSorter(self._ctx, self._programs, spreader, self._held, self._importance)
+        self._sorter = ChangeSorter(self._ctx, self._programs, spreader, self._resources, self._importance)
 
     def _compare(self, field: Field, *, is_ordered: bool) -> int | None:
         """Load a field and count the pixels that have changed; None where it must be spread from nothing."""

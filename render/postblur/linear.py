@@ -81,7 +81,7 @@ class FieldSpreader:
         self._summary = ctx.buffer(reserve=8)
         self._scale: int | None = None  # power of 2 that no light is above
         self._tables: SpreadTables | None = None
-        self._held = Resources()
+        self._resources = Resources()
         self.size = (0, 0)
 
     @property
@@ -110,9 +110,9 @@ class FieldSpreader:
         """Allocate for fields of a size; true where that size is new."""
         if size == self.size:
             return False
-        self._held.close()
+        self._resources.close()
         self.size = (0, 0)
-        texture, buffer, keep = self._ctx.texture, self._ctx.buffer, self._held.keep
+        texture, buffer, keep = self._ctx.texture, self._ctx.buffer, self._resources.keep
         self.light, self.result = (keep(texture(size, 4, dtype="f4")) for _ in range(2))
         self.state = keep(texture(size, 2, dtype="f4"))
         self.size = size
@@ -246,7 +246,7 @@ class FieldSpreader:
 
     def release(self) -> None:
         """Release the memory; it is allocated again when needed."""
-        self._held.close()
+        self._resources.close()
         self.size = (0, 0)
         if self._tables is not None:
             self._tables.release()

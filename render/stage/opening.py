@@ -119,9 +119,9 @@ def _refuse_missing(stage: Usd.Stage) -> None:
         text = _one_line(str(error))
         if _is_materialx(text):
             continue
-        found = _ASSET.search(text)
-        exists = found is not None and Path(found.group(1)).is_file()
-        asset = _relative(found.group(1), _folder(stage)) if found else "a file"
+        match = _ASSET.search(text)
+        exists = match is not None and Path(match.group(1)).is_file()
+        asset = _relative(match.group(1), _folder(stage)) if match else "a file"
         what = "cannot be read" if exists else "is missing"
         raise StageError(
             f"the stage refers to {asset}, which {what}: {_relative(text, _folder(stage))}",
@@ -167,8 +167,8 @@ def _relative(text: str, folder: Path) -> str:
 
 def _is_materialx(text: str) -> bool:
     """Whether an error is only about a MaterialX file, which usd-core has no reader for."""
-    found = _ASSET.search(text)
-    return found is not None and found.group(1).split(":SDF_FORMAT_ARGS:")[0].endswith(".mtlx")
+    match = _ASSET.search(text)
+    return match is not None and match.group(1).split(":SDF_FORMAT_ARGS:")[0].endswith(".mtlx")
 
 
 def _one_line(text: str) -> str:

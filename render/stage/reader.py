@@ -131,8 +131,8 @@ class StageReader:
 
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
         # The first edit below a prim gives it an `over` that says nothing, of which USD tells with no field that changed.
-        told = [path for path in notice.GetChangedInfoOnlyPaths() if notice.GetChangedFields(path)]
-        paths = [*notice.GetResyncedPaths(), *told]
+        info_only = [path for path in notice.GetChangedInfoOnlyPaths() if notice.GetChangedFields(path)]
+        paths = [*notice.GetResyncedPaths(), *info_only]
         if not all(self._is_only_a_camera(path) for path in paths):
             self._plan = None
             self._changes += 1

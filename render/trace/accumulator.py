@@ -72,8 +72,8 @@ class Accumulator:
             ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
         """
         size = (view.width, view.height)
-        with Resources() as held:
-            total, seen = (held.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
+        with Resources() as scope:
+            total, seen = (scope.keep(self._ctx.texture(size, 4, dtype="f4")) for _ in range(2))
             total.write(np.zeros((view.height, view.width, 4), np.float32).tobytes())
             for i, (x, y, dx, dy) in enumerate(np.asarray(lens_points, np.float64)):
                 for group in peeler.peel_groups(view.through(x, y, plane, (dx, dy)), unlit=unlit, sampling=sampling):

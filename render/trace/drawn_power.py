@@ -78,8 +78,8 @@ def add_drawn_power(
     tangential = rows[..., PUPIL_T:PUPIL_S] @ even_basis(nodes, _PUPIL_DEGREE).T
     sagittal = rows[..., PUPIL_S:FRONT_RIM] @ odd_basis(nodes, _PUPIL_DEGREE).T
     points = np.stack([tangential, sagittal], axis=-1)
-    wanted = slope_errors(lens, focal_length_mm, pupil_radius_m, points)
-    added_t, added_s = wanted[..., 0] @ np.linalg.pinv(even).T, wanted[..., 1] @ np.linalg.pinv(odd).T
+    drawn_slopes = slope_errors(lens, focal_length_mm, pupil_radius_m, points)
+    added_t, added_s = drawn_slopes[..., 0] @ np.linalg.pinv(even).T, drawn_slopes[..., 1] @ np.linalg.pinv(odd).T
     rows[..., SLOPE_T:SLOPE_S] += added_t
     rows[..., SLOPE_S:PUPIL_T] += added_s
     most = BOUND_MARGIN * np.hypot(added_t @ even.T, added_s @ odd.T).max(axis=-1)

@@ -96,8 +96,8 @@ def field_shifts_w(camera: Camera, slopes: DoubleArray, focus_w_per_m: DoubleArr
     shifts = np.zeros(len(slopes))
     if lens.has_errors:
         for i in np.flatnonzero(np.isfinite(slopes).all(axis=-1) & np.isfinite(focus_w_per_m)):
-            told = lens.at(float(focus_w_per_m[i]))
-            shifts[i] = 0.0 if told is None else told.at(slopes[i])[0]
+            field = lens.at(float(focus_w_per_m[i]))
+            shifts[i] = 0.0 if field is None else field.at(slopes[i])[0]
     return shifts
 
 

@@ -29,10 +29,10 @@ class FocalMaps:
         program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
         texture = self._allocate((view.width, view.height))
-        with Resources() as held:
-            held.keep(self._controls(program, "point", surface.controls, _POINTS))
-            held.keep(self._controls(program, "bend", surface.bends, _BENDS))
-            held.keep(self._chief_rays(program, focus))
+        with Resources() as scope:
+            scope.keep(self._controls(program, "point", surface.controls, _POINTS))
+            scope.keep(self._controls(program, "bend", surface.bends, _BENDS))
+            scope.keep(self._chief_rays(program, focus))
             plane = surface.plane
             set_uniforms(
                 program,

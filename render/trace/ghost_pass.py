@@ -58,16 +58,16 @@ class GhostPass:
 
     def _draw_meshes(self, sheets: Iterable[GhostSheets], view: PinholeView, iris: DoubleArray) -> FloatArray:
         spread = np.zeros((view.height, view.width, 3))
-        with Resources() as held:
-            canvas = held.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
-            target = held.keep(self._ctx.framebuffer(color_attachments=[canvas]))
-            held.callback(self._stop_drawing, self._ctx.detect_framebuffer())
-            self._begin(target, held.keep(_iris_texture(self._ctx, iris)), view)
+        with Resources() as scope:
+            canvas = scope.keep(self._ctx.texture((view.width, view.height), 4, dtype="f4"))
+            target = scope.keep(self._ctx.framebuffer(color_attachments=[canvas]))
+            scope.callback(self._stop_drawing, self._ctx.detect_framebuffer())
+            self._begin(target, scope.keep(_iris_texture(self._ctx, iris)), view)
             for some in sheets:
-                places = _pixels(some.slopes, view)
-                is_small = (mesh_areas(places) * some.whole).sum(axis=(1, 2)) < _SMALL_PX
-                self._draw(some, places, ~is_small)
-                _spread(spread, some, places, is_small, iris, view)
+                positions = _pixels(some.slopes, view)
+                is_small = (mesh_areas(positions) * some.whole).sum(axis=(1, 2)) < _SMALL_PX
+                self._draw(some, positions, ~is_small)
+                _spread(spread, some, positions, is_small, iris, view)
             drawn = np.frombuffer(canvas.read(), np.float32).reshape(view.height, view.width, 4)
         return np.asarray(drawn[..., :3] + spread, np.float32)
 
@@ -90,16 +90,16 @@ class GhostPass:
         self._ctx.enable_only(moderngl.NOTHING)
         before.use()
 
-    def _draw(self, sheets: GhostSheets, places: DoubleArray, which: NDArray[np.bool_]) -> None:
+    def _draw(self, sheets: GhostSheets, positions: DoubleArray, which: NDArray[np.bool_]) -> None:
         if not sheets.whole[which].any():
             return
-        corners = _vertices(sheets, places)[which]
+        corners = _vertices(sheets, positions)[which]
         triangles = _triangles(sheets.whole[which], corners.shape[1:3])
-        with Resources() as held:
-            vertices = held.keep(self._ctx.buffer(np.ascontiguousarray(corners, np.float32).tobytes()))
-            indices = held.keep(self._ctx.buffer(triangles.tobytes()))
+        with Resources() as scope:
+            vertices = scope.keep(self._ctx.buffer(np.ascontiguousarray(corners, np.float32).tobytes()))
+            indices = scope.keep(self._ctx.buffer(triangles.tobytes()))
             layout = (vertices, _LAYOUT, *_ATTRIBUTES)
-            held.keep(self._ctx.vertex_array(self._program, [layout], indices)).render(moderngl.TRIANGLES)
+            scope.keep(self._ctx.vertex_array(self._program, [layout], indices)).render(moderngl.TRIANGLES)
 
 
 def _pixels(slopes: DoubleArray, view: PinholeView) -> DoubleArray:
@@ -115,10 +115,10 @@ def _iris_texture(ctx: moderngl.Context, iris: DoubleArray) -> moderngl.Texture:
     return texture
 
 
-def _vertices(sheets: GhostSheets, places: DoubleArray) -> DoubleArray:
+def _vertices(sheets: GhostSheets, positions: DoubleArray) -> DoubleArray:
     """Vertices ``(m, rows, columns, 12)`` in the order of the layout."""
-    stops = sheets.stops.reshape(*places.shape[:3], 2 * CROSSINGS)
-    return np.concatenate([places, stops, sheets.rim[..., None], sheets.radiance], axis=-1)
+    stops = sheets.stops.reshape(*positions.shape[:3], 2 * CROSSINGS)
+    return np.concatenate([positions, stops, sheets.rim[..., None], sheets.radiance], axis=-1)
 
 
 def _triangles(whole: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.uint32]:
@@ -133,7 +133,7 @@ def _triangles(whole: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.u
 def _spread(
     total: DoubleArray,
     sheets: GhostSheets,
-    places: DoubleArray,
+    positions: DoubleArray,
     which: NDArray[np.bool_],
     iris: DoubleArray,
     view: PinholeView,
@@ -141,8 +141,8 @@ def _spread(
     """Add small sheets to a picture: the light of each mesh, at its middle, is shared by the four nearest pixels."""
     if not which.any():
         return
-    area = mesh_areas(places[which]) * sheets.whole[which]
-    middle = _middles(places[which])
+    area = mesh_areas(positions[which]) * sheets.whole[which]
+    middle = _middles(positions[which])
     passed = (_middles(sheets.rim[which]) <= 1).astype(np.float64)
     for k in range(CROSSINGS):
         passed *= _through(iris, _middles(sheets.stops[which][..., k, :]))

@@ -38,7 +38,7 @@ class RayBuffers:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._held: list[moderngl.Buffer | moderngl.Texture | moderngl.TextureArray] = []
+        self._resources: list[moderngl.Buffer | moderngl.Texture | moderngl.TextureArray] = []
         self._grids: list[tuple[moderngl.TextureArray, moderngl.TextureArray]] = []
         self._unit = 0
 
@@ -94,19 +94,19 @@ class RayBuffers:
 
     def release(self) -> None:
         """Release the memory."""
-        for held in self._held:
-            held.release()
-        self._held, self._grids = [], []
+        for resource in self._resources:
+            resource.release()
+        self._resources, self._grids = [], []
 
     def _buffer(self, values: np.ndarray[tuple[int, ...], np.dtype[np.float32 | np.int32]], binding: int) -> None:
         buffer = self._ctx.buffer(np.ascontiguousarray(values).tobytes())
-        self._held.append(buffer)
+        self._resources.append(buffer)
         buffer.bind_to_storage_buffer(binding)
 
     def _image(self, program: moderngl.ComputeShader, name: str, values: FloatArray) -> None:
         texture = self._ctx.texture(values.shape[::-1], 1, np.ascontiguousarray(values).tobytes(), dtype="f4")
         texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
-        self._held.append(texture)
+        self._resources.append(texture)
         texture.use(self._unit)
         set_uniforms(program, **{name: self._unit})
         self._unit += 1
@@ -115,5 +115,5 @@ class RayBuffers:
         slices, height, width, channels = values.shape
         texture = self._ctx.texture_array((width, height, slices), channels, values.tobytes(), dtype="f4")
         texture.filter, texture.repeat_x, texture.repeat_y = _LINEAR, False, False
-        self._held.append(texture)
+        self._resources.append(texture)
         return texture

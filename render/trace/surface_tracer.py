@@ -80,12 +80,12 @@ class SurfaceTracer:
             stop_mm=lens.stop_radius_mm,
             to_stop=near_axis + [(0.0, 1.0)] * (MAX_WAVELENGTHS - len(near_axis)),
         )
-        with Resources() as held:
+        with Resources() as scope:
             for binding, values in enumerate((_surfaces(lens, height_field), _indices(lens, wavelengths_nm), queries)):
-                held.keep(self._ctx.buffer(values.tobytes())).bind_to_storage_buffer(binding)
-            answers = held.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32))
+                scope.keep(self._ctx.buffer(values.tobytes())).bind_to_storage_buffer(binding)
+            answers = scope.keep(self._ctx.buffer(reserve=len(wavelengths_nm) * count * 32))
             answers.bind_to_storage_buffer(3)
-            self._bind_heights(held, program, height_field)
+            self._bind_heights(scope, program, height_field)
             program.run(-(-count // _GROUP), len(wavelengths_nm))
             self._ctx.memory_barrier()
             found = np.frombuffer(answers.read(), np.float32).reshape(len(wavelengths_nm), count, 8)
@@ -95,13 +95,13 @@ class SurfaceTracer:
         defines = {"MAX_WAVELENGTHS": MAX_WAVELENGTHS} | ({} if height_field is None else {"HEIGHT_FIELD": 1})
         return self._programs.compute("lens/lens_trace.comp", defines)
 
-    def _bind_heights(self, held: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
+    def _bind_heights(self, scope: Resources, program: moderngl.ComputeShader, field: HeightField | None) -> None:
         if field is None:
             return
         for unit, heights in enumerate((field.front, field.back)):
             image = np.zeros((1, 1)) if heights is None else heights
             pixels = image.astype(np.float32).tobytes()
-            texture = held.keep(self._ctx.texture(image.shape[::-1], 1, pixels, dtype="f4"))
+            texture = scope.keep(self._ctx.texture(image.shape[::-1], 1, pixels, dtype="f4"))
             texture.filter, texture.repeat_x, texture.repeat_y = (moderngl.LINEAR, moderngl.LINEAR), False, False
             texture.use(unit)
         set_uniforms(program, heights=[0, 1])

@@ -273,7 +273,7 @@ def _import_curve(change: ImportCurve, camera: EditedCamera) -> Outcome:
         first_time=float(times[0]),
         last_time=float(times[-1]),
         frames=len(times),
-        drives=[name for column, name in _DRIVES if column in read.said],
+        drives=[name for column, name in _DRIVES if column in read.given],
         findings=[CurveFinding.model_validate(finding) for finding in read.findings],
     )
 

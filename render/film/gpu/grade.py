@@ -45,8 +45,8 @@ class _Transform:
 
     def release(self) -> None:
         """Release the memory on the device."""
-        for made in (self.program, *self.tables):
-            made.release()
+        for resource in (self.program, *self.tables):
+            resource.release()
 
 
 class DisplayPass:
@@ -133,15 +133,15 @@ def _compile(ctx: moderngl.Context, parts: list[ocio.Processor]) -> _Transform:
     has_cdl = len(parts) == 2
     codes = [_code(part, name) for part, name in zip(parts, _FUNCTIONS[-len(parts) :], strict=True)]
     source = load_source("film/grade.comp", {"CDL": 1} if has_cdl else None)
-    with Construction() as made:
+    with Construction() as scope:
         try:
             text = "\n".join(code.getShaderText() for code in codes)
-            program = made.keep(ctx.compute_shader(source.replace(_PLACE, text)))
+            program = scope.keep(ctx.compute_shader(source.replace(_PLACE, text)))
         except moderngl.Error as error:
             raise GraphicsError(f"OpenColorIO's transform did not compile: {error}") from error
         tables = []
         for sampler, table in itertools.chain.from_iterable(_tables(ctx, code) for code in codes):
-            tables.append(made.keep(table))
+            tables.append(scope.keep(table))
             if sampler in program:
                 program[sampler] = len(tables)
     return _Transform(program, tuple(tables))

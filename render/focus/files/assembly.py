@@ -66,13 +66,13 @@ class ReadCurve:
 
     Attributes:
         curve: the curve, NaN where the file gives no value.
-        said: which of focus_distance_m, f_stop, focal_length_mm, tilt_rad and swing_rad the file gives.
+        given: which of focus_distance_m, f_stop, focal_length_mm, tilt_rad and swing_rad the file gives.
         findings: faults of the file, and their handling.
         on_shot_time: whether its times are those of a shot, and not of a clock that ran beside it.
     """
 
     curve: FocusCurve
-    said: frozenset[str]
+    given: frozenset[str]
     findings: tuple[CurveFinding, ...]
     on_shot_time: bool
 
@@ -92,8 +92,8 @@ def assemble_curve(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
         raise SettingsError(f"gaps must be one of {', '.join(GAPS)}, but it is {gaps!r}", code="bad_setting")
     if not rows.rows:
         raise InputError(f"{rows.what} has no rows", code="bad_curve")
-    said = _given_attributes(rows.rows)
-    checked = _check_rows(rows.rows, said)
+    given = _given_attributes(rows.rows)
+    checked = _check_rows(rows.rows, given)
     good, bad = [row for row in checked if not row.problem], [row for row in checked if row.problem]
     if not good:
         raise InputError(f"{rows.what} has no row that can be used; {bad[0].place}: {bad[0].problem}", code="bad_curve")
@@ -101,7 +101,7 @@ def assemble_curve(rows: Rows, gaps: Gaps = "refuse") -> ReadCurve:
     found = [CurveFinding("not_used", "", note) for note in rows.notes]
     found += _gap_findings(good, bad, missing, gaps, rows)
     curve = _CurveFill.from_rows(good, times, gaps).curve(rows)
-    return ReadCurve(curve, said, (*found, *_odd_units(curve)), rows.on_shot_time)
+    return ReadCurve(curve, given, (*found, *_odd_units(curve)), rows.on_shot_time)
 
 
 def _given_attributes(rows: Sequence[Row]) -> frozenset[str]:
@@ -111,11 +111,11 @@ def _given_attributes(rows: Sequence[Row]) -> frozenset[str]:
     return frozenset(given | {FOCUS_DISTANCE.attribute})
 
 
-def _check_rows(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
+def _check_rows(rows: Sequence[Row], given: frozenset[str]) -> list[Row]:
     """Rows, with the fault of each noted in it."""
     checked, last = [], -math.inf
     for row in rows:
-        problem = row.problem or _problem(row, said)
+        problem = row.problem or _problem(row, given)
         if not problem and not row.time_code > last:
             problem = (
                 f"its time does not come after that of the row before (time code {row.time_code:g} after {last:g})"
@@ -126,13 +126,13 @@ def _check_rows(rows: Sequence[Row], said: frozenset[str]) -> list[Row]:
     return checked
 
 
-def _problem(row: Row, said: frozenset[str]) -> str:
+def _problem(row: Row, given: frozenset[str]) -> str:
     """Why a row cannot be used, or nothing."""
     if not abs(row.time_code) <= MOST_TIME_CODE:
         return f"it has no time code within {MOST_TIME_CODE:g}" if math.isfinite(row.time_code) else "it has no time"
     for column in COLUMNS:
         name, value = column.attribute, row.numbers.get(column.attribute)
-        if name in said and value is None:
+        if name in given and value is None:
             return f"it has no {column.csv}"
         if value is None:
             continue

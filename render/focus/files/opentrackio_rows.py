@@ -111,12 +111,12 @@ def _row(sample: Any, ours: dict[str, Any], place: str, time_code: float, clock:
             raise BadRowError(f"expected an object, got {quote_value(sample)}")
         if math.isnan(time_code):
             raise BadRowError(f"it has no {clock}")
-        told = _protocol_numbers(_part(sample, "lens"))
+        protocol = _protocol_numbers(_part(sample, "lens"))
         extra = numbers_of(ours) if ours else {}
         return Row(
             place=place,
             time_code=time_code,
-            numbers=_merge(told, extra),
+            numbers=_merge(protocol, extra),
             limited=bool(ours.get("limited", False)),
             source=str(ours.get("source", "camera")),
             reason=str(ours.get("reason", "")),
@@ -136,12 +136,12 @@ def _protocol_numbers(lens: dict[str, Any]) -> dict[str, float]:
     return numbers
 
 
-def _merge(told: dict[str, float], extra: dict[str, float]) -> dict[str, float]:
+def _merge(protocol: dict[str, float], extra: dict[str, float]) -> dict[str, float]:
     """Merge the protocol's fields with our own extension. Where they differ, the protocol wins and numbers that depend
     on it become NaN.
     """
     merged = dict(extra)
-    for name, value in told.items():
+    for name, value in protocol.items():
         ours = extra.get(name, math.nan)
         if name == "focus_distance_m" and math.isinf(ours) and value >= FAR_AWAY_M:
             continue

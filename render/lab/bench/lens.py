@@ -114,7 +114,7 @@ def _asked_file(typed: str | None) -> Path | None:
 
 
 def _sweep(of: Subject, plan: Plan, say: Callable[[str], None]) -> Sweeps:
-    def told(what: str, rows: Iterable[Row]) -> list[Row]:
+    def measure_sweep(what: str, rows: Iterable[Row]) -> list[Row]:
         made = []
         for row in rows:
             made.append(row)
@@ -123,10 +123,10 @@ def _sweep(of: Subject, plan: Plan, say: Callable[[str], None]) -> Sweeps:
 
     return Sweeps(
         of.name,
-        told("rays", rays_sweep(of, plan.rays)),
-        told("layers", layers_sweep(of, plan.layers)),
-        told("apertures", aperture_sweep(of, plan.f_stops)),
-        told("lenses", surfaces_sweep(of, plan.lenses)),
+        measure_sweep("rays", rays_sweep(of, plan.rays)),
+        measure_sweep("layers", layers_sweep(of, plan.layers)),
+        measure_sweep("apertures", aperture_sweep(of, plan.f_stops)),
+        measure_sweep("lenses", surfaces_sweep(of, plan.lenses)),
     )
 
 

@@ -119,9 +119,11 @@ class _Stand:
             shown = steps[-1][1]
             later = self._plan.steps + 1
             left_ms = max(self._left(change(later + i), after_s) for i, after_s in enumerate(_STALE_AFTER_S))
-            asked = change(later + len(_STALE_AFTER_S))
-            rest_first_ms, rest_final_ms, final, looks = self._final(asked)
-            plain = make_picture(self._renderer, self._shot, None, asked.time, asked.settings, choice=asked.choice)
+            request = change(later + len(_STALE_AFTER_S))
+            rest_first_ms, rest_final_ms, final, looks = self._final(request)
+            plain = make_picture(
+                self._renderer, self._shot, None, request.time, request.settings, choice=request.choice
+            )
             equal = np.array_equal(plain.graded, final.graded)
         return DragRow(
             name,
@@ -144,12 +146,12 @@ class _Stand:
         shown = self._first(change(step), moving=True)
         return 1000 * (perf_counter() - began), shown
 
-    def _first(self, asked: PreviewRequest, *, moving: bool) -> ProgressivePicture:
-        shown = next(self._driver.pictures(replace(asked, is_moving=moving)))
+    def _first(self, request: PreviewRequest, *, moving: bool) -> ProgressivePicture:
+        shown = next(self._driver.pictures(replace(request, is_moving=moving)))
         encode_jpeg(shown.graded, shown.metadata)
         return shown
 
-    def _final(self, asked: PreviewRequest) -> tuple[float, float, ProgressivePicture, list[float]]:
+    def _final(self, request: PreviewRequest) -> tuple[float, float, ProgressivePicture, list[float]]:
         """Times to the first and to the last picture, the last picture, and times between cancellation points, in
         milliseconds.
         """
@@ -162,13 +164,13 @@ class _Stand:
             looked = perf_counter()
             return False
 
-        for shown in self._driver.pictures(asked, is_stale=is_stale):
+        for shown in self._driver.pictures(request, is_stale=is_stale):
             encode_jpeg(shown.graded, shown.metadata)
             looked = perf_counter()
             times.append(1000 * (looked - began))
         return times[0], times[-1], shown, looks
 
-    def _left(self, asked: PreviewRequest, after_s: float) -> float:
+    def _left(self, request: PreviewRequest, after_s: float) -> float:
         """Time for which work goes on after it becomes stale, ``after_s`` after its first picture; 0 where it ends before."""
         self._driver.release()
         since: list[float] = []  # the first picture
@@ -177,7 +179,7 @@ class _Stand:
             return bool(since) and perf_counter() > since[0] + after_s
 
         is_done = False
-        for shown in self._driver.pictures(asked, is_stale=is_stale):
+        for shown in self._driver.pictures(request, is_stale=is_stale):
             since.append(perf_counter())
             is_done = shown.is_final
         return 0.0 if is_done else 1000 * (perf_counter() - since[0] - after_s)

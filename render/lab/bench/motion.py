@@ -105,14 +105,14 @@ def measure(picture: FrameSettings, repeats: Repeats, counts: Sequence[int]) -> 
         GraphicsError: there is no device to draw on.
     """
     with tempfile.TemporaryDirectory() as folder, FrameRenderer() as renderer:
-        stand = _MotionRig(renderer, Path(folder), picture)
+        rig = _MotionRig(renderer, Path(folder), picture)
         for way in ("moments", "velocities"):  # compiles shaders, and sends the scene
-            stand.trace(Repeats(1, 1), rays=8, motion=2, motion_by=way)
-        still_picture, still = stand.trace(repeats, motion=1)
+            rig.trace(Repeats(1, 1), rays=8, motion=2, motion_by=way)
+        still_picture, still = rig.trace(repeats, motion=1)
         rows = []
         for count in counts:
-            exact, exact_spent = stand.trace(Repeats(1, 1), motion=count) if count == picture.motion else (None, None)
-            fast, spent = stand.trace(repeats, motion=count, motion_by="velocities")
+            exact, exact_spent = rig.trace(Repeats(1, 1), motion=count) if count == picture.motion else (None, None)
+            fast, spent = rig.trace(repeats, motion=count, motion_by="velocities")
             rows.append(_row("velocities", count, spent, still, fast, exact))
             if exact is not None and exact_spent is not None:
                 rows.append(_row("moments", count, exact_spent, still, None, None))

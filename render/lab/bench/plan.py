@@ -76,6 +76,6 @@ def plan_from_arguments(arguments: argparse.Namespace) -> Plan:
         SettingsError: one is out of range.
     """
     plan = quick_plan() if arguments.quick else Plan()
-    asked = {"supersample": arguments.supersample, "rays": arguments.rays}
-    typed = {name: value for name, value in asked.items() if value is not None}
+    requested = {"supersample": arguments.supersample, "rays": arguments.rays}
+    typed = {name: value for name, value in requested.items() if value is not None}
     return replace(plan, picture=replace(plan.picture, **typed))

@@ -76,7 +76,7 @@ def read_data_sheet(text: LensText) -> MeasuredLens:
     Raises:
         InputError: it is no such file, or no lens has such numbers; the message names the line.
     """
-    said: dict[str, tuple[int, str]] = {}
+    entries: dict[str, tuple[int, str]] = {}
     tables: list[Table] = []
     sources: list[str] = []
     table: Table | None = None
@@ -93,11 +93,11 @@ def read_data_sheet(text: LensText) -> MeasuredLens:
             name, value = _pair(text, line, raw)
             if name == "source":
                 sources.append(value)
-            elif name in said:
-                raise text.error(f"{name} was said already on line {said[name][0]}", line)
+            elif name in entries:
+                raise text.error(f"{name} was said already on line {entries[name][0]}", line)
             else:
-                said[name] = line, value
-    return _lens(text, said, tables, tuple(sources))
+                entries[name] = line, value
+    return _lens(text, entries, tables, tuple(sources))
 
 
 def data_sheet_text(lens: MeasuredLens) -> str:
@@ -157,39 +157,39 @@ def _add_row(text: LensText, line: int, words: list[str], table: Table) -> None:
 
 
 def _lens(
-    text: LensText, said: dict[str, tuple[int, str]], tables: list[Table], sources: tuple[str, ...]
+    text: LensText, entries: dict[str, tuple[int, str]], tables: list[Table], sources: tuple[str, ...]
 ) -> MeasuredLens:
     def numbers(name: str, count: int = 1) -> list[float]:
-        if name not in said:
+        if name not in entries:
             return [0.0] * count
-        line, value = said[name]
+        line, value = entries[name]
         words = value.split()
         if len(words) != count:
             raise text.error(f"{name} takes {count} numbers, got {value!r}", line)
         return [text.number(word, name, line, at_least=0) for word in words]
 
-    if "focal length" not in said or not tables:
-        missing = "focal length" if "focal length" not in said else f"table that begins with {_HEIGHT}"
+    if "focal length" not in entries or not tables:
+        missing = "focal length" if "focal length" not in entries else f"table that begins with {_HEIGHT}"
         raise text.error(f"it has no {missing}")
     (focal,) = numbers("focal length")
     if not 0.1 <= focal <= 1e5:
-        raise text.error(f"the focal length must be from 0.1 to 100000 mm, got {focal:g}", said["focal length"][0])
+        raise text.error(f"the focal length must be from 0.1 to 100000 mm, got {focal:g}", entries["focal length"][0])
     widest, closed = numbers("f-stops", 2)
     if 0 < closed < widest or max(widest, closed) > MAX_F_STOP:
         raise text.error(
             f"f-stops go from wide open to closed down, 0 for an end that is unknown and {MAX_F_STOP:g} at most, "
             f"got {widest:g} and {closed:g}",
-            said["f-stops"][0],
+            entries["f-stops"][0],
         )
     (measured_at,), (close_focus,) = numbers("measured at"), numbers("close focus")
     if close_focus > _MAX_CLOSE_FOCUS_M:
-        line = said["close focus"][0]
+        line = entries["close focus"][0]
         raise text.error(f"the close focus must be at most {_MAX_CLOSE_FOCUS_M:g} m, got {close_focus:g}", line)
     try:
         sheet = _join_tables(text, tables, measured_at or widest)
     except SettingsError as error:
         raise text.error(error.detail) from error
-    name = said["name"][1] if "name" in said else text.name.rsplit(".", 1)[0]
+    name = entries["name"][1] if "name" in entries else text.name.rsplit(".", 1)[0]
     return MeasuredLens(name, focal, sheet, (widest, closed), close_focus, sources)
 
 

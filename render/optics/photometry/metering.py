@@ -164,8 +164,8 @@ def one_key(compensations: ArrayLike) -> float:
     Raises:
         InputError: all frames are black.
     """
-    wanted = _lit(compensations)
-    return float(wanted[np.isfinite(wanted)].mean())
+    targets = _lit(compensations)
+    return float(targets[np.isfinite(targets)].mean())
 
 
 def smoothed_keys(
@@ -190,32 +190,32 @@ def smoothed_keys(
         SettingsError: times do not rise, there are not as many, or the smoothing time is not positive.
         InputError: all frames are black.
     """
-    times, wanted = np.asarray(times_s, np.float64), _lit(compensations)
-    if times.shape != wanted.shape or not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
+    times, targets = np.asarray(times_s, np.float64), _lit(compensations)
+    if times.shape != targets.shape or not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
         raise SettingsError(
-            f"metered frames must be at rising times, one for each, got {times.shape} for {wanted.shape}"
+            f"metered frames must be at rising times, one for each, got {times.shape} for {targets.shape}"
         )
     if not (smoothing_s > 0 and math.isfinite(smoothing_s)):
         raise SettingsError(f"the smoothing time of metering must be above 0 s, got {smoothing_s:g}")
-    lit = np.isfinite(wanted)
-    values = np.interp(times, times[lit], wanted[lit])
+    lit = np.isfinite(targets)
+    values = np.interp(times, times[lit], targets[lit])
     spans = np.gradient(times) if len(times) > 1 else np.ones(1)  # frames far apart stand for more time
-    asked = times if at_s is None else np.atleast_1d(np.asarray(at_s, np.float64))
-    keys = np.empty_like(asked)
-    for start in range(0, len(asked), _ROWS_AT_ONCE):
+    query_times = times if at_s is None else np.atleast_1d(np.asarray(at_s, np.float64))
+    keys = np.empty_like(query_times)
+    for start in range(0, len(query_times), _ROWS_AT_ONCE):
         rows = slice(start, start + _ROWS_AT_ONCE)
-        bell = spans * np.exp(-0.5 * ((times - asked[rows, None]) * (4 / smoothing_s)) ** 2)
+        bell = spans * np.exp(-0.5 * ((times - query_times[rows, None]) * (4 / smoothing_s)) ** 2)
         keys[rows] = bell @ values / bell.sum(axis=1)
     return keys
 
 
 def _lit(compensations: ArrayLike) -> DoubleArray:
-    wanted = np.atleast_1d(np.asarray(compensations, np.float64))
-    if wanted.ndim != 1 or not np.isfinite(wanted).any():
+    targets = np.atleast_1d(np.asarray(compensations, np.float64))
+    if targets.ndim != 1 or not np.isfinite(targets).any():
         raise InputError(
             "there is nothing to meter: every frame is black where the meter looks", code="nothing_to_meter"
         )
-    return wanted
+    return targets
 
 
 def _log2(value: float) -> float:

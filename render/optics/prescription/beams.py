@@ -126,16 +126,16 @@ def oblique_beam(prescription: Prescription, image_height_mm: float, stop_height
     """
     chief = _chief_slope(prescription, image_height_mm)
     zero = np.zeros(1)
-    _, wanted, landing = _through_stop(prescription, zero, zero + chief)
+    _, target, landing = _through_stop(prescription, zero, zero + chief)
     slopes, before = np.full(len(stop_heights_mm), chief), np.full(len(stop_heights_mm), chief * (1 - 1e-3) - 1e-4)
-    off_before = _through_stop(prescription, stop_heights_mm, before)[1] - wanted
+    off_before = _through_stop(prescription, stop_heights_mm, before)[1] - target
     for _ in range(_SECANTS):  # all rays leave toward the same point: each has its own slope at the stop
-        off = _through_stop(prescription, stop_heights_mm, slopes)[1] - wanted
+        off = _through_stop(prescription, stop_heights_mm, slopes)[1] - target
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(off == off_before, 0.0, off * (slopes - before) / (off - off_before))
         before, off_before, slopes = slopes, off, slopes - step
     heights, _, _ = _through_stop(prescription, stop_heights_mm, slopes)
-    return ObliqueBeam(float(abs(landing[0])), float(wanted[0]), heights)
+    return ObliqueBeam(float(abs(landing[0])), float(target[0]), heights)
 
 
 def _chief_slope(prescription: Prescription, image_height_mm: float) -> float:

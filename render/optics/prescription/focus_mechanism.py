@@ -162,12 +162,12 @@ class FocusMechanism:
         if abs(self.film_through_lens(0.0).miss(nearness)) < _SHARP:
             return 0.0
         for end in sorted((low, high), key=abs):
-            places = np.linspace(0.0, end, _PLACES)
-            seen = [self.film_through_lens(place) for place in places]
+            shifts = np.linspace(0.0, end, _PLACES)
+            seen = [self.film_through_lens(shift) for shift in shifts]
             misses = np.array([film.miss(nearness) for film in seen])
             for i in np.flatnonzero(misses[:-1] * misses[1:] <= 0)[:1]:
                 if seen[i].nearness is not None or seen[i + 1].nearness is not None:
-                    return self._bisect(nearness, float(places[i]), float(places[i + 1]))
+                    return self._bisect(nearness, float(shifts[i]), float(shifts[i + 1]))
         raise self._out_of_reach(nearness, low, high)
 
     def _bisect(self, nearness: float, start: float, end: float) -> float:
@@ -196,21 +196,21 @@ class FocusMechanism:
     def _out_of_reach(self, nearness: float, low: float, high: float) -> SettingsError:
         """Error with the range that the group reaches, and the reason for its end."""
         first, last = self.moving
-        places = np.linspace(low, high, 2 * _PLACES)
-        reached = {place: seen for place in places if (seen := self.film_through_lens(place).nearness) is not None}
+        shifts = np.linspace(low, high, 2 * _PLACES)
+        reached = {shift: seen for shift in shifts if (seen := self.film_through_lens(shift).nearness) is not None}
         if not reached:
             return self._refusal(nearness, f"wherever surfaces {first + 1} to {last + 1} are moved, no object is sharp")
         if not any(reached.values()):
             return self._refusal(nearness, f"moving surfaces {first + 1} to {last + 1} leaves it sharp at infinity")
-        place = max(reached, key=lambda place: reached[place])
-        if nearness < reached[place]:
+        shift = max(reached, key=lambda shift: reached[shift])
+        if nearness < reached[shift]:
             return self._refusal(nearness, f"the farthest that it reaches is {_metres(min(reached.values()))}")
-        if place in (low, high):
-            front = first if place == low else last + 1
+        if shift in (low, high):
+            front = first if shift == low else last + 1
             neighbour = f"surface {front + 1}" if front < len(self.system.powers) else "the film"
-            return self._too_near(nearness, reached[place], f"where surface {front} and {neighbour} touch")
+            return self._too_near(nearness, reached[shift], f"where surface {front} and {neighbour} touch")
         return self._too_near(
-            nearness, reached[place], f"with surfaces {first + 1} to {last + 1} moved by {place:.4g} mm"
+            nearness, reached[shift], f"with surfaces {first + 1} to {last + 1} moved by {shift:.4g} mm"
         )
 
     def _too_near(self, nearness: float, nearest: float, reason: str) -> SettingsError:

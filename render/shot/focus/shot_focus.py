@@ -339,7 +339,7 @@ class ShotFocus:
         """
         camera = self._cameras.editable(camera_path)
         with self._edits.transaction("import a focus curve"):
-            author_curve(camera, read.curve, read.said, baked=baked)
+            author_curve(camera, read.curve, read.given, baked=baked)
 
     def edited_properties(self, camera_path: str | None, name: str | None = None) -> tuple[str, ...]:
         """Edited properties of focus points as usda text: the same strings until an edit changes them.

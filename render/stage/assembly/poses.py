@@ -126,8 +126,8 @@ class InstanceReader:
         fit = authored[:count]
         if len(fit) < count or len(np.unique(fit)) < count or fit.min() < 0 or fit.max() > np.iinfo(np.int32).max:
             path = instancer.GetPath()
-            told = f"the instances of {path} are told apart by their indices: its ids must be"
-            self._log.add("bad_ids", path, f"{told} {count} different whole numbers from 0 to 2147483647")
+            fault = f"the instances of {path} are told apart by their indices: its ids must be"
+            self._log.add("bad_ids", path, f"{fault} {count} different whole numbers from 0 to 2147483647")
             return np.arange(count, dtype=np.int32)
         return fit.astype(np.int32)
 

@@ -240,16 +240,16 @@ def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.T
     )
 
 
-def _shutter(said: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
-    if not 0 <= said.travel_s < math.inf:
+def _shutter(shutter: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
+    if not 0 <= shutter.travel_s < math.inf:
         raise CameraError(
-            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {said.travel_s:g} s",
+            f"film:shutter:travelTime of camera {path} must be 0 s or more, got {shutter.travel_s:g} s",
             code="bad_shutter",
             path=path,
         )
-    travel = said.travel_s * stage.GetTimeCodesPerSecond()
+    travel = shutter.travel_s * stage.GetTimeCodesPerSecond()
     try:
-        return Shutter(said.type, said.direction, travel, tuple(said.efficiency))
+        return Shutter(shutter.type, shutter.direction, travel, tuple(shutter.efficiency))
     except SettingsError as error:  # the numbers are the shot's, not the caller's
         raise CameraError(f"camera {path}: {error.detail}", code="bad_shutter", path=path) from error
 

@@ -77,15 +77,15 @@ class Skeletons:
             if not _blend(skeleton, skinning, points, time):
                 message = f"the blend shapes of {prim.GetPath()} could not be computed"
                 log.add("blend_shapes_ignored", prim.GetPath(), message)
-        wanted = Vt.Vec3fArray(points) if rows is None else _pick_rows(points, rows)
+        selected = Vt.Vec3fArray(points) if rows is None else _pick_rows(points, rows)
         if not skinning.HasJointInfluences():
-            return np.array(wanted, np.float32)
+            return np.array(selected, np.float32)
         joints = skeleton.ComputeSkinningTransforms(time)
-        if not joints or not _skin(found, joints, wanted, rows, len(points), time):
+        if not joints or not _skin(found, joints, selected, rows, len(points), time):
             message = f"the skinning of {prim.GetPath()} could not be computed: drawn at rest"
             log.add("skinning_failed", prim.GetPath(), message)
             return np.array(resting, np.float32)
-        return _in_prim_space(np.array(wanted, np.float32), found.prim, prim, time)
+        return _in_prim_space(np.array(selected, np.float32), found.prim, prim, time)
 
     def _query(self, prim: Usd.Prim) -> _Bound | None:
         root = UsdSkel.Root.Find(prim)
@@ -162,12 +162,12 @@ def _skin(
     )
 
 
-def _in_order(joints: Vt.Matrix4dArray, given: Vt.TokenArray, wanted: Vt.TokenArray | None) -> Vt.Matrix4dArray:
+def _in_order(joints: Vt.Matrix4dArray, given: Vt.TokenArray, selected: Vt.TokenArray | None) -> Vt.Matrix4dArray:
     """Joints in a mesh's own order, as USD's mapper has them (in Python it gives nothing back): those that lack stand still."""
-    if wanted is None:
+    if selected is None:
         return joints
     place = {name: number for number, name in enumerate(given)}
-    return Vt.Matrix4dArray([joints[place[name]] if name in place else Gf.Matrix4d(1) for name in wanted])
+    return Vt.Matrix4dArray([joints[place[name]] if name in place else Gf.Matrix4d(1) for name in selected])
 
 
 def _pick_rows(points: Vt.Vec3fArray, rows: LongArray) -> Vt.Vec3fArray:

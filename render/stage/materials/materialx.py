@@ -125,19 +125,19 @@ class _SurfaceReader:
         return float(self._numbers(theirs, (_SCALAR_DEFAULTS[theirs],))[0])
 
     def _numbers(self, name: str, default: tuple[float, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        found = self._surface.find(f"input[@name='{name}']")
-        text = found.get("value") if found is not None else None
+        element = self._surface.find(f"input[@name='{name}']")
+        text = element.get("value") if element is not None else None
         if text is None:
             return np.array(default)
         values = [float(part) for part in re.findall(r"[-+0-9.eE]+", text)]
         return np.array(values if len(values) == len(default) else default)
 
     def _texture(self, theirs: str, ours: str, purpose: str) -> None:
-        found = self._surface.find(f"input[@name='{theirs}']")
-        image = self._image_node(found) if found is not None else None
+        element = self._surface.find(f"input[@name='{theirs}']")
+        image = self._image_node(element) if element is not None else None
         file_input = image.find("input[@name='file']") if image is not None else None
         if file_input is None:
-            if found is not None and found.get("value") is None:
+            if element is not None and element.get("value") is None:
                 message = (
                     f"in material {self._path}, {theirs} is computed by nodes that are not read; a constant is used"
                 )
@@ -167,10 +167,10 @@ class _SurfaceReader:
         scope = self._root
         graph = source.get("nodegraph")
         if graph is not None:
-            found = self._root.find(f"nodegraph[@name='{graph}']")
-            if found is None:
+            element = self._root.find(f"nodegraph[@name='{graph}']")
+            if element is None:
                 return None
-            scope = found
+            scope = element
             output = scope.find(f"output[@name='{source.get('output')}']")
             if output is None:
                 return None

@@ -65,7 +65,7 @@ def test_every_file_reads_back_as_the_same_curve(format, made):
     read = read_curve(curve_to_text(made, format).encode(), ANY_RATES)
     same(made, read.curve, rel=1e-14, header=format != "csv")
     assert (read.findings, read.on_shot_time) == ((), True)
-    assert read.said == {"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad"}
+    assert read.given == {"focus_distance_m", "f_stop", "focal_length_mm", "tilt_rad", "swing_rad"}
 
 
 @pytest.mark.parametrize("format", FORMATS)
@@ -91,7 +91,7 @@ def test_the_first_version_of_the_json_is_read():
         del sample["tiltDeg"], sample["swingDeg"], sample["limited"]
     read = read_curve(json.dumps(data), ANY_RATES)
     same(curve(), read.curve)
-    assert "tilt_rad" not in read.said
+    assert "tilt_rad" not in read.given
 
 
 def test_a_timeline_says_who_is_sharp_when():

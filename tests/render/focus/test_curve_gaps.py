@@ -29,7 +29,7 @@ def test_frames_and_distances_are_enough():
     read = read_curve(table("1,2.5", "2,3", "3,inf"), RATES)
     assert read.curve.frames.tolist() == [1, 2, 3]
     assert read.curve.focus_distance_m.tolist() == [2.5, 3, math.inf]
-    assert (read.said, read.findings) == ({"focus_distance_m"}, ())
+    assert (read.given, read.findings) == ({"focus_distance_m"}, ())
     assert np.isnan(read.curve.f_stop).all()
 
 
@@ -59,7 +59,7 @@ def test_a_distance_without_a_known_unit_is_refused(header):
 def test_angles_come_in_degrees_or_radians():
     read = read_curve(table("1,2,90e-1,0.1", header="frame,focus_distance_m,tilt_deg,swing_rad"), RATES)
     assert (read.curve.tilt_rad[0], read.curve.swing_rad[0]) == pytest.approx((math.radians(9), 0.1))
-    assert read.said == {"focus_distance_m", "tilt_rad", "swing_rad"}
+    assert read.given == {"focus_distance_m", "tilt_rad", "swing_rad"}
 
 
 def test_unknown_columns_are_named():

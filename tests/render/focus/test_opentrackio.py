@@ -127,7 +127,7 @@ def test_what_another_tool_changed_wins():
 
 def test_a_trackers_samples_run_by_timecode():
     read = read_curve(others([2.0, 2.5, 3.0], [timecode(59, 22), timecode(59, 23), timecode(0, 0, minutes=3)]), RATES)
-    assert read.said == {"focus_distance_m", "focal_length_mm"}
+    assert read.given == {"focus_distance_m", "focal_length_mm"}
     assert not read.on_shot_time
     assert np.diff(read.curve.frames) == pytest.approx([1, 1])
     assert read.curve.frames[0] == pytest.approx((62 * 60 + 59) * 24 + 22)

@@ -51,7 +51,7 @@ def picture(
     errors: LensErrors | None = None,
     squeeze: float = 1.0,
 ) -> FloatArray:
-    """``(h, w)`` of grey split, near and far with the same radii ``(h, w)``; the near one covers as much as is said."""
+    """``(h, w)`` of grey fields, near and far with the same radii ``(h, w)``; the near one covers as much as is said."""
     height, width = radii.shape
     ctx = blur._ctx
     with Resources() as scope:

@@ -11,11 +11,11 @@ from render.lab.bench.importance.results import ImportanceBench
 _ROOM_DB = 4.0
 
 
-def draw_cutoff(found: ImportanceBench, suffix: str = "png") -> bytes:
+def draw_cutoff(bench: ImportanceBench, suffix: str = "png") -> bytes:
     """Draw quality and time against the share of changes made.
 
     Args:
-        found: by the bench.
+        bench: by the bench.
         suffix: ``png`` or ``svg``.
 
     Returns:
@@ -24,8 +24,8 @@ def draw_cutoff(found: ImportanceBench, suffix: str = "png") -> bytes:
     with style():
         figure = Figure(figsize=(860 / DPI, 400 / DPI), dpi=DPI, layout="constrained")
         quality, time = figure.subplots(1, 2)
-        _draw_quality(quality, found)
-        _draw_time(time, found)
+        _draw_quality(quality, bench)
+        _draw_time(time, bench)
         for axes in (quality, time):
             axes.set_xlabel("M: share of the changed pixels spread anew, %")
             axes.set_xlim(0, 104)
@@ -34,16 +34,16 @@ def draw_cutoff(found: ImportanceBench, suffix: str = "png") -> bytes:
         return file_of(figure, suffix)
 
 
-def _draw_quality(axes: Axes, found: ImportanceBench) -> None:
-    finite = [row.psnr_db for row in found.cutoff if row.psnr_db is not None]
+def _draw_quality(axes: Axes, bench: ImportanceBench) -> None:
+    finite = [row.psnr_db for row in bench.cutoff if row.psnr_db is not None]
     top = max(finite, default=40.0) + _ROOM_DB
     for name, color, marker, values in (
-        ("last frame", BEAMS[0], "o", [row.psnr_db for row in found.cutoff]),
-        ("worst frame", BEAMS[2], "s", [row.worst_psnr_db for row in found.cutoff]),
+        ("last frame", BEAMS[0], "o", [row.psnr_db for row in bench.cutoff]),
+        ("worst frame", BEAMS[2], "s", [row.worst_psnr_db for row in bench.cutoff]),
     ):
-        known = [(row.m, value) for row, value in zip(found.cutoff, values, strict=True) if value is not None]
+        known = [(row.m, value) for row, value in zip(bench.cutoff, values, strict=True) if value is not None]
         axes.plot(*zip(*known, strict=True), color=color, marker=marker, markersize=3.5, linewidth=1.2, label=name)
-    for row in found.cutoff:
+    for row in bench.cutoff:
         if row.psnr_db is None:
             axes.annotate(
                 "equal",
@@ -62,10 +62,10 @@ def _draw_quality(axes: Axes, found: ImportanceBench) -> None:
     axes.legend(loc="upper left")
 
 
-def _draw_time(axes: Axes, found: ImportanceBench) -> None:
+def _draw_time(axes: Axes, bench: ImportanceBench) -> None:
     axes.plot(
-        [row.m for row in found.cutoff],
-        [row.seconds for row in found.cutoff],
+        [row.m for row in bench.cutoff],
+        [row.seconds for row in bench.cutoff],
         color=BEAMS[0],
         marker="o",
         markersize=3.5,

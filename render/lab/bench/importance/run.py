@@ -32,7 +32,7 @@ from render.postblur.spread_tables import STEP_PX, Gaussian
 GOAL_EQUAL = 1e-4
 
 
-class _Stand:
+class _Rig:
     """A size's pictures on a device, and what spreads them."""
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache, size: int) -> None:
@@ -71,20 +71,20 @@ class _Stand:
 
     def ordered(self, picture: Picture, share: float = 1.0) -> Spent:
         """Spread the changes, and return their cost."""
-        made = self._made
+        target = self._target
 
         def spread() -> None:
-            self.ordered_sums = made.update(self._send(picture), 1.0, Gaussian(), self._most_px, UpdateLimit(share))
+            self.ordered_sums = target.update(self._send(picture), 1.0, Gaussian(), self._most_px, UpdateLimit(share))
 
         return self._timed(spread)
 
     @property
     def changed(self) -> float:
         """Share of the pixels that had changed in the last picture."""
-        return self._made.stats.changed / self.scene.size**2
+        return self._target.stats.changed / self.scene.size**2
 
     @property
-    def _made(self) -> ImportanceField:
+    def _target(self) -> ImportanceField:
         if self._ordered is None:
             raise ValueError("no experiment has begun")
         return self._ordered
@@ -106,9 +106,9 @@ class _Stand:
 
     def release(self) -> None:
         """Release the memory."""
-        for made in (self._light, self._radii, self._linear, self._ordered):
-            if made is not None:
-                made.release()
+        for target in (self._light, self._radii, self._linear, self._ordered):
+            if target is not None:
+                target.release()
 
 
 def measure(plan: Plan) -> ImportanceBench:
@@ -122,30 +122,30 @@ def measure(plan: Plan) -> ImportanceBench:
         ctx = renderer.graphics.ctx
         programs = ProgramCache(ctx)
         for size in plan.sizes:
-            stand = _Stand(ctx, programs, size)
+            rig = _Rig(ctx, programs, size)
             rows += [
-                _experiment(stand, experiment, plan, is_software=renderer.graphics.is_software)
+                _experiment(rig, experiment, plan, is_software=renderer.graphics.is_software)
                 for experiment in EXPERIMENTS
             ]
             if size == plan.sizes[0]:
-                cutoff = [_cut_off(stand, share, plan.frames) for share in plan.shares]
-            stand.release()
+                cutoff = [_cut_off(rig, share, plan.frames) for share in plan.shares]
+            rig.release()
         device = renderer.graphics.renderer
     return ImportanceBench(device, STEP_PX, rows, cutoff, _goals(rows))
 
 
-def _experiment(stand: _Stand, experiment: Experiment, plan: Plan, *, is_software: bool) -> ExperimentRow:
-    size = stand.scene.size
-    stand.begin(experiment)
+def _experiment(rig: _Rig, experiment: Experiment, plan: Plan, *, is_software: bool) -> ExperimentRow:
+    size = rig.scene.size
+    rig.begin(experiment)
     at = np.unique(np.linspace(0, plan.frames - 1, plan.linear_frames(size)).round().astype(int))
     none, ordered, linear, changed, apart = [], [], [], [], 0.0
-    for number, picture in enumerate(stand.scene.frames(experiment, plan.frames)):
-        none.append(stand.none(picture))
-        ordered.append(stand.ordered(picture))
-        changed.append(stand.changed)
+    for number, picture in enumerate(rig.scene.frames(experiment, plan.frames)):
+        none.append(rig.none(picture))
+        ordered.append(rig.ordered(picture))
+        changed.append(rig.changed)
         if number in at:
-            linear.append(stand.linear(picture))
-            apart = max(apart, float(np.abs(np.subtract(*stand.pictures())).max()))
+            linear.append(rig.linear(picture))
+            apart = max(apart, float(np.abs(np.subtract(*rig.pictures())).max()))
     linear_s, ordered_s = _means(linear), _means(ordered)
     later = _means(linear[1:]), _means(ordered[1:])
     clock = int(is_software)
@@ -172,15 +172,15 @@ def _means(spent: Sequence[Spent]) -> tuple[float, float]:
     return float(np.mean([one.wall_ms for one in spent])) / 1e3, float(np.mean([one.cpu_ms for one in spent])) / 1e3
 
 
-def _cut_off(stand: _Stand, share: float, frames: int) -> CutoffRow:
-    stand.begin(CUTOFF_EXPERIMENT)
+def _cut_off(rig: _Rig, share: float, frames: int) -> CutoffRow:
+    rig.begin(CUTOFF_EXPERIMENT)
     milliseconds, alike = 0.0, []
     looked_at = set(np.linspace(1, frames - 1, min(frames - 1, 10)).round().astype(int).tolist())
-    for number, picture in enumerate(stand.scene.frames(CUTOFF_EXPERIMENT, frames)):
-        milliseconds += stand.ordered(picture, share if number else 1.0).wall_ms
+    for number, picture in enumerate(rig.scene.frames(CUTOFF_EXPERIMENT, frames)):
+        milliseconds += rig.ordered(picture, share if number else 1.0).wall_ms
         if number in looked_at:
-            stand.linear(picture)
-            alike.append(psnr_db(*stand.pictures()))
+            rig.linear(picture)
+            alike.append(psnr_db(*rig.pictures()))
     return CutoffRow(100 * share, milliseconds / 1e3, _finite(alike[-1]), _finite(min(alike)))
 
 
@@ -224,24 +224,24 @@ def run(arguments: argparse.Namespace) -> None:
     check_file(arguments.json)
     if arguments.plot is not None:
         check_writable(arguments.plot)
-    found = measure(plan)
+    bench = measure(plan)
     if arguments.plot is not None:
         from render.lab.bench.importance.plot import draw_cutoff  # takes a second to import
 
-        write_atomic(Path(arguments.plot), draw_cutoff(found))
-    say(found, report(found), arguments.json)
+        write_atomic(Path(arguments.plot), draw_cutoff(bench))
+    say(bench, report(bench), arguments.json)
 
 
-def report(found: ImportanceBench) -> str:
+def report(bench: ImportanceBench) -> str:
     """The tables."""
     lines = [
-        f"{found.device}; a radius that changes by less than {found.step_px:g} px is none",
+        f"{bench.device}; a radius that changes by less than {bench.step_px:g} px is none",
         "Seconds of all frames by the wall's clock, and in brackets by the processor's, of all threads. The linear method is",
         "measured on so many frames, and scaled from them. Times: of speed, by the processor's clock where it does the work.",
         "",
         "experiment  size     linear (cpu)  frames     importance (cpu)    none   times  after the first  changed  most apart",
     ]
-    for row in found.experiments:
+    for row in bench.experiments:
         linear = f"{row.linear_s:8.1f} {f'({row.linear_cpu_s:.1f})':>9}  {row.linear_frames:4}"
         ordered = f"{row.importance_s:8.1f} {f'({row.importance_cpu_s:.1f})':>9}  {row.none_s:6.1f}"
         times = f"{row.speedup:6.1f}  {row.speedup_without_first:15.1f}"
@@ -249,8 +249,8 @@ def report(found: ImportanceBench) -> str:
             f"{row.name:10}  {row.size:4}  {linear}   {ordered}  {times}  {100 * row.changed:5.1f} %  {row.most_apart:10.1g}"
         )
     lines += ["", "changes made    seconds   last frame's PSNR dB   the worst frame's"]
-    for cut in found.cutoff:
+    for cut in bench.cutoff:
         alike = (f"{psnr:.1f}" if psnr is not None else "equal" for psnr in (cut.psnr_db, cut.worst_psnr_db))
         lines.append(f"{cut.m:10.0f} %  {cut.seconds:9.2f}   {next(alike):>20}   {next(alike):>17}")
-    lines += ["", *goal_lines(found.goals)]
+    lines += ["", *goal_lines(bench.goals)]
     return "\n".join(lines) + "\n"

@@ -66,17 +66,17 @@ def quality(renderer: FrameRenderer, plan: PostBlurPlan) -> Iterator[QualityRow]
 def _scene_rows(
     renderer: FrameRenderer, name: str, scene: Scene, camera: Camera, settings: FrameSettings
 ) -> Iterator[QualityRow]:
-    made: dict[str, tuple[FloatArray, Spent]] = {}
+    drawn: dict[str, tuple[FloatArray, Spent]] = {}
     for engine in sorted(engine_names(), key=_rank):
         pictures: list[FloatArray] = []
         take = partial(_take, renderer, scene, camera, replace(settings, engine=engine), pictures)
         if engine not in ("lens", "accumulation"):
             take()  # compiles
         spent = time_work(renderer.graphics.ctx.finish, take, ONCE)
-        made[engine] = pictures[-1], spent
-    for engine, (picture, spent) in made.items():
+        drawn[engine] = pictures[-1], spent
+    for engine, (picture, spent) in drawn.items():
         alike = [
-            measure(picture, made[reference][0]) if engine != reference else None
+            measure(picture, drawn[reference][0]) if engine != reference else None
             for reference in ("lens", "accumulation")
             for measure in (psnr_db, ssim)
         ]

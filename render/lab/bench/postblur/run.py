@@ -105,10 +105,10 @@ def measure(plan: PostBlurPlan) -> PostBlurBench:
 
 def goals(plan: PostBlurPlan, even: Growth, mixed: Growth, rows: list[QualityRow]) -> list[Goal]:
     """Goals from the paper's claims, and the goal that a blurred picture is nearer to the truth than a sharp one."""
-    found = []
+    verdicts = []
     for name, picture in (("even radii", even), ("mixed radii", mixed)):
         linear, quadratic = picture.flag_exponent, picture.naive_exponent
-        found += [
+        verdicts += [
             Goal(f"{name}: exponent of FLAG's growth, at most", GOAL_LINEAR, linear, linear <= GOAL_LINEAR),
             Goal(
                 f"{name}: exponent of the naive gather's growth, at least",
@@ -118,17 +118,17 @@ def goals(plan: PostBlurPlan, even: Growth, mixed: Growth, rows: list[QualityRow
             ),
         ]
         ahead = min(times for times, radius in zip(picture.ahead, plan.radii, strict=True) if radius >= AHEAD_FROM)
-        found.append(Goal(f"{name}: FLAG's lead at any radius from {AHEAD_FROM} px, above", 1.0, ahead, ahead > 1.0))
+        verdicts.append(Goal(f"{name}: FLAG's lead at any radius from {AHEAD_FROM} px, above", 1.0, ahead, ahead > 1.0))
     gain = min(
         (row.lens_psnr_db or 0.0) - (sharp.lens_psnr_db or 0.0)
         for row in rows
         for sharp in rows
         if row.engine == "flag" and sharp.engine == "pinhole" and row.scene == sharp.scene
     )
-    found.append(
+    verdicts.append(
         Goal("FLAG nearer to the lens tracer than no blur, dB at least", GOAL_GAIN_DB, gain, gain >= GOAL_GAIN_DB)
     )
-    return found
+    return verdicts
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -147,38 +147,38 @@ def run(arguments: argparse.Namespace) -> None:
         if Path(arguments.plot).suffix not in SUFFIXES:
             raise SettingsError(f"--plot must end in {' or '.join(SUFFIXES)}, got {arguments.plot!r}")
         check_writable(arguments.plot)
-    found = measure(plan_from_arguments(arguments))
+    bench = measure(plan_from_arguments(arguments))
     if arguments.plot is not None:
-        write_atomic(Path(arguments.plot), drawn(found, Path(arguments.plot).suffix[1:]))
-    say(found, report(found), arguments.json)
+        write_atomic(Path(arguments.plot), draw_plot(bench, Path(arguments.plot).suffix[1:]))
+    say(bench, report(bench), arguments.json)
 
 
-def drawn(found: PostBlurBench, suffix: str) -> bytes:
+def draw_plot(bench: PostBlurBench, suffix: str) -> bytes:
     """Time and memory against the radius, as a file."""
     from render.lab.bench.postblur.plot import draw_blur_growth  # matplotlib is slow to import
 
     times = {
-        f"{name}, {radii} radii": getattr(side, f"{key}_{'cpu_' if found.clock == 'processor' else ''}ms")
+        f"{name}, {radii} radii": getattr(side, f"{key}_{'cpu_' if bench.clock == 'processor' else ''}ms")
         for name, key in (("FLAG", "flag"), ("naive gather", "naive"))
-        for radii, side in (("even", found.even), ("mixed", found.mixed))
+        for radii, side in (("even", bench.even), ("mixed", bench.mixed))
     }
-    title = f"{found.device}, {found.side}x{found.side}, by the {found.clock}'s clock"
-    return draw_blur_growth(title, found.radii, times, found.memory_mb, found.bound_mb, suffix)
+    title = f"{bench.device}, {bench.side}x{bench.side}, by the {bench.clock}'s clock"
+    return draw_blur_growth(title, bench.radii, times, bench.memory_mb, bench.bound_mb, suffix)
 
 
-def report(found: PostBlurBench) -> str:
+def report(bench: PostBlurBench) -> str:
     """The tables."""
     lines = [
-        f"{found.device}; a picture of {found.side}x{found.side} blurred by a disc",
+        f"{bench.device}; a picture of {bench.side}x{bench.side} blurred by a disc",
         "Milliseconds by the wall's clock, and in brackets by the processor's, of all threads. 'Ahead' is how many times faster",
-        f"FLAG is, by the {found.clock}'s clock; growth is e of the c + k·rᵉ that fits all times best.",
+        f"FLAG is, by the {bench.clock}'s clock; growth is e of the c + k·rᵉ that fits all times best.",
     ]
-    for name, side in (("the same radius everywhere", found.even), ("radii from 0 to the largest", found.mixed)):
+    for name, side in (("the same radius everywhere", bench.even), ("radii from 0 to the largest", bench.mixed)):
         lines += ["", f"{name + ':':28} radius px         FLAG               naive gather   ahead   FLAG holds MB"]
-        for i, radius in enumerate(found.radii):
+        for i, radius in enumerate(bench.radii):
             flag, naive = _spent(side.flag_ms[i], side.flag_cpu_ms[i]), _spent(side.naive_ms[i], side.naive_cpu_ms[i])
             lines.append(
-                f"{'':28} {radius:9}  {flag:>17}  {naive:>19}  {side.ahead[i]:6.1f}  {found.memory_mb[i]:14.1f}"
+                f"{'':28} {radius:9}  {flag:>17}  {naive:>19}  {side.ahead[i]:6.1f}  {bench.memory_mb[i]:14.1f}"
             )
         crossed = "nowhere" if side.crossover_px is None else f"from {side.crossover_px:.2g} px on"
         lines.append(
@@ -187,12 +187,12 @@ def report(found: PostBlurBench) -> str:
         )
     lines += [
         "",
-        f"FLAG's piles take at most {found.bound_mb:.1f} MB, unless the rows that reach 16 rows need more; the engine, which",
-        f"spreads wide circles at less resolution, holds at most {found.full_hd_mb:.1f} MB for a part of a 1920x1080 picture.",
+        f"FLAG holds at most {bench.bound_mb:.1f} MB of contributions, unless the rows that reach 16 rows need more; the engine,",
+        f"which spreads wide circles at less resolution, holds at most {bench.full_hd_mb:.1f} MB for a part of a 1920x1080 picture.",
         "",
-        *_quality_lines(found.quality),
+        *_quality_lines(bench.quality),
         "",
-        *goal_lines(found.goals),
+        *goal_lines(bench.goals),
     ]
     return "\n".join(lines) + "\n"
 

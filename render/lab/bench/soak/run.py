@@ -110,7 +110,7 @@ class _Soak:
         self.kinds[edit.__name__.strip("_").replace("_", " ")] += 1
         edit()
         patience = self._random.choice((0, 0, 0, 0, 3, 20, 10**9))
-        asked = replace(self.asked, is_moving=patience == 0)
+        request = replace(self.asked, is_moving=patience == 0)
         asks = 0
 
         def is_stale() -> bool:
@@ -120,7 +120,7 @@ class _Soak:
 
         is_final = False
         with suppress(SettingsError):  # the accumulation buffer knows planes of focus alone
-            for shown in self._driver.pictures(asked, is_stale=is_stale):
+            for shown in self._driver.pictures(request, is_stale=is_stale):
                 self.pictures += 1
                 is_final = shown.is_final
         self.finals += is_final
@@ -129,14 +129,20 @@ class _Soak:
 
     def drift_levels(self) -> float:
         """Difference between the picture at rest and a new renderer's, in levels; 0 where neither can be made."""
-        asked = self.asked
+        request = self.asked
         try:
-            *_, shown = self._driver.pictures(asked)
+            *_, shown = self._driver.pictures(request)
         except SettingsError:
             return 0.0
         with FrameRenderer() as other:
             plain = make_picture(
-                other, self._shot, asked.camera_path, asked.time, asked.settings, stock=asked.stock, choice=asked.choice
+                other,
+                self._shot,
+                request.camera_path,
+                request.time,
+                request.settings,
+                stock=request.stock,
+                choice=request.choice,
             )
         return float(255 * np.abs(plain.graded - shown.graded).max())
 

@@ -187,8 +187,8 @@ def report(bench: PostBlurBench) -> str:
         )
     lines += [
         "",
-        f"FLAG holds at most {bench.bound_mb:.1f} MB of contributions, unless the rows that reach 16 rows need more; the engine,",
-        f"which spreads wide circles at less resolution, holds at most {bench.full_hd_mb:.1f} MB for a part of a 1920x1080 picture.",
+        f"FLAG holds at most {bench.bound_mb:.1f} MB, unless the rows that reach 16 rows need more; the engine, which",
+        f"spreads wide circles at less resolution, holds at most {bench.full_hd_mb:.1f} MB for a part of a 1920x1080 picture.",
         "",
         *_quality_lines(bench.quality),
         "",

@@ -36,7 +36,7 @@ RIGHT_HOUSES = (
     House(5.2, 2, 3, "PlasterBlue", "AwningTeal"),
 )
 END_HOUSES = (House(4.4, 3, 3, "PlasterOchre", "AwningRed"), House(4.2, 2, 3, "PlasterBlue", "AwningTeal"))
-# How upper windows are lit, drawn over all of them in turn.
+# Lighting of the upper windows, in turn.
 PANES = ("WindowWarm", "WindowDark", "WindowDim", "WindowWarm", "WindowDark", "WindowWarm", "WindowDim")
 
 

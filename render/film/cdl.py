@@ -102,7 +102,7 @@ def read_cdl(path: str | Path, correction: str = "") -> Cdl:
 def _decisions(name: str, stamp: tuple[int, int]) -> tuple[tuple[str, Cdl], ...]:
     """All corrections of a file with their ids; the stamp makes a file that was edited be read again."""
     del stamp
-    PyOpenColorIO.ClearAllCaches()  # OpenColorIO keeps what it read of a file for good
+    PyOpenColorIO.ClearAllCaches()  # OpenColorIO caches files without a limit
     try:
         found = [
             (
@@ -112,7 +112,7 @@ def _decisions(name: str, stamp: tuple[int, int]) -> tuple[tuple[str, Cdl], ...]
             for own in PyOpenColorIO.CDLTransform.CreateGroupFromFile(name)
         ]
     except (*OCIO_ERRORS, SettingsError) as error:
-        # OpenColorIO tries all formats, and says last what is wrong for the one that the file's name tells.
+        # OpenColorIO tries all formats; the last error is that of the format of the file's suffix.
         reason = " ".join(str(error).split()).rpartition("failed with: ")[2]
         raise InputError(f"CDL file {name} is damaged: {reason}", code="bad_cdl", path=name) from error
     if not found:

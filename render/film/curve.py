@@ -25,7 +25,7 @@ MAX_DENSITY = 20.0
 MIN_STEP = 1e-10
 """Least step of log10 exposure between knots: slopes stay finite."""
 
-# A picture is looked up in a table of this many even steps: under 2e-6 of density from the cubic on any stock of the library.
+# Pictures use a table of this many even steps: within 2e-6 of density of the cubic on any stock of the library.
 _TABLE_STEPS = 4096
 _STEPS = 32  # knots in each bend and on the line
 

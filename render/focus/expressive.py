@@ -156,7 +156,7 @@ def focal_controls(
     controls = Controls(
         places,
         np.stack([targets[order], np.log(points.extents[order])], axis=-1),
-        weights * fades**exponent,  # at the edge of a region α/d^β is what others have: the region shrinks as the fade
+        weights * fades**exponent,  # at the edge of a region α/d^β equals the others': the region shrinks with the fade
         _fading_falloffs(points.falloffs[order] * frame_width, fades, FADING_REACH_FRAME_WIDTHS * frame_width),
         exponent,
     )

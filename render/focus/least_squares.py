@@ -88,7 +88,7 @@ class _Segments:
         above = self.mean * start + pitch * (self.variance + self.mean**2) + start * kappa
         below = start + pitch * (self.mean - kappa)
         middle = (self.low + self.high) / 2
-        falls = below * middle < above  # E where it has no turn: points so near that the law ends before them
+        falls = below * middle < above  # E without a minimum: points nearer than the law's range
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(below > 0, above / below, np.where(falls, np.inf, -np.inf))
 

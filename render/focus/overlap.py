@@ -28,7 +28,7 @@ OVERLAP_FRAME_WIDTHS = 0.05
 _CACHED = 1 << 16
 """Pairs processed together, about, so that they stay in the processor's cache."""
 
-_FAR_SLOPE = 1e3  # what lies beyond is sought as if it were here: no farther from anything than it is
+_FAR_SLOPE = 1e3  # slopes beyond are clamped to this, which brings no points nearer to each other
 _ROUNDING = 1e-5
 
 

@@ -143,7 +143,7 @@ def _mean_around(t: DoubleArray, v: DoubleArray, half: DoubleArray) -> DoubleArr
     count = int(np.clip(4 * math.ceil(half.max() / np.diff(t).min()), _LEAST_NODES, _MOST_NODES))
     nodes = (2 * np.arange(count) + 1) / count - 1
     bell = 1 + np.cos(np.pi * nodes)
-    away = np.zeros_like(v)  # of the mean from the value: what is level stays so to the last bit
+    away = np.zeros_like(v)  # mean of differences from the value: a constant stays exact
     for node, share in zip(nodes, bell / bell.sum(), strict=True):
         away += share * (_between(t, v, t + half * node) - v)
     closed = (half <= 0).reshape(-1, *[1] * (v.ndim - 1))

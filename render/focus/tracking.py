@@ -137,7 +137,7 @@ def _follow(t: DoubleArray, target: DoubleArray, lag_s: DoubleArray) -> DoubleAr
         if delay <= 1e-9 * step_s:
             first = second = end
         else:
-            late = (end - start) / step_s * delay  # how far behind a steady target each of the two comes to be
+            late = (end - start) / step_s * delay  # lag of each of the two behind a steadily moving target
             decay, ahead = math.exp(-step_s / delay), first - start + late
             second = end - 2 * late + (second - start + 2 * late + step_s / delay * ahead) * decay
             first = end - late + ahead * decay

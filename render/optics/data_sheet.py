@@ -165,7 +165,7 @@ def sheet_errors(
         axial_mm=at_heights(sheet, "axial_color_mm", heights_mm) * scales.chromatic / (2 * measured_at),
         lateral_mm=-at_heights(sheet, "lateral_color_mm", heights_mm) * scales.chromatic,
         rim_offset=rim
-        * max(edge, 1.0),  # what was measured wide open does not say how far the rims are: they grow with it
+        * max(edge, 1.0),  # measurements wide open do not give the distance of the rims, which grows with the iris
         rim_radius=max(edge, 1.0),
         natural=natural,
     )

@@ -177,7 +177,7 @@ def _view_attributes(camera: Camera, view: PinholeView) -> list[Attribute]:
             ((view.width / 2 - view.cx) / view.fx, (view.cy - view.height / 2) / view.fy),
         ),
         ("sensorOverallDimensions", "float[2]", (camera.horizontal_aperture_mm, camera.vertical_aperture_mm)),
-        # Microns; positive shows more of what is to the right and *below*.
+        # Microns; positive values show more to the right and *below*.
         ("sensorCenterOffset", "float[2]", (1000 * camera.horizontal_offset_mm, -1000 * camera.vertical_offset_mm)),
     ]
 

@@ -126,7 +126,7 @@ class FieldSpreader:
 
     @property
     def _tile_bit_words(self) -> int:
-        return self.tiles[0] // 32 + 2  # one more than is needed, for what is read across
+        return self.tiles[0] // 32 + 2  # one spare word, for reads across its end
 
     def update_tables(self, spread: Spread, most_px: float) -> bool:
         """Make tables for radii up to ``most_px``; true where they are of another spread than the last ones."""

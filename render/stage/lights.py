@@ -29,10 +29,10 @@ _POINT_RADIUS_M = 1e-3
 # Beyond these a light's power overflows single precision; the sun's disc has a radiance of 2e9 nits and a radius of 7e8 m.
 _MAX_RADIANCE = 1e18
 _MAX_MEASURE = 1e10
-# +Z-up from +Y-up: the turn that DomeLight_1's pole axis asks for on a Z-up stage.
+# +Z-up from +Y-up: the rotation of DomeLight_1's pole axis on a Z-up stage.
 _Z_UP_FROM_Y_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
 
-# What is not honoured, and the value of it that changes nothing.
+# Attributes that are not honoured, with the value that has no effect.
 _IGNORED: dict[str, tuple[str, object]] = {
     "inputs:shaping:focus": ("shaping focus", 0.0),
     "inputs:shaping:ies:file": ("IES profile", Sdf.AssetPath()),
@@ -116,7 +116,7 @@ class LightReader:
         """A dome light."""
         time = transforms.GetTime()
         self._note_ignored(prim)
-        # The dome's own axes are the stage's; what it shows is a direction, so units and scale drop out.
+        # The dome's axes are the stage's; it depends on directions alone, so units and scale drop out.
         pose = rigid_frame(world_pose(prim, transforms, self._world))
         pose[:3, 3] = 0.0
         if str(prim.GetTypeName()) == "DomeLight_1" and self._pole_is_z(prim, time):

@@ -37,7 +37,7 @@ def open_stage(path: str | Path, *, edit_layer: Sdf.Layer | None = None, confine
             ``bad_time``.
     """
     file = Path(path)
-    # Those who upload know their files by name alone.
+    # Uploaders know their files by name alone.
     name = str(file) if confined_to is None else file.name
     if not file.is_file():
         raise StageError(f"{name} is not a file that can be opened", code="stage_missing", path=name)

@@ -130,7 +130,7 @@ class StageReader:
                 return
 
     def _on_change(self, notice: Usd.Notice.ObjectsChanged, _sender: object) -> None:
-        # The first edit below a prim gives it an `over` that says nothing, of which USD tells with no field that changed.
+        # The first edit below a prim creates an empty `over` for it, which USD reports without changed fields.
         info_only = [path for path in notice.GetChangedInfoOnlyPaths() if notice.GetChangedFields(path)]
         paths = [*notice.GetResyncedPaths(), *info_only]
         if not all(self._is_only_a_camera(path) for path in paths):

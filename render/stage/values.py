@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pxr import Usd
 
-# What arithmetic on such values, or on numbers beyond all measure, raises.
+# Errors of arithmetic on such values, or on numbers out of range.
 UNREADABLE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError)
 
 

@@ -14,7 +14,7 @@ from render.trace.lens_table import BOUND, LIGHT, PolynomialTable
 from render.trace.prescription_table import enclosing_region
 
 HEIGHTS = 64
-_GRID = 61  # points across the pupil, to see what of it is open
+_GRID = 61  # points across the pupil that find its open part
 
 
 def data_sheet_table(

@@ -40,7 +40,7 @@ HEIGHTS = 13
 _COARSE = (60, 24)
 _FINE = (80, 20)
 """Nodes of the half pupil and on its rim: a coarse set that finds the open part, and a fine set for the fit."""
-_PADDING = 0.15  # of the stop's radius: how far apart the coarse nodes are
+_PADDING = 0.15  # spacing of the coarse nodes, relative to the stop's radius
 _STEP_FOCAL_LENGTHS = 0.02
 """Step between traced focus distances, in focal length over focus distance: 0.4 1/m for 50 mm."""
 _WITHIN = 1 - 1e-6  # share of the nearest focus, which rounding might put out of reach

@@ -16,7 +16,7 @@ FRONT_RIM, REAR_RIM = 57, 66
 WEIGHT = 75
 REGION = 79  # centre, half axes along and across; whether a rim clips
 BOUND = 83  # slope error: centre and radius; pupil point: centre and radius
-LIGHT = 87  # mean weight of the rays of the whole disc, blocked ones as 0: what a white field shows
+LIGHT = 87  # mean weight of the rays of the whole disc, blocked ones as 0: the light of a white field
 ROW_LENGTH = 88
 """Numbers of a row: first the coefficients of polynomials over the pupil, then constants."""
 

@@ -57,7 +57,7 @@ def rays_of_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray, N
     ``(heights, nodes)`` which of these rays get through."""
     rows = table.rows[len(table.rows) // 2].astype(np.float64)
     half = pupil_nodes(_NODES, rim=0)
-    nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is told from the middle of the whole disc
+    nodes = np.concatenate([half, half * [1.0, -1.0]])  # spread is relative to the middle of the whole disc
     slope = _evaluate(rows, nodes, SLOPE_T, SLOPE_S, PUPIL_T, 7)
     return slope, _evaluate(rows, nodes, PUPIL_T, PUPIL_S, PUPIL_S + 9, 5), open_rays(rows, nodes)
 

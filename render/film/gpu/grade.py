@@ -25,7 +25,7 @@ from render.gl.shaders import load_source, set_uniforms
 from render.model.arrays import FloatArray
 
 _PLACE = "#pragma transform"
-_FUNCTIONS = ("timed", "displayed")  # as the shader calls the parts
+_FUNCTIONS = ("timed", "displayed")  # names of the parts in the shader
 _TILE = 8
 _LIGHT_UNIT = 0
 _KEPT = 8  # transforms: a session goes between few

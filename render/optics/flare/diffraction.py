@@ -20,7 +20,7 @@ from render.optics.iris import rim_radius, transmission
 from render.optics.spectrum import Spectrum, spectrum
 
 VISIBLE = spectrum(24)
-_DIRECTIONS, _SHIFTS = 720, 512  # at least so many directions in half a turn
+_DIRECTIONS, _SHIFTS = 720, 512  # smallest number of directions in half a turn
 _ROUND = 512  # corners of the iris between two neighbouring ones of its blades, or of a round one
 _CHORDS = 2048
 _CORE, _LEAST_CORE_PX = 3.0, 2.0  # of a star, in λ/D and at least
@@ -74,7 +74,7 @@ def star(
     return _star(_Shape(replace(iris, rotation_rad=0.0)), turn_rad, spread_px, width, height, strength, light)
 
 
-@lru_cache(maxsize=1)  # the next frame's, while nobody turns a ring
+@lru_cache(maxsize=1)  # reused for the next frame while no setting changes
 def _star(
     shape: _Shape,
     turn_rad: float,

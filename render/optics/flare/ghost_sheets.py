@@ -25,7 +25,7 @@ from render.optics.spectrum import Spectrum, band_nm
 MAX_SLOPE = 4.5
 """Sources farther than 77 degrees from the axis do not count, as nothing is drawn there."""
 _COARSE, _FINE = (25, 13), (33, 17)  # rays across the front lens, in the plane of the source and its half across
-_REACH = 1.2  # over the rim and the iris: how far outside a ray may pass for its neighbours to matter
+_REACH = 1.2  # relative to rim and iris: distance outside at which a ray's neighbours still matter
 _TOGETHER = 96  # sheets traced at once: it bounds the memory
 _POINT = 1e-18  # area in slopes: nothing is drawn smaller
 CROSSINGS = 3

@@ -131,7 +131,7 @@ def _met(
     front, behind = _indices(prescription, step.surface, wavelength_nm)
     before, after = (front, behind) if step.way in ("in", "off rear", "out") else (behind, front)
     is_mirror = step.way.startswith("off")
-    # On its way in the light is still the image's own; what is passed twice more, between the two, is what costs.
+    # Losses on the way in are the image's own; only the surfaces between the two, passed twice more, count.
     is_twice_more = step.way in ("back", "out") and step.surface < path.rear
     share = np.ones(len(local))
     normal, cosine = np.zeros(0), share

@@ -26,7 +26,7 @@ from render.optics.prescription.paraxial import (
 )
 from render.optics.prescription.surface_shape import clearance_mm
 
-_PLACES = 33  # looked at on either side of rest: what is solved is a polynomial of low degree
+_PLACES = 33  # samples on either side of rest: the solved function is a polynomial of low degree
 LONGEST_WAY = 2.0
 """Focal lengths that a group with nothing before it can move toward the scene."""
 

@@ -77,7 +77,7 @@ def nearer_than_marked(camera: Camera) -> bool:
 @lru_cache(maxsize=64)
 def scale_to(prescription: Prescription, focal_length_mm: float, image_height_mm: float) -> Prescription:
     own = first_order(complete_prescription(prescription, image_height_mm=image_height_mm)).focal_length_mm
-    # completed again at its own scale, since what is solved for depends on the film it has to cover
+    # completed again at its own scale, since computed values depend on the film format
     whole = complete_prescription(prescription, image_height_mm=image_height_mm * own / focal_length_mm)
     return scale_prescription(whole, focal_length_mm / own)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from render.model.arrays import DoubleArray
 from render.model.lens import Surface
 
-# A surface of unknown clear diameter ends where it is this steep (dz/dr): no ray of use meets it there.
+# A surface of unknown clear diameter ends at this slope (dz/dr): no useful ray meets it beyond.
 _STEEPEST = 3.0
 _RADII_MM = np.geomspace(1e-3, 1e4, 1401)
 _NEWTON_STEPS = 60

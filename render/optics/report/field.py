@@ -17,7 +17,7 @@ from render.optics.spectrum import THREE_LINES
 WAVELENGTHS_NM = THREE_LINES.wavelengths_nm
 _SPOT_RAYS = 500
 _LIGHT_RAYS = 2400
-_NARROW = 0.02  # of the pupil: the beam whose two foci are looked for
+_NARROW = 0.02  # of the pupil: radius of the narrow beam whose two foci are computed
 _DARK = 2e-3  # of the light on the axis
 
 

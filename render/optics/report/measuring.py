@@ -17,7 +17,7 @@ from render.optics.sampling import base_points
 _RAYS = 900
 _RED_NM, _BLUE_NM = 650.0, 475.0
 _NOTHING_LEFT = 0.3  # of the spread: where curvature and coma leave less, the rest has no shape to speak of
-_DARK = 0.01  # of the light on the axis: what is darker is not measured
+_DARK = 0.01  # of the light on the axis: darker fields are not measured
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from usd_schemas.units import metres_from_units, mm_from_tenths
 Conform = Literal[
     "expandAperture", "cropAperture", "adjustApertureWidth", "adjustApertureHeight", "adjustPixelAspectRatio"
 ]
-# The nearest depth that is drawn, where a camera says 0 or less: nothing can be projected at the pinhole itself.
+# Near clipping distance of cameras that give 0 or less: points at the pinhole cannot be projected.
 _NEAREST_M = 1e-4
 
 
@@ -158,7 +158,7 @@ def framing_camera(stage: Usd.Stage, time: float) -> Camera:
     size = high - low
     camera = Camera(np.eye(4), 50.0, 20.955, 15.2908)  # GfCamera's own defaults
     half_view = camera.horizontal_aperture_mm / 2 / camera.focal_length_mm
-    # A stage of a single point still needs to be looked at from somewhere.
+    # A stage of a single point still needs a camera at some distance.
     distance = (float(np.hypot(size[0], size[1])) / 2 / half_view or 1.0) + float(size[2]) / 2
     pose = np.eye(4)
     pose[:3, 3] = (low + high) / 2 + [0, 0, distance]

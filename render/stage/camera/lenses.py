@@ -36,7 +36,7 @@ from usd_schemas import Prescription as PrescriptionData
 from usd_schemas import Seidel as SeidelData
 
 _SURFACES = {"spherical": 2, "heightField": 2}
-_SQUEEZES = 0.1, 10.0  # as the schema has it; lenses that are made squeeze by 1.25 to 2
+_SQUEEZES = 0.1, 10.0  # the schema's range; real lenses squeeze by 1.25 to 2
 
 
 def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
@@ -178,7 +178,7 @@ def _glass(columns: dict[str, Sequence[Any]], i: int) -> Glass:
     if not any(b):
         return AIR if index == 1 and abbe == 0 else Glass(index, abbe, name=columns["glass"][i])
     glass = Glass(index, abbe, tuple(b), tuple(c), columns["glass"][i])
-    # Sellmeier's equation wins; the number is for those who ask for the index at the d line alone.
+    # Sellmeier's equation wins; the number is used where only the index at the d line is needed.
     return Glass(refractive_index(glass, D_LINE_NM), abbe, glass.sellmeier_b, glass.sellmeier_c, glass.name)
 
 

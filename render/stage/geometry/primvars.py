@@ -52,7 +52,7 @@ def as_rows(value: object, width: int) -> FloatArray | None:
     if value is None or isinstance(value, str):
         return None
     try:
-        # What is beyond single precision becomes infinite, and is left out with what is infinite already.
+        # Values beyond single precision become infinite, and are left out with other infinite values.
         with np.errstate(over="ignore"):
             array = np.array(value, np.float32)
     except (TypeError, ValueError):

@@ -29,10 +29,10 @@ from render.stage.geometry.primvars import find_primvar
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import read_surface
 
-# What Hydra draws where no displayColor is authored.
+# Hydra's colour without an authored displayColor.
 FALLBACK_DISPLAY_COLOR = (0.5, 0.5, 0.5)
 
-# Slivers of dense meshes fold by rounding; below this share of the area nobody can see it.
+# Slivers of dense meshes fold by rounding; below this share of the area it is invisible.
 _FOLDS_SHOW_FROM = 0.001
 
 

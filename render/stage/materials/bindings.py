@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from render.model.arrays import IntArray
 from render.stage.findings import FindingLog
 
-# What a final picture wears; bindings without a purpose are the fallback.
+# Purpose of bindings in final pictures; bindings without a purpose are the fallback.
 _PURPOSE = UsdShade.Tokens.full
 
 

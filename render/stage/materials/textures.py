@@ -21,7 +21,7 @@ from render.stage.confinement import is_inside
 Purpose = str  # "color": converted to the working space; "data": only its transfer function is undone
 _MAX_FLOAT16 = 65504.0
 _BAND_ROWS = 256
-_MAX_PIXELS = 2**28  # 16384 x 16384: a file that claims more is refused before memory is asked for
+_MAX_PIXELS = 2**28  # 16384 x 16384: a larger file is refused before memory is allocated
 
 
 class TextureError(ValueError):

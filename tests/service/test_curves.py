@@ -72,7 +72,7 @@ def test_an_import_on_old_terms_is_refused(client, shot):
     assert distance(client, shot, 24) == pytest.approx(3)
 
 
-def test_gaps_are_refused_or_filled_and_told(client, shot):
+def test_gaps_are_refused_or_filled_and_reported(client, shot):
     holes = "frame,focus_distance_m\n1,2\n2,2\n3,?\n4,2\n9,4\n"
     refused = send(client, shot, holes)
     assert (refused.status_code, refused.json()["code"]) == (422, "curve_gaps")
@@ -107,7 +107,7 @@ def test_a_file_that_cannot_be_used_changes_nothing(client, shot, content, code)
     assert client.get(f"{shot}/edits").text == before
 
 
-def test_a_curve_may_be_larger_than_other_requests_and_not_without_end(client, shot):
+def test_a_curve_may_be_larger_than_other_requests_up_to_a_limit(client, shot):
     large = "frame,focus_distance_m\n" + "".join(f"{n},2.{'0' * 60}\n" for n in range(1, 20_001))
     assert len(large) > 1 << 20
     assert send(client, shot, large).json()["frames"] == 20_000

@@ -15,7 +15,7 @@ from tests.service.conftest import ROOM, running, send, until
 SHAPE = {"code", "detail", "path", "errors"}
 
 
-def test_a_full_disk_is_said_and_nothing_is_left(service, client, monkeypatch):
+def test_a_full_disk_is_reported_and_nothing_is_left(service, client, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 

@@ -54,7 +54,7 @@ def test_live_light_is_light(client, room):
     assert file == live
 
 
-def test_edited_over_rest_and_rendered_by_the_command_line_it_is_the_same(client, room, room_file, tmp_path):
+def test_rest_edits_render_the_same_by_the_command_line(client, room, room_file, tmp_path):
     client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
     edits = tmp_path / "edits.usda"
     edits.write_text(client.get(f"/v1/shots/{room}/edits").text)
@@ -144,7 +144,7 @@ def test_the_query_knows_what_the_renderer_knows():
 
 
 @pytest.mark.parametrize("height", [{"height": 8192}, {}])
-def test_no_more_pixels_are_rendered_than_may_be_even_where_the_film_gate_says_the_height(client, room, height):
+def test_the_pixel_limit_holds_for_heights_from_the_film_gate(client, room, height):
     answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 8192, "rays": 1} | height)
     told = answer.json()
     assert (answer.status_code, told["code"], told["path"]) == (422, "too_many_pixels", "query.width")

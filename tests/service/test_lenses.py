@@ -48,7 +48,7 @@ def test_the_library_lists_what_a_chooser_shows(client):
     assert all(lens["description"] for lens in lenses)
 
 
-def test_a_lens_is_told_down_to_its_surfaces(client):
+def test_a_lens_is_described_down_to_its_surfaces(client):
     lens = client.get("/v1/lenses/distagon_35").json()
     assert len(lens["surfaces"]) == 18
     assert [surface["isStop"] for surface in lens["surfaces"]].index(True) == 10
@@ -112,7 +112,7 @@ def test_what_cannot_be_mounted_is_refused_and_changes_nothing(client, shot):
     assert client.get(f"{shot}/edits").text == before
 
 
-def test_a_lens_by_its_data_sheet_is_told_and_mounted(client, shot):
+def test_a_lens_by_data_sheet_is_described_and_mounted(client, shot):
     planar = client.get("/v1/lenses/zeiss_planar_50").json()
     assert (planar["model"], planar["surfaces"], planar["errors"]) == ("dataSheet", [], None)
     assert planar["tables"]["fStop"] == 1.4
@@ -179,7 +179,7 @@ def test_edits_go_back_to_none(client, shot):
     assert client.get(f"{shot}/readout", params={"time": 1}).json()["lensModel"] == "thin"
 
 
-def test_a_revision_that_is_not_kept_is_told(client, shot):
+def test_a_revision_that_is_not_kept_is_reported(client, shot):
     mount(client, shot, lens="planar_50")
     answer = client.put(f"{shot}/edits", json={"revision": "0123456789abcdef"})
     assert (answer.status_code, answer.json()["code"]) == (404, "revision_not_found")

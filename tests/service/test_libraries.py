@@ -26,7 +26,7 @@ def test_the_film_library_lists_what_a_chooser_shows(client):
     assert by_name["velvia_50"]["process"] == "reversal"
 
 
-def test_a_stock_is_told_down_to_its_curves(client):
+def test_a_stock_is_described_down_to_its_curves(client):
     film = client.get("/v1/films/5219").json()
     assert (film["name"], film["printStock"]) == ("vision3_500t_5219", "vision_2383")
     for channel in ("red", "green", "blue"):
@@ -64,7 +64,7 @@ def test_a_body_says_what_it_shows(client):
         ("lenses/planr_50/sheet.png", "no_such_lens", "planar_50"),
     ],
 )
-def test_what_a_library_has_not_is_told_with_its_neighbours(client, address, code, words):
+def test_unknown_library_names_are_reported_with_neighbours(client, address, code, words):
     answer = client.get(f"/v1/{address}")
     assert (answer.status_code, answer.json()["code"]) == (404, code)
     assert words in answer.json()["detail"]

@@ -129,7 +129,7 @@ def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
     assert service.internal.metrics.frames.labels("rendered")._value.get() == rendered
 
 
-def test_while_a_hand_moves_there_is_one_picture_of_each_request_that_is_begun(live):
+def test_a_drag_gets_one_picture_for_each_request_begun(live):
     live.ask(id=1, moving=True)
     first = live.hear()
     assert (first.head["id"], first.head["stage"], first.head["format"]) == (1, "preview", "jpeg")
@@ -151,7 +151,7 @@ def test_the_newest_request_wins_over_one_that_is_at_work(live):
     assert [picture.head["id"] for picture in heard] == sorted(picture.head["id"] for picture in heard)
 
 
-def test_at_most_two_pictures_are_on_their_way_and_the_newest_of_the_others_is_kept(live):
+def test_at_most_two_pictures_are_in_flight_and_the_newest_waits(live):
     live.acks = False
     for number in range(1, 6):
         live.ask(id=number, moving=True, time=number)
@@ -264,9 +264,7 @@ def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live)
         (json.dumps(SMALL | {"id": 3, "changes": [{"type": "removePoint", "name": "nobody"}]}), 404, "not_found", "/World/cam"),
     ],
 )  # fmt: skip
-def test_a_request_that_cannot_be_used_is_told_in_the_one_shape_and_the_next_one_is_answered(
-    live, said, status, code, path
-):
+def test_a_bad_request_gets_a_problem_and_the_next_is_answered(live, said, status, code, path):
     live.socket.send(said)
     told = live.problem()
     assert told["status"] == status
@@ -277,14 +275,14 @@ def test_a_request_that_cannot_be_used_is_told_in_the_one_shape_and_the_next_one
     assert live.hear().head["id"] == 4
 
 
-def test_a_shot_that_is_not_there_is_told(client):
+def test_a_missing_shot_is_reported(client):
     with opened(client, "none") as live:
         live.ask(id=1)
         told = live.problem()
     assert (told["id"], told["status"], told["problem"]["code"]) == (1, 404, "shot_not_found")
 
 
-def test_whoever_goes_away_leaves_no_work_behind(service, client, room):
+def test_a_viewer_that_disconnects_leaves_no_work_behind(service, client, room):
     with opened(client, room) as live:
         live.ask(id=1, **(SLOW | {"rays": 4000}))
         live.hear()
@@ -311,7 +309,7 @@ def test_a_page_of_another_site_may_not_watch(client, room, headers, status):
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:8000"])
-def test_nobody_watches_under_a_foreign_host_name(client, room, host):
+def test_live_pictures_refuse_a_foreign_host_name(client, room, host):
     asked = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
     key = {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Host": host, "Origin": f"http://{host}"}
     answer = client.get(f"/v1/shots/{room}/live", headers=asked | key)
@@ -348,7 +346,7 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
             assert next_one.problem()["id"] == 1
 
 
-def test_whoever_stops_leaves_no_work_behind(service, live):
+def test_a_viewer_that_stops_leaves_no_work_behind(service, live):
     live.ask(id=1, **(SLOW | {"rays": 4000}))
     live.hear()
     assert service.internal.picture_queue.busy
@@ -358,7 +356,7 @@ def test_whoever_stops_leaves_no_work_behind(service, live):
     assert time.monotonic() - began_s < 15
 
 
-def test_who_comes_without_a_websocket_is_told(client, room):
+def test_a_plain_http_request_for_live_pictures_is_refused(client, room):
     answer = client.get(f"/v1/shots/{room}/live")
     assert (answer.status_code, answer.json()["code"]) == (426, "upgrade_required")
 

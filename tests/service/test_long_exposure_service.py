@@ -128,7 +128,7 @@ def test_what_cannot_be_exposed_is_refused_at_once(client, room, asked, told):
     assert client.get(address(room)).status_code == 404
 
 
-def test_nor_is_what_has_too_many_pixels_with_the_height_that_the_film_gate_gives_it(client, room):
+def test_too_many_pixels_by_the_film_gates_height_are_refused(client, room):
     for height in (8192, None):
         answer = client.post(address(room), json=SMALL | {"width": 8192, "height": height})
         assert (answer.status_code, answer.json()["code"], answer.json()["path"]) == (

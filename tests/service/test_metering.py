@@ -47,7 +47,7 @@ def test_an_exposure_is_read_off_in_ev_stops_and_equivalents(client, shot):
     assert [same["fStop"] for same in told["equivalents"]] == sorted(same["fStop"] for same in told["equivalents"])
 
 
-def test_the_iris_exposes_where_it_is_told_to(client, shot):
+def test_the_iris_exposes_when_set_to(client, shot):
     expose(client, shot, exposureStop="iris")
     client.patch(f"{shot}/camera", json={"fStop": 2})
     wide = readout(client, shot)
@@ -79,7 +79,7 @@ def test_a_spot_is_on_a_place_or_a_focus_point(client, shot):
     assert (told["mode"], told["luminanceNits"]) == ("spot", pytest.approx(card["luminanceNits"], rel=0.02))
 
 
-def test_a_meter_that_decides_is_told_so(client, shot):
+def test_a_deciding_meter_is_reported(client, shot):
     expose(client, shot, meteringMode="average", meteringCompensationStops=1)
     told = meter(client, shot)
     assert (told["decides"], told["mode"]) == (True, "average")
@@ -97,7 +97,7 @@ def test_a_meter_that_decides_is_told_so(client, shot):
     ],
     ids=str,
 )
-def test_what_cannot_be_metered_is_told(client, shot, asked, words):
+def test_impossible_metering_is_reported(client, shot, asked, words):
     answer = client.get(f"{shot}/meter", params={"time": 1} | asked)
     assert answer.status_code == 422, answer.text
     assert words in answer.json()["detail"] + str(answer.json()["path"])

@@ -191,7 +191,7 @@ def test_what_is_set_is_seen_as_the_command_line_has_it(client, shot, room_file,
     assert (np.asarray(Image.open(out)) == graded).all()
 
 
-def test_a_frame_is_asked_for_on_another_film_and_for_another_display(client, shot, room_file, tmp_path):
+def test_a_frame_can_have_another_film_and_another_display(client, shot, room_file, tmp_path):
     asked = {"film": "velvia_50", "display": "Rec.1886 Rec.709 - Display", "motion": 2, "motionBy": "velocities"}
     out = tmp_path / "out.png"
     arguments = ["record", str(room_file), str(out), "--imageWidth", "64", "--rays", "4", "--supersample", "1"]
@@ -288,7 +288,7 @@ def test_settings_are_keyed(client, shot):
     refused(client.put(f"{shot}/camera/exposure/keys/iso", json={"time": 1, "value": 0}), 422, "iso")
 
 
-def test_numbers_that_are_none_are_told_and_do_not_bring_the_service_down(client):
+def test_numbers_that_are_not_finite_are_refused_and_it_lives_on(client):
     said = """float exposure:time = nan
         float fStop.timeSamples = { 1: nan, 2: 2 }
         float exposure:iso.timeSamples = { 1: 100, 24: inf }

@@ -77,7 +77,7 @@ def test_inspect_says_what_is_there_and_what_is_not_honoured(client, room_file):
     client.delete(f"/v1/shots/{shot}")
 
 
-def test_a_file_that_crashes_the_reader_is_refused_and_the_service_lives(service, client, room):
+def test_a_file_that_crashes_the_reader_is_refused_and_it_lives_on(service, client, room):
     """USD's text parser recurses without a limit, so deep nesting ends the process that parses (usd-core 26.11)."""
     depth = 60_000
     text = "#usda 1.0\n" + 'def "a" {\n' * depth + "}\n" * depth

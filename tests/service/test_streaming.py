@@ -91,7 +91,7 @@ def test_while_a_hand_moves_each_that_was_begun_shows_one_picture(queue):
     assert len(last.items) == 3
 
 
-def test_other_work_gets_between_and_the_stream_still_comes_to_its_end(queue):
+def test_other_work_runs_between_and_the_stream_still_ends(queue):
     stream = begun(queue, stream_call(refine, "fine", shows=100))
     shown = queue.submit(call(echo, "pick")).result(WAIT_S)
     assert shown[0] == "pick"
@@ -109,7 +109,7 @@ def test_however_many_others_there_are_a_stream_comes_to_its_end(queue):
 
 
 @pytest.mark.parametrize("where", ["running", "waiting"])
-def test_one_that_nobody_wants_any_more_ends(queue, where):
+def test_a_cancelled_stream_ends(queue, where):
     running = begun(queue, stream_call(refine, "running", shows=10_000))
     unwanted = running if where == "running" else Watched(queue, stream_call(refine, "waiting", shows=10_000), "viewer")
     unwanted.cancel()

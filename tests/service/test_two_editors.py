@@ -40,7 +40,7 @@ def refused(answer, status, code):
     assert set(answer.json()) == {"code", "detail", "path", "errors"}
 
 
-def test_the_second_of_two_editors_of_a_point_is_told(client, shot):
+def test_the_second_editor_of_a_point_gets_a_conflict(client, shot):
     add(client, shot, "hero")
     at, ask = f"{shot}/focus-points/hero", {"time": 1}
     seen = client.get(at, params=ask)
@@ -76,7 +76,7 @@ def test_editors_of_different_things_do_not_disturb_each_other(client, shot):
     )
 
 
-def test_the_second_of_two_editors_of_a_camera_is_told(client, shot):
+def test_the_second_editor_of_a_camera_gets_a_conflict(client, shot):
     seen = client.get(f"{shot}/camera", params={"time": 1})
     listed = client.get(f"{shot}/cameras", params={"time": 1}).json()["cameras"][0]
     assert seen.headers["etag"] == seen.json()["etag"] == listed["etag"]
@@ -139,7 +139,7 @@ def test_undo_and_redo_walk_the_history(client, shot):
     refused(client.post(f"{shot}/edits/redo"), 409, "nothing_to_redo")
 
 
-def test_nobody_undoes_what_somebody_else_did_meanwhile(client, shot):
+def test_an_editor_does_not_undo_anothers_later_edit(client, shot):
     set_stop(client, shot, 4)
     seen = client.get(f"{shot}/edits/history")
     set_stop(client, shot, 8)
@@ -184,7 +184,7 @@ def test_a_picture_follows_an_undo(client, shot):
     assert picked.json()["hit"], "at 20 mm there would be nothing"
 
 
-def test_history_outlives_the_service_and_damage_to_it_is_no_damage_to_the_edits(room_file, tmp_path):
+def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp_path):
     settings = Settings(data=tmp_path, demo=False)
     with running(settings) as first:
         shot_id = send(first.client, "room.usda", room_file.read_bytes()).json()["id"]

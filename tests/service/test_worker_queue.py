@@ -100,7 +100,7 @@ def test_the_queue_is_bounded(shared_queue):
     assert [f.result(WAIT_S)[0] for f in waiting] == ["0", "1", "2"]
 
 
-def test_what_nobody_waits_for_is_not_done(shared_queue):
+def test_a_cancelled_request_is_not_run(shared_queue):
     first = shared_queue.submit(call(echo, pause_s=0.3)).result(WAIT_S)[1]
     shared_queue.submit(call(echo, pause_s=0.3))
     given_up = shared_queue.submit(call(echo, "unwanted"))

@@ -186,7 +186,7 @@ def test_an_empty_stage_has_nothing_to_frame(pullfocus: Command, tmp_path: Path)
     ],
     ids=" ".join,
 )
-def test_wrong_arguments_are_said_before_anything_renders(
+def test_wrong_arguments_are_reported_before_rendering(
     options: list[str], word: str, pullfocus: Command, good: Path
 ) -> None:
     out = good.parent / "frame.png"
@@ -241,7 +241,7 @@ def test_options_of_an_import_and_of_solving_are_kept_apart(
         ("frame,focus_distance\n1,2\n", "focus_distance_m"),
     ],
 )
-def test_a_curve_that_cannot_be_imported_is_told(
+def test_a_curve_that_cannot_be_imported_is_reported(
     content: str | None, told: str, pullfocus: Command, good: Path
 ) -> None:
     source, out = good.parent / "curve.csv", good.parent / "pulled.usda"
@@ -255,12 +255,12 @@ def test_baked_needs_a_layer_to_bake_into(pullfocus: Command, good: Path) -> Non
     assert_one_sentence(pullfocus("focus-curve", good, "--format", "csv", "--baked"), WRONG_ARGUMENTS, "--baked")
 
 
-def test_a_missing_folder_is_said_before_anything_renders(pullfocus: Command, good: Path) -> None:
+def test_a_missing_folder_is_reported_before_rendering(pullfocus: Command, good: Path) -> None:
     out = good.parent / "no_such" / "frame.png"
     assert_one_sentence(pullfocus("record", good, out), FAILED, "no_such", "does not exist")
 
 
-def test_a_folder_in_the_files_place_is_said_before_anything_renders(
+def test_a_folder_at_the_files_path_is_reported_before_rendering(
     pullfocus: Command, good: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (good.parent / "frame.0002.png").mkdir()
@@ -276,7 +276,7 @@ def test_a_layer_of_edits_that_is_none_is_named(pullfocus: Command, good: Path) 
 
 
 @pytest.mark.parametrize("ending", [".exr", ".png"])
-def test_a_full_disk_is_said_and_leaves_no_half_file(ending: str, good: Path) -> None:
+def test_a_full_disk_is_reported_and_leaves_no_half_file(ending: str, good: Path) -> None:
     def no_file_over_a_few_bytes() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (256, 256))
 
@@ -294,7 +294,7 @@ def test_a_full_disk_is_said_and_leaves_no_half_file(ending: str, good: Path) ->
     assert list(out.iterdir()) == []
 
 
-def test_a_full_disk_behind_standard_output_is_said(good: Path) -> None:
+def test_a_full_disk_behind_standard_output_is_reported(good: Path) -> None:
     if not Path("/dev/full").exists():
         pytest.skip("this system has no /dev/full")
     with Path("/dev/full").open("w") as full:
@@ -334,7 +334,9 @@ def test_a_mask_that_names_no_prim_is_refused(mask: str, words: str, pullfocus: 
     [["--engine", "magic"], ["--rays", "0"], ["--shading", "toon"], ["--imageWidth", "0"], ["--mask", "Square"]],
     ids=" ".join,
 )
-def test_wrong_arguments_are_told_before_a_bad_stage(options: list[str], pullfocus: Command, tmp_path: Path) -> None:
+def test_wrong_arguments_are_reported_before_a_bad_stage(
+    options: list[str], pullfocus: Command, tmp_path: Path
+) -> None:
     ended = pullfocus("record", _not_usd(tmp_path), tmp_path / "out.png", *options)
     assert ended.status == WRONG_ARGUMENTS
     assert "holiday.usda" not in ended.err

@@ -37,7 +37,7 @@ def test_the_library_is_a_table_with_a_line_for_each_body(pullfocus: Command) ->
     assert len(listed) >= 15
 
 
-def test_the_numbers_of_a_body_are_told_with_their_units(pullfocus: Command) -> None:
+def test_the_numbers_of_a_body_are_reported_with_their_units(pullfocus: Command) -> None:
     told = pullfocus("bodies", "show", "alexa_35", "--lens-mm", "35").out
     for words in (
         "27.99 × 19.22 mm, diagonal 33.95 mm",
@@ -66,7 +66,7 @@ def test_an_anamorphic_gate_is_shown_as_wide_as_it_looks(pullfocus: Command) -> 
     assert scope["shareOfGate"] == pytest.approx([1, 0.990], abs=1e-3)
 
 
-def test_json_is_asked_for_before_or_after_the_action(pullfocus: Command) -> None:
+def test_json_may_be_requested_before_or_after_the_action(pullfocus: Command) -> None:
     assert json.loads(pullfocus("bodies", "--json", "show", "super16").out) == shown(pullfocus, "super16")
 
 

@@ -36,7 +36,7 @@ def recorded(command: Command, folder: Path, name: str, *options: object) -> Flo
 
 
 @pytest.mark.gl
-def test_stops_of_time_iso_compensation_and_filter_are_stops_of_the_picture(command: Command, tmp_path: Path) -> None:
+def test_stops_of_time_iso_and_filter_are_stops_of_the_picture(command: Command, tmp_path: Path) -> None:
     plain = recorded(command, tmp_path, "plain.exr")[..., :3]
     assert plain[16, 24].max() > 0.05
     for options, factor in (
@@ -54,9 +54,7 @@ def test_stops_of_time_iso_compensation_and_filter_are_stops_of_the_picture(comm
 
 
 @pytest.mark.gl
-def test_a_shutter_that_is_open_half_as_long_takes_a_stop_where_the_shot_is_exposed_by_time(
-    command: Command, tmp_path: Path
-) -> None:
+def test_half_the_shutter_time_is_a_stop_when_exposed_by_time(command: Command, tmp_path: Path) -> None:
     def opened(*options: object) -> tuple[float, float]:
         path = tmp_path / "shutter.exr"
         value = float(recorded(command, tmp_path, path.name, *options)[16, 24, 0])
@@ -106,7 +104,7 @@ def test_a_crop_exposes_the_middle_of_the_gate(command: Command, tmp_path: Path)
 
 
 @pytest.mark.gl
-def test_guides_are_drawn_on_the_graded_picture_and_light_stays_as_it_is(command: Command, tmp_path: Path) -> None:
+def test_guides_are_drawn_on_the_graded_picture_and_not_on_light(command: Command, tmp_path: Path) -> None:
     plain = recorded(command, tmp_path, "plain.png")
     guided = recorded(command, tmp_path, "guided.png", "--guides", "1:1")
     changed = np.abs(guided - plain).max(axis=-1) > 0.02
@@ -163,7 +161,7 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--motion", 1, "--motion-by", "moments"], "leave out one of them"),
     ],
 )
-def test_what_no_camera_has_is_told_in_one_line(
+def test_settings_that_no_camera_has_are_reported_in_one_line(
     command: Command, tmp_path: Path, options: list[object], words: str
 ) -> None:
     shot = write_shot(tmp_path / "shot.usda", CAMERA, SQUARE)

@@ -41,7 +41,7 @@ def test_the_library_is_a_table_with_a_line_for_each_stock(pullfocus: Command) -
     assert listed[5]["speed"] is None
 
 
-def test_the_numbers_of_a_stock_are_told(pullfocus: Command) -> None:
+def test_the_numbers_of_a_stock_are_reported(pullfocus: Command) -> None:
     told = pullfocus("films", "show", "5219").out
     for words in ("ISO 500", "3200 K", "vision_2383", "Status M", "0.81 / 1.31 / 1.55", "thousandths", "10 / 10 / 10"):
         assert words in told

@@ -46,7 +46,7 @@ def middle(path: Path) -> FloatArray:
 
 
 @pytest.mark.gl
-def test_a_picture_is_graded_as_it_is_asked_for(pullfocus: Command, shot: Path) -> None:
+def test_a_picture_is_graded_as_requested(pullfocus: Command, shot: Path) -> None:
     folder = shot.parent
     (folder / "grades.ccc").write_text(CDL_FILE)
     asked: dict[str, tuple[str, ...]] = {
@@ -121,7 +121,7 @@ def test_cdl_files_that_are_none_are_named(
     assert all(word in ended.err.splitlines()[-1] for word in words), ended.err
 
 
-def test_a_broken_configuration_is_told_in_one_sentence(pullfocus: Command, shot: Path) -> None:
+def test_a_broken_configuration_is_reported_in_one_sentence(pullfocus: Command, shot: Path) -> None:
     broken = shot.parent / "broken.ocio"
     broken.write_text("ocio_profile_version: 2\nroles: [not, a, map]\n")
 
@@ -164,7 +164,7 @@ def test_a_print_is_shown_by_another_configuration(film: str, pullfocus: Command
     assert np.ptp(linear) > 0.05
 
 
-def test_what_is_not_asked_for_is_the_shots() -> None:
+def test_unset_options_are_the_shots_own() -> None:
     display = "Display P3 - Display"
     shared = next(view for view in list_displays()[display] if view in list_displays()["sRGB - Display"])
     said = GradeData(display="sRGB - Display", view=shared, look=GAMUT, cdl_saturation=0.5)
@@ -175,7 +175,7 @@ def test_what_is_not_asked_for_is_the_shots() -> None:
     assert Grade.from_film_data(said, choice=GradeChoice(look="", cdl=Cdl())) == Grade(None, "sRGB - Display", shared)
 
 
-def test_a_view_that_the_asked_display_lacks_gives_way_to_its_default() -> None:
+def test_a_view_missing_on_the_display_becomes_its_default() -> None:
     said = GradeData(display="Rec.2100-PQ - Display", view="ACES 2.0 - HDR 1000 nits (Rec.2020)")
 
     assert Grade.from_film_data(said, choice=GradeChoice(display="sRGB - Display")).view is None

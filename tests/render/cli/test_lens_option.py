@@ -32,7 +32,7 @@ def _lens(pullfocus: Command, shot: Path, lens: object) -> tuple[float, float, s
     return sample["focalLengthMm"], sample["fStop"], ended.err
 
 
-def test_a_lens_of_the_library_brings_its_focal_length_and_its_fastest_f_number(pullfocus: Command, shot: Path) -> None:
+def test_a_library_lens_sets_focal_length_and_widest_f_number(pullfocus: Command, shot: Path) -> None:
     before = shot.read_bytes()
     focal_length, f_stop, said = _lens(pullfocus, shot, "telephoto_250")
     assert (focal_length, f_stop) == pytest.approx((249.57, 5.42))
@@ -48,7 +48,7 @@ def test_an_f_number_that_the_lens_has_is_kept(pullfocus: Command, shot: Path) -
 
 
 @pytest.mark.parametrize(("name", "focal_length"), [("achromat.seq", 100.03), ("double gauss.dat", 50.36)])
-def test_a_lens_file_is_mounted_and_what_it_left_out_is_said(
+def test_a_lens_file_is_mounted_and_its_gaps_are_reported(
     name: str, focal_length: float, pullfocus: Command, shot: Path
 ) -> None:
     file = shot.parent / name

@@ -42,7 +42,7 @@ def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) ->
     assert {"name", "title", "model", "focalLengthMm", "fStop", "description"} == set(listed[0])
 
 
-def test_the_numbers_of_a_lens_are_told_with_their_units(pullfocus: Command) -> None:
+def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command) -> None:
     told = pullfocus("lenses", "show", "planar_50").out
     for words in (
         "50.00 mm",
@@ -76,12 +76,12 @@ def test_the_gate_decides_the_field(pullfocus: Command) -> None:
     assert cropped["cornerIllumination"] > whole["cornerIllumination"]
 
 
-def test_json_is_asked_for_before_or_after_the_action(pullfocus: Command) -> None:
+def test_json_may_be_requested_before_or_after_the_action(pullfocus: Command) -> None:
     assert json.loads(pullfocus("lenses", "--json", "show", "thin_50").out) == shown(pullfocus, "thin_50")
 
 
 @pytest.mark.filterwarnings("error")
-def test_focus_farther_than_anything_is_infinity_and_nearer_is_refused(pullfocus: Command) -> None:
+def test_huge_focus_distances_are_infinity_and_near_ones_refused(pullfocus: Command) -> None:
     assert shown(pullfocus, "thin_50", "--focus", "1e300") == shown(pullfocus, "thin_50")
     ended = pullfocus("lenses", "show", "planar_50", "--focus", "1e-320")
     assert (ended.status, ended.err.count("\n")) == (2, 1)
@@ -182,7 +182,7 @@ def test_a_lens_that_does_not_reach_infinity_is_no_wrong_argument(pullfocus: Com
 
 
 @pytest.mark.parametrize("out", ["kept/lens.svg", "missing/lens.png", "kept"])
-def test_a_sheet_that_cannot_be_written_is_refused_before_anything_is_computed(
+def test_an_unwritable_sheet_is_refused_before_computing(
     out: str, pullfocus: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "kept").touch()

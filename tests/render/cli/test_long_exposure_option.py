@@ -79,7 +79,7 @@ def test_control_c_closes_the_shutter_and_keeps_what_is_there(
         (("--nd", "3"), "needs --long-exposure"),
     ],
 )
-def test_what_makes_no_sense_is_told_in_one_line(
+def test_senseless_arguments_are_reported_in_one_line(
     pullfocus: Command, shot: Path, arguments: tuple[str, ...], told: str
 ) -> None:
     ended = pullfocus("record", shot, shot.parent / "f.png", *arguments, *small())
@@ -95,7 +95,7 @@ def test_a_long_exposure_has_no_depth(pullfocus: Command, shot: Path) -> None:
     assert "a long exposure has colour alone" in ended.err
 
 
-def test_a_shutter_that_closes_before_it_opens_takes_no_long_exposure_either(pullfocus: Command, shot: Path) -> None:
+def test_a_shutter_that_closes_before_it_opens_is_refused_here_too(pullfocus: Command, shot: Path) -> None:
     backwards = CAMERA.replace(
         "float fStop", "double shutter:open = 0.5\n        double shutter:close = -0.5\n        float fStop"
     )

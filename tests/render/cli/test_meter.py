@@ -167,7 +167,9 @@ def test_the_meter_s_grey_is_grey_in_the_picture(renderer: FrameRenderer, comman
         (["--key", "no_folder/k.usda"], "the folder no_folder does not exist"),
     ],
 )
-def test_wrong_arguments_are_told_in_one_line(command: Command, tmp_path: Path, typed: list[str], words: str) -> None:
+def test_wrong_arguments_are_reported_in_one_line(
+    command: Command, tmp_path: Path, typed: list[str], words: str
+) -> None:
     shot = shot_file(tmp_path)
     ended = command("meter", shot, *(str(shot) if word == "SHOT" else word for word in typed))
     assert ended.status in (1, 2)
@@ -176,7 +178,7 @@ def test_wrong_arguments_are_told_in_one_line(command: Command, tmp_path: Path, 
 
 
 @pytest.mark.gl
-def test_a_black_shot_and_an_unknown_point_are_told(command: Command, tmp_path: Path) -> None:
+def test_a_black_shot_and_an_unknown_point_are_reported(command: Command, tmp_path: Path) -> None:
     black = write_shot(tmp_path / "black.usda", AUTO.replace("MODE", "spot").replace("1: 1, 6: 1, 7: 8", "1: 0"))
     ended = command("meter", black, "--mode", "average", "--key", tmp_path / "keys.usda")
     assert ended.status == 1

@@ -58,7 +58,7 @@ def test_every_picture_on_the_way_is_a_whole_file_of_the_same_size(
         ("a.png", ("--contact-sheet", "stop=2,4"), "leave out --contact-sheet"),
     ],
 )
-def test_what_does_not_go_together_is_told(
+def test_conflicting_options_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], out: str, more: tuple[str, ...], told: str
 ) -> None:
     stage = write_shot(tmp_path / "a.usda", SQUARE, CAMERA)

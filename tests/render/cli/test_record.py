@@ -92,7 +92,7 @@ def test_the_same_command_gives_the_same_bytes(pullfocus: Command, shot: Path) -
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
-def test_an_exr_holds_the_parts_that_were_asked_for(pullfocus: Command, shot: Path) -> None:
+def test_an_exr_holds_the_requested_parts(pullfocus: Command, shot: Path) -> None:
     out = shot.parent / "frame.exr"
     assert pullfocus("record", shot, out, "--aov", "color,depth,prim_id", *small()).status == 0
     assert part_names(out) == ["rgba", "depth", "prim_id"]
@@ -115,7 +115,7 @@ def test_every_engine_of_today_makes_the_picture(engine: str, pullfocus: Command
     assert picture[HEIGHT // 2, WIDTH // 2, 0] > picture[0, 0, 0]
 
 
-def test_the_chosen_camera_is_said_unless_it_was_named(pullfocus: Command, shot: Path) -> None:
+def test_the_chosen_camera_is_reported_unless_named(pullfocus: Command, shot: Path) -> None:
     out = shot.parent / "frame.png"
     assert "/World/main_cam" in pullfocus("record", shot, out, *small()).err.splitlines()[0]
     assert not pullfocus("record", shot, out, "--camera", "/World/main_cam", *small()).err.startswith("camera")
@@ -240,9 +240,7 @@ def test_a_lost_focus_point_is_warned_of_once(pullfocus: Command, tmp_path: Path
         assert words in warnings[0]
 
 
-def test_a_focus_nearer_than_the_lens_is_marked_for_is_drawn_and_warned_of_once(
-    pullfocus: Command, tmp_path: Path
-) -> None:
+def test_focus_below_the_lenss_mark_is_drawn_and_warned_of_once(pullfocus: Command, tmp_path: Path) -> None:
     """The mark counts from the film: 5 m before the entrance pupil are 5.05 m before the film of a thin 50 mm lens."""
     for marked_mm, warnings in ((5040.0, 0), (5080.0, 1)):
         camera = CAMERA.replace('"main_cam"', '"main_cam" (prepend apiSchemas = ["LensAPI"])')
@@ -255,7 +253,7 @@ def test_a_focus_nearer_than_the_lens_is_marked_for_is_drawn_and_warned_of_once(
         assert all("nearer than the 5.08 m before the film that its lens is marked for" in line for line in said)
 
 
-def test_wavelengths_make_the_fringes_of_a_lens_and_one_alone_makes_none(pullfocus: Command, tmp_path: Path) -> None:
+def test_several_wavelengths_make_fringes_and_one_alone_none(pullfocus: Command, tmp_path: Path) -> None:
     white = write_shot(tmp_path / "white.usda", SQUARE.replace("0.8, 0.2, 0.1", "1, 1, 1"), CAMERA)
     fringes = []
     for count in (1, 3, 9):

@@ -81,7 +81,7 @@ def test_many_notes_do_not_run_into_the_drawings(planar: LensReport) -> None:
         assert any(text.get_text().startswith("and more") for text in figure.texts) is cut
 
 
-def test_what_makes_no_sense_is_said_and_not_drawn() -> None:
+def test_senseless_requests_are_reported_and_not_drawn() -> None:
     report = lens_report(KINDS["pinhole"])
     [axes] = panels()
     draw_field_curvature(axes, report)

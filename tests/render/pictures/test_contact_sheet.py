@@ -109,7 +109,9 @@ def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:
 
 
 @pytest.mark.parametrize("metering", ["manual", "average"])
-def test_a_stop_over_is_twice_the_light_whoever_exposes(shot: Path, renderer: FrameRenderer, metering: str) -> None:
+def test_a_stop_over_is_twice_the_light_in_every_exposure_mode(
+    shot: Path, renderer: FrameRenderer, metering: str
+) -> None:
     opened = Shot.open(shot)
     opened.exposure.set(None, metering_mode=metering)
     sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
@@ -180,7 +182,7 @@ def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: 
         ((f"frame={','.join(str(i) for i in range(65))}",), "64 pictures at most, 65 are asked for"),
     ],
 )
-def test_what_makes_no_sense_is_told_in_one_line(
+def test_senseless_arguments_are_reported_in_one_line(
     pullfocus: Command, shot: Path, arguments: tuple[str, ...], told: str
 ) -> None:
     out = shot.parent / "sheet.png"
@@ -204,7 +206,7 @@ def test_what_makes_no_sense_is_told_in_one_line(
         ("a.png", ("stop=2,4", "--frames", "1:3"), "a contact sheet is of one frame, got --frames 1:3"),
     ],
 )
-def test_options_that_do_not_go_together_are_told(
+def test_conflicting_options_are_reported(
     pullfocus: Command, shot: Path, out: str, arguments: tuple[str, ...], told: str
 ) -> None:
     ended = pullfocus("record", shot, shot.parent / out, "--contact-sheet", *arguments, *small())

@@ -84,9 +84,7 @@ def test_equivalent_exposures_make_the_same_picture(renderer: FrameRenderer, tmp
 
 
 @pytest.mark.gl
-def test_by_default_the_picture_is_what_usd_s_own_scale_makes_of_the_light(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_by_default_the_picture_is_exposed_by_usds_own_scale(renderer: FrameRenderer, tmp_path: Path) -> None:
     """Whatever the iris does."""
     for f_stop in (0.0, 1.4, 22.0):
         shot = open_wall(tmp_path, **SET, fStop=f_stop)
@@ -97,9 +95,7 @@ def test_by_default_the_picture_is_what_usd_s_own_scale_makes_of_the_light(
 
 
 @pytest.mark.gl
-def test_exposed_by_the_iris_a_stop_of_the_lens_is_a_stop_of_the_picture(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_when_exposed_by_the_iris_an_f_stop_is_a_stop_of_the_picture(renderer: FrameRenderer, tmp_path: Path) -> None:
     by_iris = SET | {"film:exposure:stop": "iris"}
     wide = exposed(renderer, tmp_path, **by_iris, fStop=2.8)
     np.testing.assert_allclose(wide, exposed(renderer, tmp_path, **SET), rtol=1e-6)
@@ -110,9 +106,7 @@ def test_exposed_by_the_iris_a_stop_of_the_lens_is_a_stop_of_the_picture(
 
 
 @pytest.mark.gl
-def test_glass_takes_light_through_f_numbers_and_none_through_t_stops_and_filters_always_do(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_glass_loses_light_at_f_numbers_and_not_at_t_stops(renderer: FrameRenderer, tmp_path: Path) -> None:
     clear = exposed(renderer, tmp_path, **SET)
     glass = {"lens:transmittance": 0.8}
     np.testing.assert_allclose(exposed(renderer, tmp_path, **SET, **glass), 0.8 * clear, rtol=1e-6)
@@ -153,9 +147,7 @@ def test_the_corners_are_as_dark_as_cos4_to_a_thousandth(renderer: FrameRenderer
 
 
 @pytest.mark.gl
-def test_the_corners_are_even_by_default_and_fall_off_as_much_as_the_lens_s_vignetting_is_scaled(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_corners_are_even_by_default_and_darken_with_vignetting(renderer: FrameRenderer, tmp_path: Path) -> None:
     even = taken(renderer, tmp_path).frame.color[..., 1]
     np.testing.assert_allclose(even, LIGHT, rtol=1e-4)
     once = taken(renderer, tmp_path, **{"lens:naturalVignetting": True}).frame.color[..., 1]
@@ -181,9 +173,7 @@ def test_glass_has_its_own_fall_off_once(renderer: FrameRenderer, tmp_path: Path
 
 
 @pytest.mark.gl
-def test_a_digital_camera_that_is_set_to_a_higher_speed_has_fewer_photons_for_the_same_picture(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_a_higher_iso_has_fewer_photons_for_the_same_picture(renderer: FrameRenderer, tmp_path: Path) -> None:
     """Three stops: the noise of an even wall is √8 times as strong."""
     digital = {"film:process": "digital", "film:sensor:fullWell": 4000.0, "exposure:fStop": 1.0}
     noise = []
@@ -195,9 +185,7 @@ def test_a_digital_camera_that_is_set_to_a_higher_speed_has_fewer_photons_for_th
 
 
 @pytest.mark.gl
-def test_a_data_sheet_that_does_not_say_how_light_falls_off_falls_off_by_cos4(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_a_data_sheet_without_light_fall_off_falls_off_by_cos4(renderer: FrameRenderer, tmp_path: Path) -> None:
     sheet = {"lens:model": "dataSheet", "lens:table:height": [0.0, 20.0], "lens:naturalVignetting": True}
     thin = taken(renderer, tmp_path, **{"lens:naturalVignetting": True}).frame.color[..., 1]
     np.testing.assert_allclose(taken(renderer, tmp_path, **sheet).frame.color[..., 1], thin, rtol=1e-3)
@@ -228,7 +216,7 @@ def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: 
     assert [round(e.f_stop, 1) for e in read.equivalents((-1, 0, 1))] == [2.0, 2.8, 4.0]
 
 
-def test_glass_that_does_not_open_as_far_as_it_is_set_exposes_by_what_it_reaches(tmp_path: Path) -> None:
+def test_a_lens_set_wider_than_it_opens_exposes_by_its_widest(tmp_path: Path) -> None:
     shot = open_wall(tmp_path, **SET, **{"film:exposure:stop": "iris", "focusDistance": 4.0})
     shot.camera.mount_lens(CAMERA, choose_lens("planar_50"))
     shot.camera.set(CAMERA, f_stop=0.5)

@@ -105,7 +105,7 @@ def test_a_stars_light_is_its_sources_and_lies_across_the_blades(renderer: Frame
 
 
 @pytest.mark.gl
-def test_nobody_gets_flare_unasked_and_no_pinhole_does(renderer: FrameRenderer) -> None:
+def test_flare_is_off_by_default_and_never_through_a_pinhole(renderer: FrameRenderer) -> None:
     scene = Scene((glow(0.0, 0.0),), (), DARK, ("/glow",))
     glass, both = Lens("prescription", SINGLET.name, SINGLET), {"ghosts": 1.0, "star": 1.0}
     frame = renderer.render(scene, camera(glass), SMALL)
@@ -191,7 +191,7 @@ def test_strengths_are_read_and_keyed(tmp_path: Path) -> None:
     assert [lens.star for lens in lenses] == pytest.approx([1.0, 2.0, 3.0])
 
 
-def test_ghosts_of_a_lens_without_surfaces_are_told(tmp_path: Path) -> None:
+def test_ghosts_of_a_lens_without_surfaces_are_reported(tmp_path: Path) -> None:
     shot = Shot.open(write_shot(tmp_path / "shot.usda", CAMERA, SQUARE))
     path = shot.default_camera().path
     shot.exposure.set(path, flare_ghosts=1.0, flare_star=1.0)

@@ -242,7 +242,7 @@ def test_openings_that_make_no_sense_are_one_clear_error(typed: str, told: str) 
         parse_shutter_intervals(typed)
 
 
-def test_what_cannot_be_exposed_is_told(renderer: FrameRenderer, shot: Shot) -> None:
+def test_impossible_exposures_are_reported(renderer: FrameRenderer, shot: Shot) -> None:
     with pytest.raises(SettingsError, match="colour alone"):
         LongExposure(renderer, shot, "/cam", 1.0, replace(SETTINGS, aovs=("color", "depth")))
     for stops in (float("nan"), -1.0, 41.0):

@@ -226,7 +226,7 @@ CROSSING = {
 
 @pytest.mark.parametrize("engine", ["lens", "pinhole"])
 @pytest.mark.parametrize("way", CROSSING)
-def test_things_that_cross_are_told_apart(renderer: FrameRenderer, tmp_path: Path, way: str, engine: str) -> None:
+def test_things_that_cross_are_distinguished(renderer: FrameRenderer, tmp_path: Path, way: str, engine: str) -> None:
     stage = write_posts_shot(tmp_path / "crossing.usda")
     for name, colour, (depth, begins, ends) in zip("ab", ((1, 1, 0.2), (1, 0.1, 0.8)), CROSSING[way], strict=True):
         card = add_card(stage, f"/{name}", size=(0.6, 0.8), depth=depth, colour=colour)

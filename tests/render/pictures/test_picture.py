@@ -134,7 +134,7 @@ def test_a_picture_is_the_frame_developed_and_says_how_it_was_made(renderer, sho
     assert np.array_equal(again.frame.color, picture.frame.color), "same inputs, same pixels"
 
 
-def test_exposure_times_and_speeds_that_the_shot_sets_are_told(renderer, shot):
+def test_exposure_times_and_speeds_that_the_shot_sets_are_reported(renderer, shot):
     silent = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
     assert (silent.exposure_time_s, silent.iso) == (None, None)
     camera = UsdGeom.Camera(shot.stage.GetPrimAtPath(CAMERA))

@@ -127,7 +127,7 @@ def test_what_moves_gets_its_first_picture_alone(driver: ProgressiveRenderer) ->
     assert [shown.stage for shown in pictures] == ["preview"]
 
 
-def test_a_change_of_focus_or_stop_peels_nothing_for_its_first_picture(
+def test_a_change_of_focus_or_stop_peels_nothing_at_first(
     driver: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
@@ -280,7 +280,7 @@ def test_alike_says_what_equality_cannot() -> None:
     assert not have_equal_content(1, 1.0)
 
 
-def test_work_aside_is_left_when_nobody_waits() -> None:
+def test_background_work_stops_when_nothing_waits_for_it() -> None:
     began, stale = perf_counter(), False
     cancellation = CancellationPoint(lambda: None)
     assert run_in_background(lambda: 7, cancellation) == 7

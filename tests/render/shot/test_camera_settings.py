@@ -72,7 +72,7 @@ def test_the_last_key_leaves_its_value_and_a_missing_one_is_named(shot):
     assert shot.focus.read(CAMERA, 20).f_stop == 8
 
 
-def test_what_cannot_be_set_is_told_and_changes_nothing(shot):
+def test_impossible_settings_are_reported_and_change_nothing(shot):
     before = shot.edits.export()
     attempts = [
         lambda: shot.focus.set(CAMERA, mode="by feel"),

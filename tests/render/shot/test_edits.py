@@ -35,7 +35,7 @@ def test_no_file_of_the_users_is_written(path, shot):
 
 
 @pytest.mark.parametrize("per_second", [24.0, 25.0, 48.0, 1000.0])
-def test_saved_edits_are_a_sublayer_that_any_usd_tool_can_put_over_the_shot(tmp_path, per_second):
+def test_saved_edits_are_a_sublayer_for_any_usd_tool(tmp_path, per_second):
     path = write_shot(tmp_path / "shot.usda", Units(per_second=per_second))
     shot = Shot.open(path)
     shot.camera.set(CAMERA, f_stop=4.0, time=10)
@@ -148,7 +148,7 @@ def test_impossible_lens_settings_are_named(shot, changes, named):
 
 
 @pytest.mark.parametrize("name", ["", "1st", "my point", "a:b", "a/b", "héro!", "../up", "target" * 2 + "-"])
-def test_illegal_names_are_refused_and_told_what_is_legal(shot, name):
+def test_illegal_names_are_refused_with_the_legal_form(shot, name):
     with pytest.raises(SettingsError, match="identifier"):
         shot.focus.add_point(CAMERA, name, HERO)
 

@@ -202,7 +202,7 @@ def keyed(camera: LensCamera, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in properties() if not name.endswith("lensDistortion:type")])
-def test_between_its_keys_each_parameter_is_read_half_way_in_its_own_unit(name: str) -> None:
+def test_each_parameter_is_interpolated_between_keys_in_its_unit(name: str) -> None:
     camera = camera_with()
     keyed(camera, name)
     first, last = two_values(name)

@@ -151,7 +151,7 @@ def test_soft_by_a_distance_is_in_scene_units(tmp_path):
     assert shot.focus.read(CAMERA, 1).focus_distance_m == pytest.approx(10.5, rel=1e-5)
 
 
-def test_the_first_point_takes_focus_from_the_hand_and_the_hand_takes_it_back(shot):
+def test_the_first_point_takes_the_focus_and_the_hand_takes_it_back(shot):
     assert shot.focus.read(CAMERA, 1).focus_mode == "manual"
     shot.focus.add_point(CAMERA, "far", ON_FAR)
     assert shot.focus.read(CAMERA, 1).focus_mode == "points"
@@ -296,7 +296,7 @@ def test_the_only_camera_is_the_default_one(shot):
     assert shot.focus.read(None, 1).camera == CAMERA
 
 
-def test_what_a_camera_asks_for_in_vain_is_told(shot):
+def test_camera_settings_without_effect_are_reported(shot):
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
     with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.lens.author(LensData(entrance_pupil_offset=9.0))
@@ -306,7 +306,7 @@ def test_what_a_camera_asks_for_in_vain_is_told(shot):
     assert not any("focus:" in path for path in told)
 
 
-def test_keys_that_contradict_each_other_are_told(shot):
+def test_keys_that_contradict_each_other_are_reported(shot):
     """By whoever renders it, not by inspection alone, and once."""
     shot.focus.add_point(CAMERA, "far", ON_FAR)
     shot.focus.set_key(CAMERA, "far", "weight", 1, 1.0)
@@ -350,7 +350,7 @@ def test_pulling_focus_leaves_the_scene_alone(shot):
 
 
 @pytest.mark.parametrize(("attribute", "value"), [("weight", math.nan), ("weight", -1.0), ("blur", -0.1)])
-def test_impossible_numbers_of_a_point_in_the_file_are_named_until_they_are_mended(shot, attribute, value):
+def test_impossible_numbers_of_a_point_are_named_until_corrected(shot, attribute, value):
     shot.focus.add_point(CAMERA, "far", ON_FAR)
     with Usd.EditContext(shot.stage, shot.edits.layer):
         shot.stage.GetPrimAtPath(CAMERA).GetAttribute(f"focusPoint:far:{attribute}").Set(value)

@@ -130,7 +130,7 @@ def test_a_deactivated_target_is_lost(shot: Shot) -> None:
     assert f"focus point near is on {TABLE}, which is deactivated" in shot.findings()[0].message
 
 
-def test_a_focus_that_its_lens_does_not_reach_does_not_hide_the_rest_of_the_shot(shot: Shot) -> None:
+def test_a_focus_out_of_the_lenss_reach_leaves_the_shot_readable(shot: Shot) -> None:
     shot.camera.mount_lens(CAMERA, choose_lens("planar_50"))
     shot.camera.set(CAMERA, focus_distance_m=0.02)
     seen = inspect_shot(shot)

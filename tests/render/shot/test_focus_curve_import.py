@@ -92,7 +92,7 @@ def test_an_import_can_become_another_file(path, tmp_path, pullfocus):
     assert samples[0]["lens"] == {"fStop": 2.0, "pinholeFocalLength": 35.0, "focusDistance": 2.0}
 
 
-def test_gaps_are_filled_when_asked_and_told(path, tmp_path, pullfocus):
+def test_gaps_are_filled_on_request_and_reported(path, tmp_path, pullfocus):
     source = tmp_path / "holes.csv"
     source.write_text("frame,focus_distance_m\n1,2\n2,?\n3,6\n4,6\n7,6\n")
     ended = pullfocus("focus-curve", path, "--import", source, "--gaps", "interpolate", "--format", "json")

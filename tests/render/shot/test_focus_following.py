@@ -64,7 +64,7 @@ def test_what_was_looked_at_beyond_the_shot_changes_nothing_in_it(tmp_path: Path
     assert distances_m(shot, [40.0, -30.0, -15.0]).tolist() == beyond[::-1].tolist()
 
 
-def test_a_time_far_beyond_the_shot_is_answered_from_the_frames_about_it(
+def test_a_time_far_beyond_the_shot_is_solved_from_frames_near_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shot = racked_shot(tmp_path, 6, 12)
@@ -113,7 +113,7 @@ def test_what_the_lens_could_not_do_is_flagged_and_nothing_else(tmp_path: Path) 
     assert "slower" in shot.focus.read(CAMERA, 13).note
 
 
-def test_points_that_fix_less_than_a_plane_are_told_and_no_limit(tmp_path: Path) -> None:
+def test_points_that_fix_less_than_a_plane_are_reported_and_no_limit(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, 6, 12)
     shot.focus.set(CAMERA, mode="tiltPlane")
     readout = shot.focus.read(CAMERA, 9)

@@ -95,7 +95,7 @@ def test_a_lens_that_cannot_tilt_so_far_says_so(shot: Shot) -> None:
     assert "tilts by 2 degrees at most" in shot.focus.read(CAMERA, 1).note
 
 
-def test_a_plane_that_meets_the_axis_behind_the_camera_is_laid_along_it(shot: Shot) -> None:
+def test_a_plane_that_meets_the_axis_behind_the_camera_is_along_it(shot: Shot) -> None:
     for name, place in {"near": (0.0, 0.0, 0.5), "left": (-0.5, -1.3, -2.5), "right": (0.5, -1.3, -2.5)}.items():
         shot.focus.add_point(CAMERA, name, on_table(name, place))
     shot.focus.set(CAMERA, mode="tiltPlane", max_angle=60.0, off_screen="keep")
@@ -183,7 +183,7 @@ def test_a_frame_has_the_same_focus_whichever_is_looked_at_first(shot: Shot) -> 
 
 
 @pytest.mark.parametrize(("policy", "counts"), [("keep", True), ("ignore", False), ("fade", False)])
-def test_points_behind_others_count_as_asked(shot: Shot, policy: str, counts: bool) -> None:
+def test_points_behind_others_count_as_the_camera_says(shot: Shot, policy: str, counts: bool) -> None:
     wall = UsdGeom.Cube.Define(shot.stage, "/World/wall")
     wall.AddTranslateOp().Set(Gf.Vec3d(0, 0.0, -1.2))
     wall.AddScaleOp().Set(Gf.Vec3f(0.6, 0.4, 0.05))

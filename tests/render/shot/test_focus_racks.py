@@ -48,7 +48,7 @@ def test_a_stretched_rack_is_as_fast_as_the_hand_can_be(ease):
     assert fastest == pytest.approx(2.0, rel=1e-3)
 
 
-def test_without_a_ring_or_a_bound_a_rack_is_as_long_as_asked():
+def test_without_a_ring_or_a_bound_a_rack_keeps_its_length():
     for bounds in ({}, {"ring": RING}, {"max_speed_rad_s": 0.001}):
         assert not rack(0.0, 0.0, 0.1, 2.0, **bounds).is_stretched
 
@@ -105,7 +105,7 @@ def test_a_slow_hand_makes_the_rack_longer_in_the_shot_too(stage):
     assert weights == [0, 1]
 
 
-def test_a_hand_that_is_fast_enough_keeps_to_what_was_asked(stage):
+def test_a_hand_that_is_fast_enough_keeps_the_racks_length(stage):
     set_lens(stage, 180, 550, 1000)
     asked = WeightRack("near", "far", 1, 5)
     made, lens = pull_rack(stage, AnchorReader(stage), CAMERA, asked)
@@ -124,7 +124,7 @@ def test_a_rack_to_what_is_behind_the_camera_is_refused(stage):
     assert stage.GetRootLayer().ExportToString() == before
 
 
-def test_close_focus_is_marked_from_the_film_and_the_ring_turns_from_the_pupil():
+def test_close_focus_counts_from_the_film_and_the_ring_from_the_pupil():
     marked = 0.55
     camera = Camera(np.eye(4), focal_length_mm=50.0, lens=Lens(close_focus_m=marked))
     depth_m = close_focus_depth_m(camera)

@@ -169,7 +169,7 @@ def test_places_that_are_not_before_the_camera_are_not_seen() -> None:
     assert visible_shares(Scene((board(),)), OPEN, np.empty((0, 3))).shape == (0,)
 
 
-def test_instances_hide_where_they_stand_and_what_is_flattened_hides_nothing() -> None:
+def test_instances_occlude_where_they_stand_and_flat_ones_nothing() -> None:
     poses = np.tile(np.eye(4), (300, 1, 1))
     poses[:, 0, 3] = 3.0 * np.arange(300)
     poses[5, 2, 2] = 0

@@ -13,7 +13,7 @@ def bulb(number: int, radiance: float = 1.0, *, casts: bool = True) -> Light:
     return Light("sphere", (radiance,) * 3, np.eye(4), radius_m=0.1, casts_shadow=casts, path=f"/bulb{number}")
 
 
-def test_two_bare_bulbs_have_shadows_and_the_weakest_of_three_has_none() -> None:
+def test_two_bare_bulbs_cast_shadows_and_the_weakest_of_three_none() -> None:
     assert light_findings((bulb(0), bulb(1))) == []
     found = light_findings((bulb(0, 3.0), bulb(1, 1.0), bulb(2, 2.0), bulb(3, 0.1, casts=False)))
     assert [(f.code, f.path) for f in found] == [("shadow_maps", "/bulb1")]

@@ -108,7 +108,7 @@ SETTINGS: tuple[dict[str, Any], ...] = (
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
-def test_a_metered_grey_is_grey_in_the_picture_however_the_camera_is_set(
+def test_a_metered_grey_is_grey_in_the_picture_at_any_setting(
     renderer: FrameRenderer, tmp_path: Path, settings: dict[str, Any]
 ) -> None:
     """The meter is on the camera: it sees what filters, glass and bellows take."""
@@ -137,9 +137,7 @@ def test_the_exposure_follows_the_light_slowly_and_does_not_flicker(renderer: Fr
     assert np.abs(np.diff(keys)).max() < 1.1 * 2 / (0.25 * math.sqrt(2 * math.pi)) / 24  # the steepest of a bell's step
 
 
-def test_the_same_frame_is_exposed_alike_whichever_frames_are_asked_for(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_a_frame_is_exposed_alike_whichever_frames_are_metered(renderer: FrameRenderer, tmp_path: Path) -> None:
     forward = open_shot(tmp_path, flickering(), film_metering_mode="center")
     alone = open_shot(tmp_path, flickering(), film_metering_mode="center")
     scales = [
@@ -160,9 +158,7 @@ def test_a_stop_that_is_pulled_within_the_shot_is_met_at_once(renderer: FrameRen
     assert said == pytest.approx([MIDDLE_GREY] * 4, rel=1e-5)
 
 
-def test_what_is_not_in_the_picture_or_black_leaves_the_exposure_as_it_is_set(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_off_screen_or_black_spots_leave_the_exposure_as_set(renderer: FrameRenderer, tmp_path: Path) -> None:
     away = open_shot(tmp_path, film_metering_mode="spot", film_metering_focusPoint="away", exposure=1.0)
     assert exposed(renderer, away) == pytest.approx(2 * WALL, rel=1e-3)
     said = LightMeter(renderer, away, CAMERA, "unlit").read(1.0)
@@ -199,7 +195,7 @@ def test_what_it_says_becomes_keys_that_are_edits(renderer: FrameRenderer, tmp_p
     assert meter.metering(1.0).mode == "average"
 
 
-def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_path: Path) -> None:
+def test_an_impossible_meter_is_refused_with_its_camera(renderer: FrameRenderer, tmp_path: Path) -> None:
     lost = open_shot(tmp_path, film_metering_mode="spot", film_metering_focusPoint="lampe")
     with pytest.raises(CameraError, match="camera /cam: no focus point to meter is named 'lampe': did you mean 'lamp'"):
         exposed(renderer, lost)
@@ -216,9 +212,7 @@ def test_a_meter_that_cannot_be_is_told_of_whom(renderer: FrameRenderer, tmp_pat
         exposed(renderer, dark)
 
 
-def test_a_card_in_the_sun_reads_what_the_sun_makes_of_it_and_sunny_sixteen_exposes_it(
-    renderer: FrameRenderer, tmp_path: Path
-) -> None:
+def test_sunny_sixteen_exposes_a_card_in_the_sun(renderer: FrameRenderer, tmp_path: Path) -> None:
     """100 000 lux on a matt grey of 18 % are 5 730 nits; and at f/16 for the reciprocal of the ISO it is right, as on the box."""
     sunny = {"exposure_time": 1 / 400, "exposure_iso": 400.0, "exposure_fStop": 16.0}
     shot = open_shot(tmp_path, **sunny)

@@ -36,7 +36,7 @@ def film_of(shot: Shot):
     return shot.film.finish(shot.camera_at(None, 1, 16, 9), 1).film
 
 
-def test_what_is_set_is_said_and_undone(shot):
+def test_settings_are_read_back_and_undone(shot):
     before, film = dict(shot.exposure.settings(None, 1)), dict(shot.film.settings(None, 1))
     assert (before["iso"], before["exposure_time_s"], before["transmittance"], film["process"]) == (100, 1, 1, "none")
     changes = {"iso": 800.0, "exposure_time_s": 1 / 48, "neutral_density": 0.6}

@@ -69,7 +69,7 @@ def test_a_point_reads_as_its_place_does(shot):
     assert not shot.focus.read_at_point(CAMERA, 1, "far").is_sharp
 
 
-def test_what_cannot_be_read_off_is_told(shot):
+def test_a_point_without_a_readout_is_reported(shot):
     shot.focus.add_point(CAMERA, "gone", FocusPoint("gone", target=("/World/gone",)))
     for screen, depth_m in (((0.5, 0.5), 0.0), ((0.5, 0.5), -1.0), ((0.5, 0.5), math.nan), ((math.nan, 0.5), 1.0)):
         with pytest.raises(SettingsError):

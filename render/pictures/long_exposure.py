@@ -11,7 +11,7 @@ import numpy as np
 from render.engines import check_settings
 from render.errors import SettingsError
 from render.film import Grade, GradeChoice
-from render.film.gathering import GatheredLight
+from render.film.light_accumulator import LightAccumulator
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.limits import MAX_RAYS
@@ -116,7 +116,7 @@ class LongExposure:
         check_shutter(self._camera)
         self._finish = shot.film.finish(self._camera, begin, grade, stock, choice)
         self._metered = auto_expose(renderer, shot, self._camera, begin, settings.shading)
-        self._light = GatheredLight()
+        self._light = LightAccumulator()
         self._prim_paths: tuple[str, ...] = ()
         self._last: tuple[float, Moment] | None = None
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pxr import Sdf, Tf, Usd, UsdGeom
 
 from render.model.scene import Scene
-from render.stage.assembly.groups import Group, Moment
+from render.stage.assembly.groups import DrawContext, Group
 from render.stage.assembly.inventory import Inventory, take_inventory
 from render.stage.assembly.pieces import ShapeReader
 from render.stage.assembly.plan import plan_groups
@@ -96,7 +96,7 @@ class StageReader:
 
     def _scene_at(self, plan: _Plan, transforms: UsdGeom.XformCache) -> Scene:
         time = transforms.GetTime()
-        moment = Moment(
+        context = DrawContext(
             transforms=transforms,
             world=world_from_stage(self._stage),
             scale=metres_per_unit(self._stage),
@@ -106,7 +106,7 @@ class StageReader:
             prim_id=lambda path: self._prim_ids.setdefault(path, len(self._prim_ids)),
             log=self._log,
         )
-        batches = tuple(batch for group in plan.groups for batch in group.batches(moment))
+        batches = tuple(batch for group in plan.groups for batch in group.batches(context))
         lights, dome = plan.lights.read(plan.inventory.lights, transforms)
         return Scene(batches, lights, dome, tuple(self._prim_ids), time.GetValue())
 

@@ -70,7 +70,7 @@ class AnchorReader:
     def position(self, focus_point: FocusPoint, time: float) -> DoubleArray:
         """As :func:`anchor_position`."""
         with read_quietly(self._stage):
-            moment = _Moment(_Sources(self._stage, self._skeletons, self._log), time)
+            moment = _AnchorContext(_Sources(self._stage, self._skeletons, self._log), time)
             return moment.world(focus_point, moment.local(focus_point))
 
     def positions(self, focus_points: Sequence[FocusPoint], times: Sequence[float]) -> DoubleArray:
@@ -97,12 +97,14 @@ class AnchorReader:
             times: USD time codes.
         """
         sources = _Sources(self._stage, self._skeletons, self._log)
-        rows = [self._at(_Moment(sources, time), points) for points, time in zip(focus_points, times, strict=True)]
+        rows = [
+            self._at(_AnchorContext(sources, time), points) for points, time in zip(focus_points, times, strict=True)
+        ]
         count = len(focus_points[0]) if focus_points else 0
         positions_m = np.array([positions for positions, _ in rows], np.float64).reshape(len(rows), count, 3)
         return Anchored(positions_m, tuple(problems for _, problems in rows))
 
-    def _at(self, moment: _Moment, points: Sequence[FocusPoint]) -> tuple[DoubleArray, dict[str, str]]:
+    def _at(self, moment: _AnchorContext, points: Sequence[FocusPoint]) -> tuple[DoubleArray, dict[str, str]]:
         """``(k, 3)`` places at one time, and why some have none."""
         positions_m, problems = np.full((len(points), 3), np.nan), {}
         for number, point in enumerate(points):
@@ -162,7 +164,7 @@ class _Sources:
         return self._chains[key]
 
 
-class _Moment:
+class _AnchorContext:
     """Where focus points are at one time."""
 
     def __init__(self, sources: _Sources, time: float) -> None:

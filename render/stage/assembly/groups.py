@@ -25,7 +25,7 @@ from render.stage.materials.material import BoundMaterial
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class DrawContext:
     """Resources for drawing a group at one time.
 
     Attributes:
@@ -63,7 +63,7 @@ class Group(ABC):
         self._made_of: tuple[object, ...] = ()
 
     @abstractmethod
-    def batches(self, moment: Moment) -> tuple[Batch, ...]:
+    def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         """Batches drawn at a time; the same objects as before where nothing has changed."""
 
     def _make_batch(
@@ -95,34 +95,34 @@ class RigidGroup(Group):
         self._geometry: Geometry | None = None
         self._is_read = False
 
-    def batches(self, moment: Moment) -> tuple[Batch, ...]:
+    def batches(self, context: DrawContext) -> tuple[Batch, ...]:
         first = self._pieces[0].occurrence
-        if is_hidden(first.hiders, moment.time):
+        if is_hidden(first.hiders, context.time):
             return ()
         if not self._is_read:
-            parts = [part for piece in self._pieces if (part := self._place(piece, moment)) is not None]
+            parts = [part for piece in self._pieces if (part := self._place(piece, context)) is not None]
             self._geometry = join_geometry(parts) if parts else None
             self._is_read = True
         if self._geometry is None:
             return ()
         pose = np.eye(4)
         if first.mover is not None:
-            pose = world_pose(first.mover, moment.transforms, moment.world) @ _shrink(moment)
-        material = moment.look(self._pieces[0].material).material
+            pose = world_pose(first.mover, context.transforms, context.world) @ _shrink(context)
+        material = context.look(self._pieces[0].material).material
         return self._make_batch(self._geometry, material, pose[None], None, None)
 
-    def _place(self, piece: Piece, moment: Moment) -> Geometry | None:
-        shape = moment.shapes.shape(piece)
+    def _place(self, piece: Piece, context: DrawContext) -> Geometry | None:
+        shape = context.shapes.shape(piece)
         if shape is None:
             return None
         prim, mover = piece.occurrence.prim, piece.occurrence.mover
         if mover is None:
-            matrix = world_pose(prim, moment.transforms, moment.world)
+            matrix = world_pose(prim, context.transforms, context.world)
         else:
-            matrix = np.diag([*[moment.scale] * 3, 1.0]) @ relative_pose(prim, mover, moment.transforms)
-        if not is_placeable(shape.positions, matrix, piece.occurrence.path, moment.log):
+            matrix = np.diag([*[context.scale] * 3, 1.0]) @ relative_pose(prim, mover, context.transforms)
+        if not is_placeable(shape.positions, matrix, piece.occurrence.path, context.log):
             return None
-        return place_shape(shape, moment.prim_id(piece.occurrence.path), matrix)
+        return place_shape(shape, context.prim_id(piece.occurrence.path), matrix)
 
 
 class InstancedGroup(Group):
@@ -136,54 +136,54 @@ class InstancedGroup(Group):
         self._places: tuple[DoubleArray, IntArray, IntArray | None] | None = None
         self._moves = any(piece.occurrence.moves or piece.occurrence.hiders for piece in pieces)
 
-    def batches(self, moment: Moment) -> tuple[Batch, ...]:
-        geometry = self._geometry_at(moment)
+    def batches(self, context: DrawContext) -> tuple[Batch, ...]:
+        geometry = self._geometry_at(context)
         if geometry is None:
             return ()
         if self._places is None or self._moves:
-            self._places = self._places_at(moment)
+            self._places = self._places_at(context)
         poses, prim_ids, numbers = self._places
         if not len(poses):
             return ()
-        return self._make_batch(geometry, moment.look(self._pieces[0].material).material, poses, prim_ids, numbers)
+        return self._make_batch(geometry, context.look(self._pieces[0].material).material, poses, prim_ids, numbers)
 
-    def _geometry_at(self, moment: Moment) -> Geometry | None:
+    def _geometry_at(self, context: DrawContext) -> Geometry | None:
         if self._is_read and not self._pieces[0].deforms:
             return self._geometry
-        shape = moment.shapes.shape(self._pieces[0])
+        shape = context.shapes.shape(self._pieces[0])
         if not self._is_read or not _same_shape(shape, self._shape):
-            first_id = moment.prim_id(self._pieces[0].occurrence.path)
-            to_metres = np.diag([*[moment.scale] * 3, 1.0])
+            first_id = context.prim_id(self._pieces[0].occurrence.path)
+            to_metres = np.diag([*[context.scale] * 3, 1.0])
             self._geometry = place_shape(shape, first_id, to_metres) if shape is not None else None
             self._shape = shape if self._pieces[0].deforms else None
         self._is_read = True
         return self._geometry
 
-    def _places_at(self, moment: Moment) -> tuple[DoubleArray, IntArray, IntArray | None]:
+    def _places_at(self, context: DrawContext) -> tuple[DoubleArray, IntArray, IntArray | None]:
         """``(k, 4, 4)`` poses of all that is visible, and for each the prim it is picked as and its instance number."""
         poses, prim_ids, numbers = [np.zeros((0, 4, 4))], [np.zeros(0, np.int32)], [np.zeros(0, np.int32)]
         for piece in self._pieces:
             occurrence = piece.occurrence
-            if is_hidden(occurrence.hiders, moment.time):
+            if is_hidden(occurrence.hiders, context.time):
                 continue
             if occurrence.chain:
                 here, number = instance_poses(
-                    occurrence.chain, occurrence.prim, moment.transforms, moment.world, moment.instances
+                    occurrence.chain, occurrence.prim, context.transforms, context.world, context.instances
                 )
                 picked_as = str(occurrence.chain[0].instancer.GetPath())
             else:
-                here = world_pose(occurrence.prim, moment.transforms, moment.world)[None]
+                here = world_pose(occurrence.prim, context.transforms, context.world)[None]
                 number, picked_as = np.array([-1], np.int32), occurrence.path
-            poses.append(here @ _shrink(moment))
+            poses.append(here @ _shrink(context))
             numbers.append(number)
-            prim_ids.append(np.full(len(here), moment.prim_id(picked_as), np.int32))
+            prim_ids.append(np.full(len(here), context.prim_id(picked_as), np.int32))
         instanced = bool(self._pieces[0].occurrence.chain)
         return np.concatenate(poses), np.concatenate(prim_ids), np.concatenate(numbers) if instanced else None
 
 
-def _shrink(moment: Moment) -> DoubleArray:
+def _shrink(context: DrawContext) -> DoubleArray:
     """Stage units from metres: poses act on geometry that is in metres already."""
-    return np.diag([*[1 / moment.scale] * 3, 1.0])
+    return np.diag([*[1 / context.scale] * 3, 1.0])
 
 
 def _same(one: object, other: object) -> bool:

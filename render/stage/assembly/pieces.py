@@ -9,7 +9,7 @@ from pxr import Usd
 
 from render.stage.assembly.inventory import Occurrence
 from render.stage.findings import FindingLog
-from render.stage.geometry.shape import Shape, Wanted, pick_faces, read_shape
+from render.stage.geometry.shape import PrimvarNames, Shape, pick_faces, read_shape
 from render.stage.geometry.skinning import Skeletons
 from render.stage.materials.bindings import bound_parts, face_owner
 
@@ -25,7 +25,7 @@ class Piece:
         part_count: number of such parts.
         double_sided: whether back faces are drawn.
         deforms: whether the surface's polygons or primvars vary.
-        wanted: primvars that the material reads.
+        primvars: primvars that the material reads.
         shape_key: the same for pieces whose surfaces have the same triangles and primvars.
     """
 
@@ -35,7 +35,7 @@ class Piece:
     part_count: int
     double_sided: bool
     deforms: bool
-    wanted: Wanted
+    primvars: PrimvarNames
     shape_key: Hashable
 
 
@@ -66,5 +66,7 @@ class ShapeReader:
         """The triangles of the whole surface that a piece is part of."""
         key = piece.shape_key
         if key not in self._shapes:
-            self._shapes[key] = read_shape(piece.occurrence.prim, self._time, piece.wanted, self._skeletons, self._log)
+            self._shapes[key] = read_shape(
+                piece.occurrence.prim, self._time, piece.primvars, self._skeletons, self._log
+            )
         return self._shapes[key]

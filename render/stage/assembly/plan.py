@@ -12,7 +12,7 @@ from render.stage.assembly.inventory import Occurrence
 from render.stage.assembly.pieces import Piece, ShapeReader
 from render.stage.findings import FindingLog
 from render.stage.geometry.primvars import find_primvar
-from render.stage.geometry.shape import Wanted
+from render.stage.geometry.shape import PrimvarNames
 from render.stage.geometry.skinning import Skeletons
 from render.stage.geometry.surface import surface_varies
 from render.stage.materials.bindings import bound_parts, subsets_vary
@@ -79,18 +79,18 @@ def _pieces_by_material(
     pieces = []
     for number, part in enumerate(parts):
         material = looks.representative(part.material, time)
-        wanted = looks.look(material, time).wanted
-        inherited, varies = _inherited_primvars(prim, wanted, time)
-        key = (surface.source, wanted, inherited)
-        pieces.append(Piece(surface, material, number, len(parts), double_sided, deforms or varies, wanted, key))
+        primvars = looks.look(material, time).primvars
+        inherited, varies = _inherited_primvars(prim, primvars, time)
+        key = (surface.source, primvars, inherited)
+        pieces.append(Piece(surface, material, number, len(parts), double_sided, deforms or varies, primvars, key))
     return pieces
 
 
-def _inherited_primvars(prim: Usd.Prim, wanted: Wanted, time: Usd.TimeCode) -> tuple[Hashable, bool]:
+def _inherited_primvars(prim: Usd.Prim, primvars: PrimvarNames, time: Usd.TimeCode) -> tuple[Hashable, bool]:
     """Key of the inherited primvars by which instances of one prim may differ; and whether any primvar varies over time."""
     values: list[Hashable] = []
     varies = False
-    for name in (wanted.uv, wanted.color, wanted.opacity):
+    for name in (primvars.uv, primvars.color, primvars.opacity):
         found = find_primvar(prim, name) if name else None
         if found is not None:
             varies = varies or found.varies()

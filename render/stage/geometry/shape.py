@@ -37,7 +37,7 @@ _FOLDS_SHOW_FROM = 0.001
 
 
 @dataclass(frozen=True)
-class Wanted:
+class PrimvarNames:
     """The primvars that a material reads.
 
     Attributes:
@@ -81,7 +81,7 @@ class Shape:
 
 
 def read_shape(
-    prim: Usd.Prim, time: Usd.TimeCode, wanted: Wanted, skeletons: Skeletons, log: FindingLog
+    prim: Usd.Prim, time: Usd.TimeCode, primvars: PrimvarNames, skeletons: Skeletons, log: FindingLog
 ) -> Shape | None:
     """Read a drawable prim, or note a finding and return None where its polygons cannot be used."""
     try:
@@ -98,7 +98,7 @@ def read_shape(
     if folded > _FOLDS_SHOW_FROM:
         message = f"{prim.GetPath()} has concave faces, whose fans cover {folded:.1%} of its area too much"
         log.add("concave_faces", prim.GetPath(), message)
-    return _Builder(prim, time, polygons, fan_, log).build(wanted)
+    return _Builder(prim, time, polygons, fan_, log).build(primvars)
 
 
 def pick_faces(shape: Shape, keep: NDArray[np.bool_]) -> Shape:
@@ -124,11 +124,11 @@ class _Builder:
     def __init__(self, prim: Usd.Prim, time: Usd.TimeCode, polygons: Polygons, fan_: Fan, log: FindingLog) -> None:
         self._prim, self._time, self._polygons, self._fan, self._log = prim, time, polygons, fan_, log
 
-    def build(self, wanted: Wanted) -> Shape:
+    def build(self, primvars: PrimvarNames) -> Shape:
         normals, normal_index = self._normals()
-        uv = self._coordinates(wanted.uv)
-        color = self._primvar(wanted.color, 3) if wanted.color else None
-        opacity = self._primvar(wanted.opacity, 1) if wanted.opacity else None
+        uv = self._coordinates(primvars.uv)
+        color = self._primvar(primvars.color, 3) if primvars.color else None
+        opacity = self._primvar(primvars.opacity, 1) if primvars.opacity else None
         read = [(normals, normal_index), *(p for p in (uv, color, opacity) if p)]
         splitting = [index for values, index in read if values.interpolation in ("uniform", "faceVarying")]
         corner, vertex_of_corner = weld(self._polygons, splitting)
@@ -142,7 +142,7 @@ class _Builder:
             fan_ids=self._fan.fan_ids,
             swapped=np.full(len(triangles), left_handed),
             uvs=np.nan_to_num(uv[0].values[uv[1][corner]]) if uv else None,
-            colors=self._colors(wanted, color, opacity, corner),
+            colors=self._colors(primvars, color, opacity, corner),
         )
 
     def _normals(self) -> tuple[Values, LongArray]:
@@ -187,20 +187,20 @@ class _Builder:
 
     def _colors(
         self,
-        wanted: Wanted,
+        primvars: PrimvarNames,
         color: tuple[Values, LongArray] | None,
         opacity: tuple[Values, LongArray] | None,
         corner: LongArray,
     ) -> FloatArray | None:
-        if wanted.color is None and wanted.opacity is None:
+        if primvars.color is None and primvars.opacity is None:
             return None
         out = np.ones((len(corner), 4), np.float32)
-        if wanted.color is not None:
-            linear = color[0].values if color else np.array([wanted.color_fallback], np.float32)
+        if primvars.color is not None:
+            linear = color[0].values if color else np.array([primvars.color_fallback], np.float32)
             working = colour.to_working(linear)
             out[:, :3] = working[color[1][corner]] if color else working
-        if wanted.opacity is not None:
-            out[:, 3] = opacity[0].values[opacity[1][corner], 0] if opacity else wanted.opacity_fallback
+        if primvars.opacity is not None:
+            out[:, 3] = opacity[0].values[opacity[1][corner], 0] if opacity else primvars.opacity_fallback
         return np.nan_to_num(out)
 
 

@@ -71,7 +71,7 @@ class LookReader:
 def _signature(look: BoundMaterial) -> Hashable:
     """Equal for looks that draw the same and want the same primvars, whatever their names."""
     constants = tuple((name, value) for name, value in vars(look.material).items() if name not in ("name", "lookups"))
-    return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.wanted
+    return constants, tuple((name, _of_lookup(lookup)) for name, lookup in look.material.lookups.items()), look.primvars
 
 
 def _of_lookup(lookup: TextureLookup) -> Hashable:

@@ -9,7 +9,7 @@ from pxr import Usd, UsdShade
 from render import colour
 from render.model.scene import Material, TextureLookup
 from render.stage.findings import FindingLog
-from render.stage.geometry.shape import Wanted
+from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.shading import NetworkReader, Source, as_numbers
 from render.stage.materials.texture_nodes import TextureNodes
 
@@ -34,17 +34,17 @@ class BoundMaterial:
 
     Attributes:
         material: for the renderer.
-        wanted: primvars that it reads.
+        primvars: primvars that it reads.
         varies: whether it may change over time.
     """
 
     material: Material
-    wanted: Wanted = field(default_factory=Wanted)
+    primvars: PrimvarNames = field(default_factory=PrimvarNames)
     varies: bool = False
 
 
 DEFAULT_LOOK = BoundMaterial(
-    Material(name="", base_color=WHITE, uses_display_color=True), Wanted(None, "displayColor", "displayOpacity")
+    Material(name="", base_color=WHITE, uses_display_color=True), PrimvarNames(None, "displayColor", "displayOpacity")
 )
 
 
@@ -70,7 +70,7 @@ class _SurfaceReader:
         self._constants: dict[str, float | tuple[float, float, float]] = {}
         self._lookups: dict[str, TextureLookup] = {}
         self._uv_names: dict[str, str] = {}
-        self._wanted = Wanted(uv=None)
+        self._primvars = PrimvarNames(uv=None)
 
     def look(self) -> BoundMaterial:
         for name, (usd_name, default) in _COLORS.items():
@@ -83,11 +83,11 @@ class _SurfaceReader:
         self._note_ignored()
         material = Material(
             name=self._path,
-            uses_display_color=self._wanted.color is not None or self._wanted.opacity is not None,
+            uses_display_color=self._primvars.color is not None or self._primvars.opacity is not None,
             lookups=self._lookups,
             **{name: value for name, value in self._constants.items() if name != "occlusion"},  # type: ignore[arg-type]
         )
-        return BoundMaterial(material, replace(self._wanted, uv=self._uv_name()), self._network.varies)
+        return BoundMaterial(material, replace(self._primvars, uv=self._uv_name()), self._network.varies)
 
     def _color(self, name: str, usd_name: str, default: tuple[float, ...]) -> None:
         source = self._network.source(self._shader, usd_name)
@@ -140,10 +140,10 @@ class _SurfaceReader:
         if name == "base_color":
             self._constants[name] = WHITE
             rgb = (fallback[0], fallback[1], fallback[2])
-            self._wanted = replace(self._wanted, color=varname, color_fallback=rgb)
+            self._primvars = replace(self._primvars, color=varname, color_fallback=rgb)
         else:
             self._constants[name] = 1.0
-            self._wanted = replace(self._wanted, opacity=varname, opacity_fallback=fallback[0])
+            self._primvars = replace(self._primvars, opacity=varname, opacity_fallback=fallback[0])
 
     def _uv_name(self) -> str | None:
         """The one set of texture coordinates that a geometry carries: the base colour's if it has one."""

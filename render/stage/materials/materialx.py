@@ -18,7 +18,7 @@ from render import colour
 from render.errors import InputError
 from render.model.scene import Material, TextureLookup
 from render.stage.findings import FindingLog
-from render.stage.geometry.shape import Wanted
+from render.stage.geometry.shape import PrimvarNames
 from render.stage.materials.material import BoundMaterial
 from render.stage.materials.textures import TextureCache, TextureError
 
@@ -106,7 +106,7 @@ class _SurfaceReader:
             roughness=scalars["roughness"],
             lookups=self._lookups,
         )
-        return BoundMaterial(material, Wanted(uv="st" if self._lookups else None))
+        return BoundMaterial(material, PrimvarNames(uv="st" if self._lookups else None))
 
     def _weighted_base_color(self) -> tuple[float, float, float]:
         """base · base_color, and for glass its transmission colour, which it shows from afar."""

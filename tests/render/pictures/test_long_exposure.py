@@ -15,7 +15,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from render.errors import PullfocusError, SettingsError
 from render.film import Grade
-from render.film.gathering import GatheredLight
+from render.film.light_accumulator import LightAccumulator
 from render.frame import FrameRenderer, FrameSettings
 from render.model.shutter_intervals import ShutterInterval, parse_shutter_intervals
 from render.pictures.long_exposure import LongExposure
@@ -198,7 +198,7 @@ def test_the_file_says_what_was_exposed(renderer: FrameRenderer, shot: Shot) -> 
 
 @given(st.lists(st.tuples(st.floats(0.01, 100), st.floats(0, 1e4)), min_size=1, max_size=30))
 def test_gathered_light_is_the_mean_over_the_time(parts: list[tuple[float, float]]) -> None:
-    gathered = GatheredLight()
+    gathered = LightAccumulator()
     for frames, light in parts:
         gathered.add(np.full((1, 1, 4), light, np.float32), frames)
     total = sum(frames for frames, _ in parts)
@@ -208,7 +208,7 @@ def test_gathered_light_is_the_mean_over_the_time(parts: list[tuple[float, float
 
 
 def test_a_thousand_intervals_round_nothing_away() -> None:
-    gathered = GatheredLight()
+    gathered = LightAccumulator()
     for i in range(1000):
         gathered.add(np.full((1, 1, 1), 60000.0 if i == 0 else 1e-4, np.float32), 1.0)
     assert gathered.light[0, 0, 0] == pytest.approx((60000 + 999e-4) / 1000, rel=1e-7)

@@ -10,7 +10,7 @@ from render.errors import SettingsError
 from render.model.arrays import DoubleArray, FloatArray
 
 
-class GatheredLight:
+class LightAccumulator:
     """The mean light of all the time that a shutter was open.
 
     Each interval is weighted by its length relative to the whole: 1/n for the nth of equal ones (Kyaw 2013, section 7.4). So the

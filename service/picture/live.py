@@ -17,7 +17,7 @@ from service.picture.frames import anchor_of, frame_settings, grade_choice, pick
 from service.picture.requests import FrameRequest, LivePicture
 from service.picture.state import PictureWorkerState, picture_function
 from service.stage.changes import EditedCamera, apply_changes
-from service.stage.read_shot import as_readout
+from service.stage.read_cameras import readout_model
 from service.workers.streaming import IsStale
 
 
@@ -60,7 +60,7 @@ def stream_pictures(
         for shown in state.progressive(request.record.id, shot).pictures(preview, is_stale=is_stale):
             yield _encode(shown, settings.width)
             if is_first and unsaved:
-                yield as_readout(shot.focus.read(request.camera, request.time), request.time)
+                yield readout_model(shot.focus.read(request.camera, request.time), request.time)
             is_first = False
 
 

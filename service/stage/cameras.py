@@ -7,7 +7,7 @@ from service.models.cameras import CameraList, CameraState, PlaceReadout, Readou
 from service.models.changes import MountLensFile, SetCamera
 from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import as_place_readout, as_readout, read_camera_state, read_cameras
+from service.stage.read_cameras import place_readout_model, read_camera_state, read_cameras, readout_model
 from service.storage.store import ShotRecord
 
 
@@ -50,7 +50,7 @@ def change_camera(
 def read_lens(opened: OpenedShots, record: ShotRecord, camera: str | None, time: float) -> Readout:
     """Compute the readout of the lens at one time. Raises `CameraError`."""
     with opened.use(record) as shot:
-        return as_readout(shot.focus.read(camera, time), time)
+        return readout_model(shot.focus.read(camera, time), time)
 
 
 @stage_function
@@ -81,7 +81,7 @@ def read_place(
         path = camera or shot.default_camera().path
         if isinstance(place, str):
             at = shot.focus.read_at_point(camera, time, place, aspect=aspect)
-            return as_place_readout(at, path, time, place)
+            return place_readout_model(at, path, time, place)
         screen, depth_m = place
         at = shot.focus.read_at(camera, time, screen, depth_m, aspect=aspect)
-        return as_place_readout(at, path, time, None)
+        return place_readout_model(at, path, time, None)

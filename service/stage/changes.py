@@ -45,8 +45,9 @@ from service.models.solving import FocusSettingsEdit, Rack
 from service.stage.field_names import FOCUS_OF_FIELD, setting_name
 from service.stage.lenses import lens_to_mount
 from service.stage.libraries import body_to_mount, film_to_mount
+from service.stage.read_cameras import read_camera_state
 from service.stage.read_photography import shutter_closes
-from service.stage.read_shot import free_name, new_point, point_fields, points_tag, read_camera_state
+from service.stage.read_points import authored_point, free_name, point_fields, points_tag
 from usd_schemas import Key, Tangents
 from usd_schemas.racks import WeightRack
 
@@ -117,7 +118,7 @@ def apply_change(change: Change, camera: EditedCamera) -> Outcome:
 def _add_point(change: AddPoint, camera: EditedCamera) -> Outcome:
     shot = camera.shot
     name = change.point.name or free_name(shot, camera.path, shot.frame_range.start)
-    shot.focus.add_point(camera.path, name, new_point(name, change.point))
+    shot.focus.add_point(camera.path, name, authored_point(name, change.point))
     return name
 
 

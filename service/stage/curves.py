@@ -8,7 +8,7 @@ from service.models.changes import ImportCurve
 from service.models.curve import CurveFileFormat, ImportedCurve
 from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import curve_frames
+from service.stage.shots import curve_frames
 from service.storage.store import ShotRecord
 
 

@@ -18,7 +18,8 @@ from service.models.changes import (
     SetSettingTangents,
 )
 from service.stage.changes import MAX_CURVE_FRAMES, EditedCamera, Outcome, apply_changes
-from service.stage.read_shot import camera_tag, point_names, point_tag, points_tag
+from service.stage.read_cameras import camera_tag
+from service.stage.read_points import point_names, point_tag, points_tag
 
 CAMERA, POINTS = "camera", "focus-points"
 """Addresses, below a shot, of resources that have entity tags; a focus point's is `point_address`."""

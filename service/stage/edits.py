@@ -13,8 +13,8 @@ from service.models.shots import Shot
 from service.models.solving import Rack
 from service.stage.editing import apply_in_context, resource_tags
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import describe
 from service.stage.read_state import read_state
+from service.stage.shots import shot_model
 from service.storage.store import ShotRecord
 
 
@@ -95,7 +95,7 @@ def restore_edits(opened: OpenedShots, record: ShotRecord, revision: str, contex
             )
         shot.edits.replace(state.text)
     with opened.use(record) as shot:
-        return describe(record, shot)
+        return shot_model(record, shot)
 
 
 def _history_position(history: KeptHistory) -> HistoryPosition:

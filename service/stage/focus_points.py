@@ -7,7 +7,7 @@ from service.models.changes import AddPoint, AlterPoint, KeyPoint, RemovePoint, 
 from service.models.focus import FocusPoint, FocusPointList
 from service.stage.editing import apply_in_context
 from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import point_list, read_point
+from service.stage.read_points import point_list, read_point
 from service.storage.store import ShotRecord
 
 

@@ -15,7 +15,8 @@ from render.stage.opening import confinement
 from service.models.exposure import ExposureKeyed, ExposureSettings
 from service.models.film_settings import DisplayChoice, FilmKeyed, FilmSettings, GradeChoices
 from service.stage.field_names import setting_name
-from service.stage.read_shot import Told, as_key, camera_tag, told_of_camera
+from service.stage.read_cameras import Settings, camera_tag, settings_model
+from service.stage.read_points import key_model
 from usd_schemas.settings import Asset
 from usd_schemas.units import mm_from_tenths
 
@@ -85,20 +86,20 @@ def _path(shot: Shot, camera: str | None) -> str:
 
 
 def _told(
-    model: type[Told], shot: Shot, camera: str | None, time: float, said: Mapping[str, Any], keyed: tuple[Any, ...]
-) -> Told:
+    model: type[Settings], shot: Shot, camera: str | None, time: float, said: Mapping[str, Any], keyed: tuple[Any, ...]
+) -> Settings:
     """A model of settings, with the keys of those that take any."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
     keys = {name: shot.camera.keys(camera, setting_name(name)) for name in keyed}
     values = {field: said[field] for field in fields}
     path = _path(shot, camera)
-    return told_of_camera(
+    return settings_model(
         model,
         {field: value.path if isinstance(value, Asset) else value for field, value in values.items()}
         | {
             "camera": path,
             "time": time,
-            "keys": {name: [as_key(key) for key in found] for name, found in keys.items() if found},
+            "keys": {name: [key_model(key) for key in found] for name, found in keys.items() if found},
             "etag": camera_tag(shot, camera),
         },
     )

@@ -7,7 +7,8 @@ from typing import get_args
 from render.shot import Shot
 from service.models.solving import CameraKeyed, FocusSettings
 from service.stage.field_names import FOCUS_OF_FIELD, setting_name
-from service.stage.read_shot import as_key, camera_tag, told_of_camera
+from service.stage.read_cameras import camera_tag, settings_model
+from service.stage.read_points import key_model
 
 
 def read_focus_settings(shot: Shot, camera: str | None, time: float) -> FocusSettings:
@@ -21,13 +22,13 @@ def read_focus_settings(shot: Shot, camera: str | None, time: float) -> FocusSet
     fields = set(FocusSettings.model_fields) - {"camera", "time", "keys", "etag"}
     names: tuple[CameraKeyed, ...] = get_args(CameraKeyed)
     keys = {name: shot.camera.keys(camera, setting_name(name)) for name in names}
-    return told_of_camera(
+    return settings_model(
         FocusSettings,
         {field: values[FOCUS_OF_FIELD.get(field, field)] for field in fields}
         | {
             "camera": camera or shot.default_camera().path,
             "time": time,
-            "keys": {name: [as_key(key) for key in of_name] for name, of_name in keys.items() if of_name},
+            "keys": {name: [key_model(key) for key in of_name] for name, of_name in keys.items() if of_name},
             "etag": camera_tag(shot, camera),
         },
     )

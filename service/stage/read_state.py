@@ -11,9 +11,11 @@ from render.shot import Shot
 from service.models.curve import FocusCurve
 from service.models.edits import CameraStateAfter, StateRequest
 from service.stage.exposure import exposure_readout
+from service.stage.read_cameras import readout_model
 from service.stage.read_photography import read_exposure_settings, read_film_settings
-from service.stage.read_shot import as_readout, curve_frames, point_list
+from service.stage.read_points import point_list
 from service.stage.read_solving import read_focus_settings
+from service.stage.shots import curve_frames
 
 Part = TypeVar("Part")
 
@@ -31,7 +33,7 @@ def read_state(shot: Shot, camera: str | None, request: StateRequest, max_curve_
     return CameraStateAfter(
         time=time,
         focus_points=_readable(lambda: point_list(shot, camera, time)),
-        readout=_readable(lambda: as_readout(shot.focus.read(camera, time), time)),
+        readout=_readable(lambda: readout_model(shot.focus.read(camera, time), time)),
         focus=_readable(lambda: read_focus_settings(shot, camera, time)),
         exposure=_readable(lambda: read_exposure_settings(shot, camera, time)),
         exposure_readout=_readable(lambda: exposure_readout(shot, camera, time)),

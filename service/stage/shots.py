@@ -7,13 +7,19 @@ for the HTTP process.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from render.demo.shot import write_demo as write_demo_files
-from service.models.inspection import Inspection
-from service.models.shots import Shot
-from service.stage.opened import OpenedShots, stage_function
-from service.stage.read_shot import describe, inspect
+from render.errors import SettingsError, StageError
+from render.model.edit_history import revision_of
+from render.model.frame_spec import parse_frames
+from render.shot import Shot as OpenShot
+from render.shot.inspection import inspect_shot as inspect_open_shot
+from service.models.inspection import Inspection, Note, ValidationFinding
+from service.models.shots import FrameRange, Shot, ShotSummary
+from service.stage.opened import OpenedShots, as_sent, stage_function
+from service.stage.read_cameras import default_camera_model, readout_model
 from service.storage.store import ShotRecord
 
 
@@ -21,14 +27,14 @@ from service.storage.store import ShotRecord
 def describe_shot(opened: OpenedShots, record: ShotRecord) -> Shot:
     """Open a shot and read its frame range and cameras. Raises the errors of `render.shot.Shot.open`."""
     with opened.use(record) as shot:
-        return describe(record, shot)
+        return shot_model(record, shot)
 
 
 @stage_function
 def inspect_shot(opened: OpenedShots, record: ShotRecord) -> Inspection:
     """Read a shot at its first frame and list its contents and what of it is not honoured. Raises `StageError`."""
     with opened.use(record) as shot:
-        return inspect(record, shot)
+        return inspection_model(record, shot)
 
 
 @stage_function
@@ -41,3 +47,65 @@ def close_shot(opened: OpenedShots, shot_id: str) -> None:
 def write_demo(opened: OpenedShots, folder: Path) -> str:
     """Author the demo shot and return its root layer, relative to the folder. Raises `OutputError`."""
     return write_demo_files(folder).relative_to(folder).as_posix()
+
+
+def shot_model(record: ShotRecord, shot: OpenShot) -> Shot:
+    """Read a shot with its frame range and cameras. Raises `StageError`: its frame range is not finite."""
+    return Shot(
+        **ShotSummary.model_validate(record).model_dump(),
+        revision=revision_of(record.edit_text()),
+        frame_range=_frame_range(shot),
+        cameras=shot.cameras(),
+        default_camera=default_camera_model(shot),
+    )
+
+
+def inspection_model(record: ShotRecord, shot: OpenShot) -> Inspection:
+    """Inspect a shot at its first frame: its contents, unsupported features, and findings of the validators."""
+    frame_range = _frame_range(shot)
+    inspection = inspect_open_shot(shot)
+    return Inspection(
+        frame_range=frame_range,
+        up_axis=inspection.up_axis,
+        meters_per_unit=inspection.metres_per_unit,
+        cameras=list(inspection.cameras),
+        default_camera=default_camera_model(shot),
+        readouts=[readout_model(readout, frame_range.start) for readout in inspection.readouts],
+        prim_count=inspection.prim_count,
+        triangle_count=inspection.triangle_count,
+        light_count=inspection.light_count,
+        notes=[
+            Note(code=note.code, path=as_sent(note.path, record), message=as_sent(note.message, record))
+            for note in inspection.notes
+        ],
+        validation=[ValidationFinding.model_validate(problem) for problem in inspection.validation],
+    )
+
+
+def curve_frames(shot: OpenShot, spec: str | None, max_frames: int) -> list[float]:
+    """Return the frames of a focus curve: those of a specification, or the whole shot.
+
+    Args:
+        shot: the shot.
+        spec: such as ``1:96``; None for the whole shot.
+        max_frames: limit of their number.
+
+    Raises:
+        SettingsError: the specification cannot be read, or there are too many frames.
+    """
+    if spec is not None:
+        frames = parse_frames(spec)
+        count = len(frames)
+    else:
+        whole = _frame_range(shot)
+        count = max(1, math.floor(whole.end - whole.start) + 1)
+    if count > max_frames:
+        raise SettingsError(f"a focus curve of {count:,} frames was asked for; at most {max_frames:,} come at once")
+    return frames if spec is not None else [whole.start + n for n in range(count)]
+
+
+def _frame_range(shot: OpenShot) -> FrameRange:
+    frame_range = shot.frame_range
+    if not all(map(math.isfinite, (frame_range.start, frame_range.end, frame_range.frames_per_second))):
+        raise StageError(f"the frame range of the stage is not finite: {frame_range}", code="bad_frame_range")
+    return FrameRange.model_validate(frame_range)

@@ -201,7 +201,7 @@ def test_tangents_bend_a_key_and_leave_its_value(client, shot):
     assert (key["value"], key["interpolation"], key["tangents"]) == (0.5, "bezier", tangents)
 
 
-def test_an_exposure_is_keyed_as_a_meter_says_and_black_frames_are_bridged(client, shot):
+def test_a_metered_exposure_is_keyed_and_black_frames_bridged(client, shot):
     readings = [{"time": 1, "compensationStops": -1}, {"time": 12, "compensationStops": None}]
     readings.append({"time": 23, "compensationStops": 1})
     metered = {"type": "setExposure", "values": {"meteringMode": "average"}}
@@ -230,7 +230,7 @@ def test_an_edit_may_bring_a_large_file_and_not_one_without_end(client, shot):
     assert edit(client, shot, {"type": "importCurve", "content": "x" * (33 << 20)}).status_code == 413
 
 
-def test_a_part_of_the_state_that_cannot_be_read_is_null_and_the_edit_is_made(client, room_file):
+def test_an_unreadable_part_of_the_state_is_null_in_the_answer(client, room_file):
     # More frames than a focus curve may have at once.
     long = room_file.read_text().replace("endTimeCode = 24", "endTimeCode = 30000")
     shot = f"/v1/shots/{send(client, 'long.usda', long.encode()).json()['id']}"

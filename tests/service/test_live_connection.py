@@ -113,7 +113,7 @@ def serve(play: Callable[[Socket, Pictures], Awaitable[None]]) -> None:
     asyncio.run(run())
 
 
-def test_late_pictures_of_an_older_request_do_not_replace_a_cached_one():
+def test_late_pictures_of_an_old_request_do_not_replace_a_cached_one():
     async def play(socket: Socket, pictures: Pictures) -> None:
         await socket.request(2)
         await pictures.show(0, FINAL)  # which is cached now
@@ -133,7 +133,7 @@ def test_late_pictures_of_an_older_request_do_not_replace_a_cached_one():
     serve(play)
 
 
-def test_a_superseded_request_shows_one_picture_unless_a_newer_one_did():
+def test_a_superseded_request_shows_a_picture_unless_a_newer_one_did():
     async def play(socket: Socket, pictures: Pictures) -> None:
         for number in (1, 2, 3):
             await socket.request(number, moving=True)

@@ -35,7 +35,7 @@ def test_rest_has_the_declared_settings_and_no_others(resource):
     assert {name: info.description for name, info in read.items()} == {n: item.doc for n, item in declared.items()}
 
 
-def test_each_name_in_python_is_one_setting_and_gives_the_name_in_rest():
+def test_each_python_name_is_one_setting_with_one_rest_name():
     names = [item.camel_name for item in SETTINGS.values()]
     assert len(set(names)) == len(names)
     assert len({item.usd for item in SETTINGS.values()}) == len(names)
@@ -51,7 +51,7 @@ def test_defaults_and_sliders_lie_within_what_rest_takes():
                 assert item.sent.least <= item.slider.least < item.slider.most <= item.sent.most, item.name
 
 
-def test_the_command_line_has_the_declared_options_and_no_other_range_for_a_setting():
+def test_the_command_line_has_the_declared_options_and_ranges():
     alone = argparse.ArgumentParser()
     add_settings(alone.add_argument_group("settings"))
     declared = {item.option.flag for item in SETTINGS.values() if item.option}

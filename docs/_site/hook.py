@@ -12,8 +12,9 @@ from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
-from docs._site import command_line, engine_pages, openapi, overview, python_api, schema
+from docs._site import command_line, engine_pages, keys, openapi, overview, python_api, schema
 
 ROOT = Path(__file__).parents[2]
 PYTHON_INDEX = "reference/python/index.md"
@@ -45,6 +46,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for path, text in generated_pages().items():
         files.append(File.generated(config, path, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Put generated tables into pages that have a place for them."""
+    return keys.with_keys(markdown, ROOT)
 
 
 def _with_python_pages(entry: Any) -> Any:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pxr import Sdf
 
-from docs._site import command_line, openapi, overview, python_api, schema
+from docs._site import command_line, keys, openapi, overview, python_api, schema
 
 COMMANDS = ("record", "inspect", "focus-curve", "meter", "lenses show", "films show", "demo", "serve", "bench lens")
 ROOT = Path(__file__).parents[2]
@@ -46,3 +46,11 @@ def test_the_overview_links_to_pages_of_the_site_alone() -> None:
     page = overview.index_page(ROOT)
     assert "](guide/shots.md)" in page
     assert "](docs/" not in page
+
+
+def test_the_keys_of_the_page_have_their_place() -> None:
+    page = keys.with_keys((ROOT / "docs/guide/page.md").read_text(encoding="utf-8"), ROOT)
+    assert keys.PLACE not in page
+    assert "| `Space` | Play or pause |" in page
+    shortcuts = (ROOT / "web/src/view/keyboard.ts").read_text(encoding="utf-8").count(' keys: "')
+    assert page.count("| `") == shortcuts > 10

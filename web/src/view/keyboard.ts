@@ -11,24 +11,30 @@ export interface Shortcut {
 /** For the help; in the order of the handlers below. */
 export const SHORTCUTS: readonly Shortcut[] = [
   { keys: "Space", does: "Play or pause" },
-  { keys: "← →", does: "One frame back or on" },
-  { keys: "Shift ← →", does: "Ten frames back or on" },
+  { keys: "← →", does: "One frame back or forward" },
+  { keys: "Shift ← →", does: "Ten frames back or forward" },
   { keys: "Home End", does: "First or last frame" },
-  { keys: "Click", does: "Pull focus to what is there, now; for a tilt plane or a surface, add a point" },
-  { keys: "Shift click", does: "Add a focus point, the others keep their say; there, pull focus" },
+  {
+    keys: "Click",
+    does: "Pull focus to the surface there at this time; in the modes tilt plane and surface, add a point",
+  },
+  {
+    keys: "Shift click",
+    does: "Add a focus point and keep the others; in the modes tilt plane and surface, pull focus",
+  },
   { keys: "Alt click", does: "Move the selected point there" },
   { keys: "[ ]", does: "Select the previous or next point" },
-  { keys: "F", does: "Pull focus to the selected point, now" },
+  { keys: "F", does: "Pull focus to the selected point at this time" },
   { keys: ", .", does: "Go to its previous or next key" },
-  { keys: "K", does: "Set or remove its weight key, now" },
+  { keys: "K", does: "Set or remove its weight key at this time" },
   { keys: "Delete", does: "Remove the selected point" },
   { keys: "Esc", does: "Select nothing" },
   { keys: "Ctrl Z", does: "Undo" },
   { keys: "Ctrl Shift Z", does: "Redo" },
   { keys: "M", does: "Show or hide the points" },
-  { keys: "C", does: "Go between lens & focus and camera & film" },
+  { keys: "C", does: "Switch between lens & focus and camera & film" },
   { keys: "G", does: "Go to the next framing guide" },
-  { keys: "?", does: "This help" },
+  { keys: "?", does: "Show this list" },
 ];
 
 export function listenToKeys(target: Window, editor: Editor): void {

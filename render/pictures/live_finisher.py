@@ -1,6 +1,6 @@
 """Film and grade on the device, for pictures of the viewer; pictures of files are finished on the processor.
 
-The two agree to less than one of 255 levels (`tests/render/film/test_gpu_developer.py`).
+The two agree to less than one of 255 levels (`tests/render/film/gpu/test_developer.py`).
 """
 
 from __future__ import annotations

@@ -99,7 +99,7 @@ class Grade:
 
     @property
     def working_space_id(self) -> str:
-        """Colour interop id of the working space, such as ``lin_ap1_scene``; empty if the configuration says none."""
+        """Colour interop id of the working space, such as ``lin_ap1_scene``; empty if the configuration gives none."""
         return str(working_config().getColorSpace(self.working_space).getInteropID())
 
     @property

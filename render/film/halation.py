@@ -98,7 +98,7 @@ def halation_kernel(radius_x_px: float, radius_y_px: float) -> DoubleArray:
 
 
 def _pixels(radius_px: float, finer: int) -> DoubleArray:
-    """Positions along an axis from the pixel in the middle outwards, in radii of the ring, so many in each pixel."""
+    """Positions along an axis from the middle pixel outwards, in radii of the ring, ``finer`` per pixel."""
     reach = math.ceil(_SKIRT * radius_px)
     return ((np.arange((reach + 1) * finer) + 0.5) / finer - 0.5) / radius_px
 

@@ -42,7 +42,7 @@ def develop_on_film(
     Returns:
         ``(height, width, 3)`` float32. For negative, reversal and monochrome: display-referred linear light of the projected
         print or positive, 1 where it is clear film, in the primaries of the working space (shown as in
-        `render.film.print_space`). For digital and none: scene-linear light, as it came, with what the sensor did.
+        `render.film.print_space`). For digital and none: scene-linear light, with the sensor's noise and clipping.
 
     Raises:
         SettingsError: the picture or the gate has an impossible shape.
@@ -121,8 +121,8 @@ def apply_grain(
         density: as `densities` gives it.
         film: with a stock; the same array comes back where its grain's amount is 0.
         frame: as for `develop_on_film`.
-        gate_mm: likewise.
-        seed: likewise.
+        gate_mm: width and height of the film that the picture covers.
+        seed: seed of the render.
 
     Returns:
         The same shape, float32.

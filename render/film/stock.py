@@ -127,7 +127,8 @@ def custom_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, r
 
 
 def print_stock(name_or_curve: str | PrintCurve) -> Stock:
-    """A print stock; its middle exposure is what the printer's lights are set to: grey lands at `PRINT_AIM` above base.
+    """Print stock; its middle exposure is the setting of the printer's lights, at which grey has the density
+    `PRINT_AIM` above base.
 
     Args:
         name_or_curve: of the library; or the curves that the shot draws.

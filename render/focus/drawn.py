@@ -33,7 +33,7 @@ class Frame:
     height: float
 
     @classmethod
-    def of(cls, camera: Camera, stretch: float = 1.0) -> Frame:
+    def from_camera(cls, camera: Camera, stretch: float = 1.0) -> Frame:
         """Gate of a camera.
 
         Args:
@@ -106,7 +106,7 @@ def half_lenses(lenses: Sequence[tuple[float, float, float]], angle_rad: float, 
 
     Args:
         lenses: for each its edge's offset from the middle of the frame along its direction, the width of the zone in which it
-            fades in, and the distance in m of what is sharp through it; 0 or infinite is infinity.
+            fades in, and the distance in m that is sharp through it; 0 or infinite is infinity.
         angle_rad: turn of both about the view axis, counter-clockwise in the picture.
         frame: the gate.
 

@@ -48,7 +48,7 @@ class PlaneFit:
 
 @dataclass(frozen=True, eq=False)
 class PlaneFits:
-    """Planes of focus over n frames; `PlaneFit` says what each means.
+    """Planes of focus over n frames; see `PlaneFit`.
 
     Attributes:
         planes: ``(n, 3)``.
@@ -119,7 +119,7 @@ def fit_targets(
 
     Args:
         targets: k points over n frames.
-        shares: ``(n, k)`` how much each counts, as `render.focus.solve.FocusSolutions` has it.
+        shares: ``(n, k)`` shares of the points, as in `render.focus.solve.FocusSolutions`.
         coc_slopes_mm_m: ``(n,)`` or one for all: growth of the circle of confusion; 0 for a pinhole.
 
     Returns:

@@ -32,7 +32,7 @@ class FocusTarget:
         weight: how much it counts, 0 or more.
         kind: whether it must be ``sharp`` or ``soft``.
         blur_mm: of a soft point the wanted diameter of the circle of confusion on the film, 0 leaves it to ``surface_offset_m``;
-            of a sharp one what it may have at most where the points also set the stop, 0 for the limit that holds for all.
+            for a sharp one its limit where the points also set the stop, 0 for the common limit.
         surface_offset_m: for a soft point, how far behind it the focus shall lie; negative is before it.
         enabled: whether it counts at all.
         in_frame: whether it lies inside the picture.
@@ -68,7 +68,7 @@ class FocusTarget:
 
 @dataclass(frozen=True, eq=False)
 class FocusTargets:
-    """k focus points over n frames. `of` makes one from what is known.
+    """k focus points over n frames. Made by `from_columns`.
 
     Attributes:
         names: k names.
@@ -123,7 +123,7 @@ class FocusTargets:
             raise SettingsError(fault, code="bad_focus_point")
 
     @classmethod
-    def of(
+    def from_columns(
         cls,
         names: Sequence[str],
         depths_m: ArrayLike,
@@ -199,7 +199,7 @@ class FocusTargets:
         Raises:
             SettingsError: a number of a point has no meaning.
         """
-        return cls.of(
+        return cls.from_columns(
             [p.name for p in points],
             np.array([[p.depth_m for p in points]], np.float64).reshape(1, len(points)),
             kinds=[p.kind for p in points],

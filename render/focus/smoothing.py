@@ -1,6 +1,6 @@
 """Smoothing over time that is exact where it must be and never overshoots, and fading in place of switching.
 
-A value is replaced by its mean over a window around its time, weighted by Hann's bell. The window is as wide as asked, but
+A value is replaced by its mean over a window around its time, weighted by Hann's bell. The window has the requested width, but
 never reaches beyond a key or an end of the shot: toward one it narrows, and there it closes. Three things follow.
 
 - At keys and at both ends the result is the value itself.
@@ -8,7 +8,7 @@ never reaches beyond a key or an end of the shot: toward one it narrows, and the
 - The places ``t + h(t)·u`` at which a window looks never run backwards in t, as ``|h'| ≤ 1``: where the values rise between
   two keys, so does the result. Nothing rings.
 
-A window looks no farther than half its width ahead and back, so a frame's answer asks for no more of the shot than that.
+A window reaches half its width ahead and back, so a frame depends on no more of the shot than that.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def fade_weights(
     0, and the crossing is over by then. `points_share` is the points' share of the focus then.
 
     Args:
-        on: ``(n, k)`` switches, or shares from 0 to 1 such as what is seen of a point.
+        on: ``(n, k)`` switches, or shares from 0 to 1 such as the visible share of a point.
         times_s: ``(n,)`` rising.
         time_s: length of a crossing, 0 to switch at once; one, or ``(n,)``.
         usable: ``(n, k)``; None where all can count at all times.

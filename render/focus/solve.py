@@ -62,7 +62,7 @@ class FocusSolution:
         shares: for each given point, its share of the weight that decided, 0 to 1; they add up to 1, or to 0 where no
             point counts.
         states: for each given point, what became of it.
-        limit: where the points would have the focus beyond what the lens reaches, which end of it was kept to.
+        limit: end of the lens's range that the focus was clamped to, where the points request more.
     """
 
     focus_distance_m: float
@@ -75,7 +75,7 @@ class FocusSolution:
 
 @dataclass(frozen=True, eq=False)
 class FocusSolutions:
-    """Focus distances over n frames, and whose they are; `FocusSolution` says what each means.
+    """Focus distances over n frames, and the points that decide them; see `FocusSolution`.
 
     Attributes:
         focus_distance_m: ``(n,)``.

@@ -1,6 +1,6 @@
 """Evaluation of the focal surface: inverse depth in focus and relative pupil radius over the picture.
 
-`render/shaders/trace/focal_surface.comp` says the same for the tracer; a test holds the two together. The interpolation is
+`render/shaders/trace/focal_surface.comp` is the same for the tracer; a test compares the two. The interpolation is
 Shepard's
 (1968), which is moving least squares with constants (Lancaster & Salkauskas 1981): it never leaves the range of its values, so
 that no focus is asked for that nobody asked for, as a fit of higher order would between and beyond the places.

@@ -125,7 +125,7 @@ def planes_of(
 
     Args:
         tilts_rad: ``(n,)`` or one for all; positive looks up.
-        swings_rad: likewise; positive looks to the left.
+        swings_rad: the same for the swing; positive looks to the left.
         focus_distances_m: where the planes meet the view axis; 0 or infinite for those parallel to it.
         focal_lengths_mm: of the lenses.
     """

@@ -38,7 +38,7 @@ def drive(
         times_s: ``(n,)`` rising, from the first frame of the shot: everything is settled there, so that a frame has the
             same focus whichever is looked at first.
         w: ``(n,)`` wanted focus, 1/m; 0 is infinity.
-        exact_at_s: ``(k,)`` times of keys at which smoothing is exact (`smooth` says which).
+        exact_at_s: ``(k,)`` times of keys at which smoothing is exact (see `smooth`).
         smoothing_s: focus:smoothing; one, or ``(n,)``.
         lag_s: focus:lag; one, or ``(n,)``.
         dead_zone_w: focus:deadZone in 1/m: the circle of confusion over its growth; one, or ``(n,)``.

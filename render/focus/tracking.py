@@ -36,7 +36,7 @@ class FocusRing:
         """Check the numbers.
 
         Raises:
-            SettingsError: one is not above 0, so that nothing can be said of the ring.
+            SettingsError: one is not above 0.
         """
         if not (0 < self.throw_rad < math.inf and 0 < self.close_focus_m < math.inf):
             raise SettingsError(
@@ -86,7 +86,7 @@ def limit_speed(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> Do
     """Turn of the ring at limited speed: it arrives late, and then stays at the requested turn.
 
     Args:
-        times_s: ``(n,)`` rising; the ring is where it is asked to be at the first.
+        times_s: ``(n,)`` rising; the ring starts at the first request.
         ring: ``(n,)`` wanted turn, in any unit.
         max_per_s: how much it can turn in a second, in that unit; 0 sets no bound; one, or ``(n,)``.
 

@@ -11,7 +11,7 @@ point of the pupil over its radius at the sheet's f-number, x along the radius o
 
 The last is what is left of the measured blur: spherical aberration of higher orders that leaves a disc out of focus as large as
 it is, round, and its inner half as bright as its outer one. It and spherical aberration are balanced: they spread light in focus
-but do not move the focus. S and B are such that light lands with the spread that was measured, over what is open of the pupil.
+but do not move the focus. S and B are such that light lands with the spread that was measured, over the open part of the pupil.
 As the iris closes both shrink with the third power of the pupil (Kyaw 2013, eq. 6.3) and stay balanced, as if each stop were
 focused for itself; coma shrinks with the second power and curvature's blur with the first.
 

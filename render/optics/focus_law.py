@@ -105,7 +105,7 @@ def _law_of_glass(camera: Camera) -> LensLaw:
 @lru_cache(maxsize=64)
 def _way(prescription: Prescription, focal_length_mm: float, diagonal_mm: float) -> _Way:
     glass = scale_to(prescription, focal_length_mm, diagonal_mm / 2)
-    mechanism = FocusMechanism.of(glass)
+    mechanism = FocusMechanism.from_prescription(glass)
     low, high = mechanism.travel()
     ends = sorted((max(low, -LONGEST_WAY * focal_length_mm), high), key=abs)
     return max((_way_to(mechanism, end) for end in ends), key=lambda way: float(way.nearness[-1]))

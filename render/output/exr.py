@@ -11,7 +11,7 @@ coc          radius       float   circle of confusion in pixels, negative in fro
 defocus      w            float   1/m, inverse depth less that in focus, negative behind it
 focus_depth  Z            float   metres along the view axis at which the pixel is sharpest
 albedo       R, G, B      half    base colours through the lens
-prim_id      id           uint    index of the prim; the attribute ``pullfocus:primPaths`` says its path
+prim_id      id           uint    index of the prim in the attribute ``pullfocus:primPaths``
 face_id      id           uint    index of the authored face
 ===========  ===========  ======  ==================================================================
 
@@ -52,8 +52,8 @@ def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: Fr
     """A frame as the bytes of an EXR file (see the head of this module). Compression is lossless (zip).
 
     Args:
-        color: ``(height, width, 4)`` scene-linear radiance, not exposed, times coverage; coverage in alpha. What is no
-            number becomes 0, what a half float cannot hold becomes its largest number.
+        color: ``(height, width, 4)`` scene-linear radiance, not exposed, times coverage; coverage in alpha. NaN
+            becomes 0, and values beyond half-float range become the largest half float.
         aovs: measurements by name, each ``(height, width)``; ``color``, if there, is left out.
         metadata: metadata of the file.
 

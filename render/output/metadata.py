@@ -34,7 +34,7 @@ class FrameMetadata:
         settings: settings of the render (``dataclasses.asdict`` of the frame's settings); each becomes
             ``pullfocus:<name>``.
         stage: the shot's name.
-        prim_paths: what the ids of the ``prim_id`` AOV index: ``Scene.prim_paths``.
+        prim_paths: paths that the ids of the ``prim_id`` AOV index: ``Scene.prim_paths``.
         exposure_time_s: UsdGeomCamera's ``exposure:time`` where it is authored.
         iso: UsdGeomCamera's ``exposure:iso`` where it is authored.
     """

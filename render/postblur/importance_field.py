@@ -296,7 +296,7 @@ class ImportanceField:
         spreader.run_half_tiles(program)
 
     def _update_cutoff(self) -> None:
-        """Test again what the pixels whose own state has changed hide."""
+        """Update the light that pixels with a new state hide."""
         spreader = self._spreader
         listed = self._list_tiles(self._rechecked)
         program = spreader.spread_program(KEEP=1, LISTED=1, RECHECK=1)

@@ -25,9 +25,9 @@ from render.trace.picture_focus import picture_focus
 from render.trace.rays import RayPattern
 
 LAYERS = 2
-"""Layers that are peeled: what the pupil's centre sees, and what that hides."""
+"""Number of peeled layers: the surfaces that the pupil's centre sees, and those behind them."""
 WIDE_OPEN = 1.4
-"""F-number that the layers are peeled for. At a smaller one, a little of what is hidden is taken for what hides it."""
+"""F-number that the layers are peeled for. At a smaller one, some hidden surfaces are missing."""
 SKETCH_SHARE = 2 / 3
 """Scale of the coarse peel used for a view seen for the first time, which may change at once again."""
 Sketch = Literal["never", "new", "always"]

@@ -1,4 +1,4 @@
-"""Blurs of a single image: one peeling from the pupil's centre, and a blur of what it shows."""
+"""Blurs of a single image: one peeling from the pupil's centre, and a blur of its picture."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def largest_radius_px(focus: PictureFocus, pupil_px: float, nearest_w: float) ->
     Args:
         focus: where each pixel is focused.
         pupil_px: the pupil's radius times the focal length, px·m.
-        nearest_w: the largest inverse depth of anything in view, 1/m; what is farthest has 0.
+        nearest_w: largest inverse depth of any surface in view, 1/m; the background has 0.
 
     Returns:
         A radius in pixels.

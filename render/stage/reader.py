@@ -44,7 +44,7 @@ class StageReader:
         stage: the stage; it stays open while the reader lives.
         purposes: which of default, render, proxy and guide are drawn.
         mask: only what lies at, below or above these prim paths is drawn and lights; None for everything.
-        complexity: ``low``, ``medium``, ``high`` or ``veryhigh`` as usdrecord has it. Subdivision surfaces are drawn as
+        complexity: ``low``, ``medium``, ``high`` or ``veryhigh``, as in usdrecord. Subdivision surfaces are drawn as
             their cage at all of them; those above low make a finding.
         max_texture: width and height that no texture exceeds.
     """

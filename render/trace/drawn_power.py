@@ -1,8 +1,8 @@
 """Lens tables with refractive power over the pupil drawn by hand (`render.optics.pupil_power`).
 
 A ray through the point X of the pupil, whose radius is ρ, is focused nearer by ``Δw(ρ)``: its slope is off by ``−X·Δw(ρ)``. A
-thin lens gets a grid over its pupil, and shows what is drawn; so do lenses that have a grid. Lenses whose table is of polynomials
-show of it what polynomials of the seventh degree can: three bends from the centre to the edge.
+thin lens gets a grid over its pupil and shows the drawn curve exactly; so do lenses that have a grid. Lenses with a polynomial
+table show it as far as polynomials of the seventh degree can: three bends from the centre to the edge.
 """
 
 from __future__ import annotations

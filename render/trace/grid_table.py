@@ -1,7 +1,7 @@
 """The table of a lens without symmetry: a thick lens whose surfaces carry height fields.
 
-Factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens below its heights: what the
-heights add has no such kinds, and stays. Those on colour errors and vignetting act on the whole.
+Factors on spherical aberration, coma, astigmatism, field curvature and distortion act on the lens below its heights: the errors
+from the heights have no such kinds, and stay. Factors on colour errors and vignetting act on the whole.
 """
 
 from __future__ import annotations

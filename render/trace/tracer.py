@@ -78,7 +78,7 @@ class Tracer:
         """Trace a picture pass by pass; after each, `picture` has the mean over the rays of all whole passes.
 
         Args:
-            layers: layers from the picture's own eye (or as ``moment_view`` says), at any resolution and with any margin.
+            layers: layers from the picture's own eye (or that of ``moment_view``), at any resolution and with any margin.
             nbuffers: N-buffers of those layers.
             bundle: rays of the lens.
             focus: focal surface.

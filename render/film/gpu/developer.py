@@ -76,7 +76,8 @@ class FilmPass:
         self._halation = HalationPass(ctx, self._programs)
 
     def run(self, light: moderngl.Texture, target: moderngl.Texture, film: FilmSettings, exposure: Exposure) -> None:
-        """As `render.film.develop_on_film` after `render.film.develop.expose`, to less than 1/255 of what is shown of it.
+        """Develop film as `render.film.develop_on_film` does after `render.film.develop.expose`, within 1/255 of the
+        shown range.
 
         Args:
             light: RGB or RGBA floats, scene-linear, not exposed; a fourth channel is left out. NaN counts as black.

@@ -23,7 +23,7 @@ class Column:
         json: name in JSON, with its unit.
         factor: factor on the file's numbers.
         drives: whether it drives the camera; the others follow from those that do.
-        units: what the number may be given in, in a CSV that others wrote: factors by the ending of the name.
+        units: units in CSVs of other tools: factors by the ending of the name.
     """
 
     attribute: str

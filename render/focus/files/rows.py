@@ -77,7 +77,7 @@ class Rows:
         rows: in the order of the file.
         camera: prim path, or empty.
         lens_name: or empty.
-        gate_mm: width and height of the film gate, where it says so.
+        gate_mm: width and height of the film gate, if given.
         on_shot_time: whether its times are those of a shot, and not of a clock that ran beside it.
         notes: findings beside the rows.
     """

@@ -74,7 +74,7 @@ def moving_points(points: int, frames: int) -> FocusTargets:
     turn = random.uniform(0, 2 * np.pi, points) + np.linspace(0, 2 * np.pi, frames)[:, None]
     slopes = np.stack([0.36 * np.sin(turn), 0.2 * np.cos(2 * turn + random.uniform(0, 6, points))], axis=-1)
     soft = np.arange(points) % 2 == 1
-    return FocusTargets.of(
+    return FocusTargets.from_columns(
         [f"point{i}" for i in range(points)],
         random.uniform(1, 30, points) * (1 + 0.3 * np.sin(turn)),
         kinds=["soft" if is_soft else "sharp" for is_soft in soft],

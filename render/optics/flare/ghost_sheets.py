@@ -53,7 +53,7 @@ class GhostSheets:
 
     Attributes:
         slopes: ``(m, rows, columns, 2)`` right and up, where the light lies in the picture of the ideal lens.
-        stops: ``(m, rows, columns, CROSSINGS, 2)`` where it crossed the iris, as the picture's bokeh has it, in units of its
+        stops: ``(m, rows, columns, CROSSINGS, 2)`` where it crossed the iris (oriented as the bokeh), in units of its
             radius; 0 for crossings that there are not.
         rim: ``(m, rows, columns)`` nearest that it came to a rim: above 1 it is blocked.
         radiance: ``(m, rows, columns, 3)`` radiance in the picture, before iris and rims.

@@ -32,13 +32,13 @@ _BY_CONTENT: tuple[tuple[str, Reader], ...] = (
 
 
 def read_lens_file(path: str | Path) -> Prescription:
-    """The lens of a file, whose format is told by its suffix, and where that says nothing by its content.
+    """Read the lens of a file. Its format follows from the suffix, else from the content.
 
     Args:
         path: of a .dat, .zmx, .seq or Optical Bench .txt file.
 
     Raises:
-        InputError: there is no such file, it is no lens file, is cut off, or has what is not supported; the message names file,
+        InputError: the file is missing, not a lens file, cut off, or has unsupported features; the message names file,
             line and surface.
     """
     return parse_lens_file(_content(path), Path(path).name)
@@ -48,7 +48,7 @@ def read_measured_lens(path: str | Path) -> MeasuredLens:
     """The lens of a `.lens` file.
 
     Raises:
-        InputError: there is no such file, or it is none; the message names file and line.
+        InputError: the file is missing, or not a data sheet; the message names file and line.
     """
     return parse_measured_lens(_content(path), Path(path).name)
 

@@ -1,4 +1,4 @@
-"""The text of a lens file, and how what is wrong in it is said: by file, line and surface."""
+"""Text of a lens file, and errors that name file, line and surface."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class FocusMechanism:
     stop: int
 
     @classmethod
-    def of(cls, prescription: Prescription) -> FocusMechanism:
+    def from_prescription(cls, prescription: Prescription) -> FocusMechanism:
         """The mount of a complete prescription."""
         last = len(prescription.surfaces) - 1
         film_mm = float(vertices(prescription)[-1]) + prescription.surfaces[-1].thickness_mm

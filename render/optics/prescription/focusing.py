@@ -76,7 +76,7 @@ def focus_lens(
     _check_complete(prescription)
     nearness = 1 / (1000 * focus_distance_m) if focus_distance_m > 0 else 0.0
     stop_radius_mm = _stop_radius_mm(prescription, f_stop)
-    mechanism = FocusMechanism.of(prescription)
+    mechanism = FocusMechanism.from_prescription(prescription)
     shift_mm = mechanism.paraxial_shift(nearness)
     if by == "spot":
         shift_mm = mechanism.spot_shift(nearness, shift_mm, stop_radius_mm)

@@ -227,7 +227,7 @@ def _surface(
 def _frame(camera: Camera) -> Frame:
     """The film gate in slopes; a lens that breathes makes it narrower as it makes its picture larger."""
     stretch = PinholeView.from_camera(camera, 1, 1).fx * camera.horizontal_aperture_mm / camera.focal_length_mm
-    return Frame.of(camera, stretch)
+    return Frame.from_camera(camera, stretch)
 
 
 def _surface_points(inputs: FocusInputs, track: FocusTrack, index: int) -> SurfacePoints:

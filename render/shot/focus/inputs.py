@@ -117,7 +117,7 @@ class FocusInputs:
         projected = [
             project_points(camera, positions) for camera, positions in zip(self.cameras, self.positions_m, strict=True)
         ]
-        targets = FocusTargets.of(
+        targets = FocusTargets.from_columns(
             self.names,
             np.array([p.depths_m for p in projected]),
             kinds=[point.kind for point in self.points[0]],

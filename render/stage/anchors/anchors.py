@@ -29,7 +29,7 @@ def anchor_position(stage: Usd.Stage, focus_point: FocusPoint, time: float) -> D
     Args:
         stage: the stage.
         focus_point: its target is one path (a mesh, an implicit prim, or any xformable prim, whose origin is meant), or two (a
-            point instancer and the prototype's mesh, of which ``instance`` says the number).
+            point instancer and the prototype's mesh, whose number is ``instance``).
         time: USD time code.
 
     Returns:
@@ -81,7 +81,7 @@ class AnchorReader:
             times: n USD time codes.
 
         Returns:
-            ``(n, k, 3)`` float64 metres in the world, Y-up; NaN where a point has no place. `anchored` says why.
+            ``(n, k, 3)`` float64 metres in the world, Y-up; NaN for points without a position; `read_anchors` gives the reasons.
         """
         positions_m = self.read_anchors([focus_points] * len(times), times).positions_m
         return positions_m.reshape(len(times), len(focus_points), 3)

@@ -197,7 +197,7 @@ def corner_edges(polygons: Polygons, fan_: Fan, points: FloatArray) -> tuple[Dou
 def transfer_normals(polygons: Polygons, fan_: Fan, moved: FloatArray) -> Values | None:
     """Authored normals carried along as the points move, hard edges and all.
 
-    At each corner the normal is a covector: what it measures along the two edges and across the face stays as the edges bend.
+    At each corner the normal is a covector: its components along the two edges and across the face stay as the edges bend.
 
     Args:
         polygons: the surface at rest, with normals.

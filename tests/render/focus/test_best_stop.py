@@ -96,7 +96,7 @@ def test_a_lens_that_does_not_reach_the_split_stops_down_for_it():
 
 
 def test_each_point_keeps_to_its_own_blur_or_to_the_limit():
-    targets = FocusTargets.of(
+    targets = FocusTargets.from_columns(
         ["hero", "friend", "veil"], [2.0, 3.0, 8.0], kinds=["sharp", "sharp", "soft"], blurs_mm=[0.0, 0.05, 0.5]
     )
     found = stops_for(targets, THIN, LIMIT_MM)
@@ -111,7 +111,9 @@ def test_each_point_keeps_to_its_own_blur_or_to_the_limit():
 
 def test_a_point_that_fades_out_lets_go_of_focus_and_stop_smoothly():
     fades = np.linspace(1, 0, 2001)
-    targets = FocusTargets.of("abc", np.tile([2.0, 2.5, 6.0], (len(fades), 1)), visible=fades[:, None] ** [0, 0, 1])
+    targets = FocusTargets.from_columns(
+        "abc", np.tile([2.0, 2.5, 6.0], (len(fades), 1)), visible=fades[:, None] ** [0, 0, 1]
+    )
     found = stops_for(targets, THIN, LIMIT_MM, occluded="fade")
     assert found.f_stops[-1] == pytest.approx(split_two(0.5, 0.4).f_stops[0])
     assert found.focus.states[-1, 2] == "hidden"
@@ -120,19 +122,19 @@ def test_a_point_that_fades_out_lets_go_of_focus_and_stop_smoothly():
 
 
 def test_without_points_the_camera_keeps_focus_and_stop():
-    targets = FocusTargets.of("a", [[2.0], [2.0]], enabled=[[False], [True]])
+    targets = FocusTargets.from_columns("a", [[2.0], [2.0]], enabled=[[False], [True]])
     found = stops_for(targets, LensLaw.thin(FOCAL_MM, 2.8), LIMIT_MM, camera_distances_m=[7.0, 7.0])
     assert found.focus.at(0).source == "camera"
     assert found.focus.focus_distance_m == pytest.approx([7.0, 2.0])
     assert found.f_stops == pytest.approx([2.8, 2.8])
     assert "disabled" in found.focus.reasons[0]
-    none = FocusTargets.of([], np.empty((3, 0)))
+    none = FocusTargets.from_columns([], np.empty((3, 0)))
     assert stops_for(none, THIN, LIMIT_MM).focus.sources == ("camera",) * 3
     assert stops_for(none, THIN, LIMIT_MM).focus.focus_distance_m.tolist() == [math.inf] * 3
 
 
 def test_points_beyond_the_reach_of_the_iris_are_reported():
-    targets = FocusTargets.of("ab", [0.4, 8.0])
+    targets = FocusTargets.from_columns("ab", [0.4, 8.0])
     found = stops_for(targets, THIN, LIMIT_MM, f_stop_range=(1.4, 22))
     assert not found.holds[0]
     assert "as far as the lens stops down" in found.focus.reasons[0]
@@ -144,7 +146,7 @@ def test_impossible_numbers_are_refused():
     with pytest.raises(SettingsError, match="wide open to stopped down"):
         split([[1.0, 0.5]], LIMIT_MM, THIN, f_stop_range=(8, 2))
     with pytest.raises(SettingsError, match="focus law of 2 frames"):
-        stops_for(FocusTargets.of("a", [1.0]), LensLaw.thin([50.0, 60.0], 2.0), LIMIT_MM)
+        stops_for(FocusTargets.from_columns("a", [1.0]), LensLaw.thin([50.0, 60.0], 2.0), LIMIT_MM)
 
 
 def test_through_a_tilted_lens_the_split_is_about_its_plane():
@@ -153,8 +155,8 @@ def test_through_a_tilted_lens_the_split_is_about_its_plane():
     slopes = np.array([[[0.1, -0.2], [-0.2, 0.0], [0.0, 0.1]]])
     off = np.array([0.02, -0.01, 0.0])
     w = 0.5 + off + (slopes * tilt[:, None]).sum(-1)
-    targets = FocusTargets.of("abc", 1 / w, slopes=slopes)
+    targets = FocusTargets.from_columns("abc", 1 / w, slopes=slopes)
     found = stops_for(targets, THIN, LIMIT_MM, tilts=tilt)
-    upright = stops_for(FocusTargets.of("abc", [1 / (0.5 + off)]), THIN, LIMIT_MM)
+    upright = stops_for(FocusTargets.from_columns("abc", [1 / (0.5 + off)]), THIN, LIMIT_MM)
     assert found.f_stops == pytest.approx(upright.f_stops)
     assert found.focus.focus_w == pytest.approx(upright.focus.focus_w)

@@ -253,24 +253,24 @@ def test_film_that_is_moved_into_the_lens_is_refused():
 
 def test_places_of_the_frame_are_slopes_through_the_gate():
     camera = Camera(np.eye(4), 50.0, 36.0, 20.0, horizontal_offset_mm=5.0, vertical_offset_mm=-2.0)
-    slopes = Frame.of(camera).slopes(np.array([[0.5, 0.5], [0.0, 0.0], [1.0, 1.0]]))
+    slopes = Frame.from_camera(camera).slopes(np.array([[0.5, 0.5], [0.0, 0.0], [1.0, 1.0]]))
     assert slopes == pytest.approx(np.array([[5, -2], [5 - 18, -2 + 10], [5 + 18, -2 - 10]]) / 50)
-    assert Frame.of(camera, stretch=2.0).width == pytest.approx(0.36)
+    assert Frame.from_camera(camera, stretch=2.0).width == pytest.approx(0.36)
 
 
 def test_half_lenses_lie_where_the_camera_says():
     camera = Camera(np.eye(4), 50.0, 36.0, 20.0)
-    first, second = half_lenses([(0.5, 0.1, 2.0), (0.8, 0.0, 0.0)], 0.0, Frame.of(camera))
+    first, second = half_lenses([(0.5, 0.1, 2.0), (0.8, 0.0, 0.0)], 0.0, Frame.from_camera(camera))
     assert beyond_edge(first, np.array([[0.09, 0.2], [0.18, 0.0], [0.27, -0.2]])) == pytest.approx([0, 0.5, 1])
     assert (first.w, second.w) == (0.5, 0.0)
     assert second.offset == pytest.approx(0.8 * 0.36)
-    (upper,) = half_lenses([(0.0, 0.1, 2.0)], math.pi / 2, Frame.of(camera))
+    (upper,) = half_lenses([(0.0, 0.1, 2.0)], math.pi / 2, Frame.from_camera(camera))
     assert beyond_edge(upper, np.array([[0.3, 0.1], [-0.3, -0.1]])) == pytest.approx([1, 0])
 
 
 def test_a_half_lenss_edge_is_measured_from_a_shifted_frames_middle():
     camera = Camera(np.eye(4), 50.0, 36.0, 20.0, horizontal_offset_mm=5.0)
-    (half,) = half_lenses([(0.0, 0.1, 2.0)], 0.0, Frame.of(camera))
+    (half,) = half_lenses([(0.0, 0.1, 2.0)], 0.0, Frame.from_camera(camera))
     assert half.offset == pytest.approx(0.1)
     with pytest.raises(SettingsError, match="a width of 0 or more"):
-        half_lenses([(0.0, -0.1, 2.0)], 0.0, Frame.of(camera))
+        half_lenses([(0.0, -0.1, 2.0)], 0.0, Frame.from_camera(camera))

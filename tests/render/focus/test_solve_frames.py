@@ -36,7 +36,7 @@ def random_targets(seed, frames=6, points=7, **changes):
     }
     depths_m = rng.uniform(-1, 20, shape)
     depths_m[rng.random(shape) < 0.05] = np.nan
-    return FocusTargets.of([f"p{i}" for i in range(points)], depths_m, **(columns | changes))
+    return FocusTargets.from_columns([f"p{i}" for i in range(points)], depths_m, **(columns | changes))
 
 
 def solve(targets, **options):
@@ -83,7 +83,7 @@ def test_a_point_of_no_weight_is_as_good_as_absent(seed):
     names = [name for name in targets.names if name != "p3"]
     others = [i for i in range(len(targets.names)) if i != 3]
     without = random_targets(seed, weights=weights)
-    absent = FocusTargets.of(
+    absent = FocusTargets.from_columns(
         names,
         targets.depths_m[:, others],
         kinds=[targets.kinds[i] for i in others],
@@ -126,7 +126,9 @@ def test_moving_scene_and_camera_together_changes_nothing(seed):
     for pose, scene in ((camera, places), (move @ camera, moved)):
         depths_m, slopes = seen_by(pose, scene)
         kinds = ["sharp"] * 3 + ["soft"] * 3
-        targets = FocusTargets.of("abcdef", depths_m, kinds=kinds, slopes=slopes, blurs_mm=[0, 0, 0, 0.1, 0.2, 0.05])
+        targets = FocusTargets.from_columns(
+            "abcdef", depths_m, kinds=kinds, slopes=slopes, blurs_mm=[0, 0, 0, 0.1, 0.2, 0.05]
+        )
         found.append(solve(targets).focus_distance_m[0])
     assert found[1] == pytest.approx(found[0], rel=1e-7)
 
@@ -145,13 +147,13 @@ def test_the_focus_scales_with_the_scene(seed, scale):
 
 
 def test_hidden_points_are_kept_left_out_or_faded():
-    targets = FocusTargets.of(["seen", "veiled"], [2.0, 4.0], visible=[1.0, 0.25])
+    targets = FocusTargets.from_columns(["seen", "veiled"], [2.0, 4.0], visible=[1.0, 0.25])
     found = {how: solve_distances(targets, occluded=how) for how in ("keep", "ignore", "fade")}
     assert found["keep"].focus_w[0] == pytest.approx(0.375)
     assert found["ignore"].focus_w[0] == pytest.approx(0.5)
     assert found["fade"].focus_w[0] == pytest.approx((0.5 + 0.25 * 0.25) / 1.25)
     assert found["ignore"].states[:, 1].tolist() == ["hidden"]
-    gone = FocusTargets.of(["veiled"], [4.0], visible=0.0)
+    gone = FocusTargets.from_columns(["veiled"], [4.0], visible=0.0)
     assert solve_distances(gone, 7.0, occluded="fade").at(0).states == ("hidden",)
     assert "hidden" in STATES
 
@@ -159,13 +161,13 @@ def test_hidden_points_are_kept_left_out_or_faded():
 def test_a_soft_point_counts_beside_a_sharp_one_and_not_on_top():
     def focus(offset):
         slopes = [[[0.0, 0.0], [offset, 0.0]]]
-        targets = FocusTargets.of("ab", [2.0, 4.0], kinds=["sharp", "soft"], blurs_mm=[0, 0.5], slopes=slopes)
+        targets = FocusTargets.from_columns("ab", [2.0, 4.0], kinds=["sharp", "soft"], blurs_mm=[0, 0.5], slopes=slopes)
         return solve_distances(targets, 2.0, SLOPE_MM_M).focus_w[0]
 
     places = np.linspace(0, 0.08, 801)
     found = np.array([focus(place) for place in places])
     assert found[0] == pytest.approx(0.5)
-    free = FocusTargets.of("ab", [2.0, 4.0], kinds=["sharp", "soft"], blurs_mm=[0, 0.5])
+    free = FocusTargets.from_columns("ab", [2.0, 4.0], kinds=["sharp", "soft"], blurs_mm=[0, 0.5])
     assert found[-1] == solve_distances(free, 2.0, SLOPE_MM_M).focus_w[0]
     assert (np.diff(found) >= 0).all()
     assert np.diff(found).max() < 0.01 * (found[-1] - found[0])
@@ -215,7 +217,7 @@ def curved_law(near_w=4.0):
 def test_no_other_focus_is_better_through_a_lens_with_its_own_law(law, seed):
     rng = np.random.default_rng(seed)
     kinds = rng.choice(["sharp", "soft"], 5).tolist()
-    targets = FocusTargets.of(
+    targets = FocusTargets.from_columns(
         "abcde",
         rng.uniform(0.2, 10, (1, 5)),
         kinds=kinds,
@@ -230,15 +232,15 @@ def test_no_other_focus_is_better_through_a_lens_with_its_own_law(law, seed):
 
 def test_where_the_lens_ends_the_focus_ends_and_says_so():
     law = LensLaw.thin(50.0, 2.0, breathing=True, near_w=1 / 0.45)
-    near = solve_focus(FocusTargets.of(["fly"], [0.2]).at(0), 5.0, law=law)
+    near = solve_focus(FocusTargets.from_columns(["fly"], [0.2]).at(0), 5.0, law=law)
     assert near.focus_distance_m == pytest.approx(0.45)
     assert near.limit == "close_focus"
     assert near.reason == "focused by fly, but the lens focuses no nearer than 0.45 m"
-    soft = FocusTargets.of(["a", "b"], [4.0, 5.0], kinds="soft", blurs_mm=[0.9, 0.9], weights=[1, 1])
+    soft = FocusTargets.from_columns(["a", "b"], [4.0, 5.0], kinds="soft", blurs_mm=[0.9, 0.9], weights=[1, 1])
     far = solve_distances(soft, math.inf, law=LensLaw.thin(50.0, 2.0, near_w=0.26)).at(0)
     assert far.limit == "infinity"
     assert "no farther than infinity" in far.reason
-    assert solve_focus(FocusTargets.of(["hero"], [0.45]).at(0), 5.0, law=law).limit == ""
+    assert solve_focus(FocusTargets.from_columns(["hero"], [0.45]).at(0), 5.0, law=law).limit == ""
 
 
 @pytest.mark.parametrize(
@@ -254,7 +256,7 @@ def test_where_the_lens_ends_the_focus_ends_and_says_so():
 @pytest.mark.parametrize("bad", [math.nan, -1.0])
 def test_impossible_numbers_name_the_point(column, words, bad):
     with pytest.raises(SettingsError, match=words) as raised:
-        FocusTargets.of("ab", [[1.0, 2.0], [1.0, 2.0]], **{column: [[1.0, 1.0], [1.0, bad]]})
+        FocusTargets.from_columns("ab", [[1.0, 2.0], [1.0, 2.0]], **{column: [[1.0, 1.0], [1.0, bad]]})
     assert raised.value.code == "bad_focus_point"
 
 

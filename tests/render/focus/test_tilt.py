@@ -239,7 +239,7 @@ def test_level_ground_before_a_level_camera_needs_no_limit():
 
 def test_a_soft_point_moves_the_plane_to_where_it_has_its_blur():
     places = np.array([[[-0.1, 0.0], [0.1, 0.0], [0.0, 0.1]]])
-    targets = FocusTargets.of(
+    targets = FocusTargets.from_columns(
         "abs", [[2.0, 2.0, 2.5]], kinds=["sharp", "sharp", "soft"], blurs_mm=[0, 0, 0.25], slopes=places
     )
     fits, wanted = fit_targets(targets, np.full((1, 3), 1 / 3), 1.25)
@@ -265,10 +265,10 @@ def test_impossible_planes_and_numbers_are_refused():
 def test_a_lens_tilted_by_hand_is_focused_to_serve_the_points():
     tilted = plane_of(math.radians(-4), math.radians(2), 3.0, 50.0)
     slopes = np.array([[[0.1, -0.2], [-0.2, 0.05]]])
-    targets = FocusTargets.of("ab", 1 / w_on(tilted, slopes), slopes=slopes)
+    targets = FocusTargets.from_columns("ab", 1 / w_on(tilted, slopes), slopes=slopes)
     tilts = [[tilted.slope_x, tilted.slope_y]]
     assert solve_distances(targets, 9.0, tilts=tilts).focus_distance_m[0] == pytest.approx(3.0)
-    beyond = FocusTargets.of(
+    beyond = FocusTargets.from_columns(
         "a", [[1 / 0.1]], slopes=[[[0.0, -0.2]]]
     )  # the plane would pass it only from behind the camera
     solved = solve_distances(beyond, 9.0, tilts=tilts).at(0)

@@ -1,4 +1,4 @@
-"""What somebody who looks at a shot wants of its grade, in place of what the shot says."""
+"""Overrides of a shot's grade by the viewer."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:  # a choice by names and numbers needs no USD
 
 @dataclass(frozen=True)
 class GradeChoice:
-    """Wishes, each of which stands in for what the shot says of the same; None leaves it to the shot.
+    """Overrides of a shot's grade; None keeps the shot's own value.
 
     Attributes:
-        config: an OpenColorIO configuration. The shot's display, view and looks are words of its own configuration, so with
-            another one they no longer count.
-        display: of the configuration. The shot's view stays where that display has it, else the display's default one is taken.
-        view: of the display.
-        look: as `render.film.Grade.look`; empty for none.
-        cdl: the colour decision.
+        config: an OpenColorIO configuration. The shot's display, view and looks are names in its own configuration, so
+            another one ignores them.
+        display: display of the configuration. The shot's view is kept where that display has it, else the default is used.
+        view: view of the display.
+        look: as in `render.film.Grade.look`; empty for none.
+        cdl: colour decision.
     """
 
     config: str | None = None
@@ -32,11 +32,11 @@ class GradeChoice:
     cdl: Cdl | None = None
 
     def words(self, data: GradeData, config: str | None) -> tuple[str | None, str | None, str | None]:
-        """Display, view and look, with what the shot says filled in; None for the configuration's default.
+        """Display, view and look, with the shot's own filled in; None for the configuration's default.
 
         Args:
-            data: what the shot says.
-            config: the configuration that the grade is by, as `render.film.Grade.config`.
+            data: the shot's grade.
+            config: configuration of the grade, as in `render.film.Grade.config`.
 
         Raises:
             SettingsError: the configuration cannot be read.

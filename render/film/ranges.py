@@ -1,4 +1,4 @@
-"""Refuses numbers that no film or sensor has, by the ranges that the settings declare."""
+"""Check of film numbers against the ranges that the settings declare."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from usd_schemas.settings import FilmData
 from usd_schemas.settings.setting import settings_of
 
 _RANGES = {item.usd: item.accepts for item in settings_of(FilmData) if item.accepts is not None}
-"""By the names of USD's properties. The rest of a film is judged where several numbers make one thing: curves, light, CDL."""
+"""Ranges by USD property name. Curves, light and CDL are checked where their numbers are combined."""
 
 
 def check_numbers(data: FilmData) -> None:

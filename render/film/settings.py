@@ -1,4 +1,4 @@
-"""What the light falls on, as numbers: from FilmAPI, or from a stock's name alone."""
+"""Film settings as numbers: from FilmAPI, or from a stock's name alone."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class GrainSettings:
     """Film grain.
 
     Attributes:
-        amount: factor; 0 none, 1 as the stock has it.
+        amount: factor; 0 none, 1 the stock's own.
         size_um: correlation length on the film in micrometres; 0 takes `render.film.grain.GRAIN_SIZE_UM`.
         seed: which grain.
     """
@@ -48,7 +48,7 @@ class HalationSettings:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """What the light falls on and what becomes of it.
+    """Film or sensor, and its development.
 
     Attributes:
         process: none, negative (colour, seen through a print), reversal (a positive, seen directly), monochrome (a
@@ -58,9 +58,9 @@ class FilmSettings:
         push: stops by which development is longer, and the stock faster.
         white_balance_k: colour temperature that looks neutral; 0 for the working space's white.
         tint: across the line of colour temperatures, in 1/3000 of CIE 1960 uv, positive toward magenta.
-        grain: of film.
-        halation: of film.
-        sensor: of digital.
+        grain: grain of film.
+        halation: halation of film.
+        sensor: sensor of digital.
 
     Raises:
         SettingsError: the stocks do not go with the process, or a number is out of range.
@@ -122,10 +122,10 @@ class FilmSettings:
 
 
 def film_settings(data: FilmData, *, iso: float = 0.0, name: str | None = None) -> FilmSettings:
-    """What FilmAPI says, with the library's stocks filled in.
+    """Film settings from FilmAPI, with the library's stocks filled in.
 
     Args:
-        data: at one time.
+        data: FilmAPI's values at one time.
         iso: speed that the camera is set to, for a digital sensor's noise; 0 for its base speed. Film has its own speed, and the
             picture's exposure has the camera's in it already.
         name: a stock of the library that takes the place of the shot's, process and print included, as after ``--film NAME``.

@@ -9,9 +9,9 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-import render.pictures.contact_sheet as made
 from render.drawing.contact_sheet import _data, _fitted_title, _layout, draw_contact_sheet
 from render.frame import FrameRenderer, FrameSettings
+from render.pictures import contact_sheet
 from render.pictures.contact_axes import parse_axes
 from render.shot import Shot
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot
@@ -41,13 +41,13 @@ def test_a_sheet_holds_the_pictures_that_record_makes(pullfocus: Command, shot: 
     compared = ("--contact-sheet", "stock=velvia_50,5219", "--contact-sheet", "exposure=0,1")
     ended = pullfocus("record", shot, out, *compared, "--json", *small())
     assert ended.status == 0
-    (said,) = json.loads(ended.out)["frames"]
-    assert said["contactSheet"] == {
+    (frame,) = json.loads(ended.out)["frames"]
+    assert frame["contactSheet"] == {
         "stock": ["Fuji Velvia 50", "Kodak Vision3 500T 5219"],
         "exposure": ["as it is exposed", "1 stop over"],
     }
     axes = parse_axes(["stock=velvia_50,5219", "exposure=0,1"])
-    sheet = made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
+    sheet = contact_sheet.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
     table, layout = pixels(out), _layout(sheet)
     for index, name in enumerate(("velvia_50", "5219")):
         one = shot.parent / f"{name}.png"
@@ -65,14 +65,14 @@ def test_stops_blur_as_they_say_and_lenses_bring_their_own(shot: Path, renderer:
     opened = Shot.open(shot)
     before = opened.edits.export()
     axes = parse_axes(["stop=1.4,8", "lens=thin_50,double_gauss_50"])
-    sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, axes)
+    sheet = contact_sheet.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, axes)
     assert opened.edits.export() == before
     assert [picture.readout.f_stop for picture in sheet.pictures] == pytest.approx([1.4, 8, 2.03, 8], abs=0.01)
     depths = [picture.readout.far_m - picture.readout.near_m for picture in sheet.pictures]
     assert depths[1] > depths[0]
     assert _data(sheet.pictures[2])[0] == "50.4 mm   f/2.03   EV 0.0"
     opened.exposure.set(None, transmittance=0.5, neutral_density=0.6)
-    darker = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["stop=2,4"]))
+    darker = contact_sheet.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["stop=2,4"]))
     assert _data(darker.pictures[0])[0] == "50 mm   f/2   T2.83   EV 0.0   ND 2.0 stops"
     assert draw_contact_sheet(sheet, "svg").lstrip().startswith(b"<?xml")
 
@@ -81,28 +81,28 @@ def test_light_is_rendered_once_for_all_that_is_done_to_it(
     shot: Path, renderer: FrameRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rendered: list[float] = []
-    real = made.expose_frame
+    real = contact_sheet.expose_frame
 
     def counted(*arguments: object) -> object:
         rendered.append(1)
         return real(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(made, "expose_frame", counted)
+    monkeypatch.setattr(contact_sheet, "expose_frame", counted)
     axes = parse_axes(["stock=velvia_50,5219,tri_x", "stop=2,4"])
-    told: list[tuple[str, float]] = []
-    made.make_contact_sheet(
-        renderer, Shot.open(shot), None, 1.0, SETTINGS, axes, on_picture=lambda *said: told.append(said)
+    progress: list[tuple[str, float]] = []
+    contact_sheet.make_contact_sheet(
+        renderer, Shot.open(shot), None, 1.0, SETTINGS, axes, on_picture=lambda *step: progress.append(step)
     )
     assert len(rendered) == 2
-    assert told[0][0] == "Fuji Velvia 50, f/2"
-    shares = [share for _, share in told]
+    assert progress[0][0] == "Fuji Velvia 50, f/2"
+    shares = [share for _, share in progress]
     assert shares == sorted(shares)
     assert 3 / 6 < shares[-1] <= 4 / 6  # the first of the second row is the last that is rendered
 
 
 def test_a_push_shows(shot: Path, renderer: FrameRenderer) -> None:
     axes = parse_axes(["push=-1,0,2"])
-    sheet = made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes, stock="velvia_50")
+    sheet = contact_sheet.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes, stock="velvia_50")
     means = [picture.graded.mean() for picture in sheet.pictures]
     assert means == sorted(means)
     assert means[2] > 1.2 * means[1]
@@ -114,7 +114,7 @@ def test_a_stop_over_is_twice_the_light_in_every_exposure_mode(
 ) -> None:
     opened = Shot.open(shot)
     opened.exposure.set(None, metering_mode=metering)
-    sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
+    sheet = contact_sheet.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=-1,0,2"]))
     scales = [picture.camera.exposure_scale for picture in sheet.pictures]
     assert scales[0] == pytest.approx(scales[1] / 2)
     assert scales[2] == pytest.approx(scales[1] * 4)
@@ -136,13 +136,13 @@ def test_guides_are_drawn_over_every_picture(pullfocus: Command, shot: Path) -> 
 
 def test_frames_are_compared_too(shot: Path, renderer: FrameRenderer) -> None:
     axes = parse_axes(["frame=1,4,7,9,12"])
-    layout = _layout(made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes))
+    layout = _layout(contact_sheet.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes))
     assert (layout.columns, layout.rows) == (3, 2)
 
 
 def test_small_pictures_have_room_for_all_their_words(shot: Path, renderer: FrameRenderer) -> None:
     axes = parse_axes(["stop=2,4", "stock=velvia_50,5219"])
-    sheet = made.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
+    sheet = contact_sheet.make_contact_sheet(renderer, Shot.open(shot), None, 1.0, SETTINGS, axes)
     drawn = draw_contact_sheet(sheet, "svg").decode()
     assert "Kodak Vision3 500T 5219" in drawn
     assert "…" not in drawn.split("frame 1")[-1]
@@ -152,7 +152,7 @@ def test_small_pictures_have_room_for_all_their_words(shot: Path, renderer: Fram
 def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: FrameRenderer) -> None:
     opened = Shot.open(shot)
     opened.exposure.set(None, metering_mode="average")
-    sheet = made.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=0,2"]))
+    sheet = contact_sheet.make_contact_sheet(renderer, opened, None, 1.0, SETTINGS, parse_axes(["exposure=0,2"]))
     (plain, over) = sheet.pictures
     assert plain.metered_ev100 is not None
     assert over.metered_ev100 is not None
@@ -162,7 +162,7 @@ def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("stock=velvia_5O",), "did you mean"),
         (("stock=vision_2383",), "is a print stock, expected one for the camera"),
@@ -183,19 +183,19 @@ def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: 
     ],
 )
 def test_senseless_arguments_are_reported_in_one_line(
-    pullfocus: Command, shot: Path, arguments: tuple[str, ...], told: str
+    pullfocus: Command, shot: Path, arguments: tuple[str, ...], message: str
 ) -> None:
     out = shot.parent / "sheet.png"
     typed = [word for argument in arguments for word in ("--contact-sheet", argument)]
     ended = pullfocus("record", shot, out, *typed, *small())
     assert ended.status == 2
-    assert told in ended.err
+    assert message in ended.err
     assert len([line for line in ended.err.strip().splitlines() if not line.startswith("camera:")]) == 1
     assert not out.exists()
 
 
 @pytest.mark.parametrize(
-    ("out", "arguments", "told"),
+    ("out", "arguments", "message"),
     [
         ("a.exr", ("stop=2,4",), "a contact sheet is a .png or .svg file"),
         ("a.png", ("frame=1,2", "--frames", "1"), "leave out --frames"),
@@ -207,7 +207,7 @@ def test_senseless_arguments_are_reported_in_one_line(
     ],
 )
 def test_conflicting_options_are_reported(
-    pullfocus: Command, shot: Path, out: str, arguments: tuple[str, ...], told: str
+    pullfocus: Command, shot: Path, out: str, arguments: tuple[str, ...], message: str
 ) -> None:
     ended = pullfocus("record", shot, shot.parent / out, "--contact-sheet", *arguments, *small())
-    assert (ended.status, told in ended.err) == (2, True)
+    assert (ended.status, message in ended.err) == (2, True)

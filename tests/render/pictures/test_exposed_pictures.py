@@ -79,8 +79,8 @@ def test_equivalent_exposures_make_the_same_picture(renderer: FrameRenderer, tmp
     closed = equivalent(settings, "time", f_stop=8.0)
     faster = equivalent(settings, "iso", time_s=1 / 500)
     for other in (closed, faster):
-        said = {"exposure:time": other.time_s, "exposure:iso": other.iso, "exposure:fStop": other.f_stop}
-        np.testing.assert_allclose(exposed(renderer, tmp_path, **SET | said), one, rtol=1e-6)
+        attributes = {"exposure:time": other.time_s, "exposure:iso": other.iso, "exposure:fStop": other.f_stop}
+        np.testing.assert_allclose(exposed(renderer, tmp_path, **SET | attributes), one, rtol=1e-6)
 
 
 @pytest.mark.gl
@@ -189,8 +189,8 @@ def test_a_data_sheet_without_light_fall_off_falls_off_by_cos4(renderer: FrameRe
     sheet = {"lens:model": "dataSheet", "lens:table:height": [0.0, 20.0], "lens:naturalVignetting": True}
     thin = taken(renderer, tmp_path, **{"lens:naturalVignetting": True}).frame.color[..., 1]
     np.testing.assert_allclose(taken(renderer, tmp_path, **sheet).frame.color[..., 1], thin, rtol=1e-3)
-    said = sheet | {"lens:table:vignetting": [1.0, 0.9]}
-    assert taken(renderer, tmp_path, **said).frame.color[0, 0, 1] > 1.5 * thin[0, 0]
+    attributes = sheet | {"lens:table:vignetting": [1.0, 0.9]}
+    assert taken(renderer, tmp_path, **attributes).frame.color[0, 0, 1] > 1.5 * thin[0, 0]
 
 
 def test_the_readout_names_all_that_is_between_the_scene_and_the_film(tmp_path: Path) -> None:

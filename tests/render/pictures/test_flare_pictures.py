@@ -1,4 +1,4 @@
-"""Flare in pictures: what is bright enough for it, how strong it is, and that nobody gets it unasked."""
+"""Flare in pictures: what is bright enough for it, how strong it is, and that it is off by default."""
 
 from __future__ import annotations
 
@@ -109,12 +109,12 @@ def test_flare_is_off_by_default_and_never_through_a_pinhole(renderer: FrameRend
     scene = Scene((glow(0.0, 0.0),), (), DARK, ("/glow",))
     glass, both = Lens("prescription", SINGLET.name, SINGLET), {"ghosts": 1.0, "star": 1.0}
     frame = renderer.render(scene, camera(glass), SMALL)
-    asked = camera(replace(glass, **both))  # type: ignore[arg-type]
+    flaring = camera(replace(glass, **both))  # type: ignore[arg-type]
     assert add_flare(renderer, scene, camera(glass), SMALL, frame) is frame
-    assert add_flare(renderer, scene, asked, replace(SMALL, engine="pinhole"), frame) is frame
-    assert add_flare(renderer, scene, replace(asked, f_stop=0.0), SMALL, frame) is frame
+    assert add_flare(renderer, scene, flaring, replace(SMALL, engine="pinhole"), frame) is frame
+    assert add_flare(renderer, scene, replace(flaring, f_stop=0.0), SMALL, frame) is frame
     assert add_flare(renderer, scene, camera(Lens(ghosts=1.0)), SMALL, frame) is frame  # a thin lens reflects nothing
-    assert add_flare(renderer, scene, asked, SMALL, frame).color is not frame.color
+    assert add_flare(renderer, scene, flaring, SMALL, frame).color is not frame.color
 
 
 @pytest.mark.gl
@@ -139,8 +139,8 @@ def test_a_light_that_no_geometry_hides_shines_on_the_lens(renderer: FrameRender
     looks = camera(Lens())
 
     def of(*lights: Light, batches: tuple[Batch, ...] = ()) -> list[DoubleArray]:
-        found = find_bright_sources(renderer, Scene(batches, lights, DARK, ("/it",)), looks, SMALL)
-        return [source.irradiance for source in found]
+        sources = find_bright_sources(renderer, Scene(batches, lights, DARK, ("/it",)), looks, SMALL)
+        return [source.irradiance for source in sources]
 
     (alone,) = of(lamp(0.2, 0.1))
     distance_m = 5 * np.sqrt(1 + 0.2**2 + 0.1**2)
@@ -173,10 +173,10 @@ def test_a_lamp_that_glows_and_its_light_are_one_source(renderer: FrameRenderer)
 def test_no_more_than_some_sources_count_and_the_last_ones_fade(renderer: FrameRenderer) -> None:
     places = [(x, y) for x in np.linspace(-0.3, 0.3, 7) for y in np.linspace(-0.2, 0.2, 4)]
     lamps = tuple(replace(lamp(x, y), radiance=(100.0 + i,) * 3) for i, (x, y) in enumerate(places))
-    found = find_bright_sources(renderer, Scene((), lamps, DARK, ("/it",)), camera(Lens()), SMALL)
-    assert 0 < len(found) <= MOST
+    sources = find_bright_sources(renderer, Scene((), lamps, DARK, ("/it",)), camera(Lens()), SMALL)
+    assert 0 < len(sources) <= MOST
     whole = find_bright_sources(renderer, Scene((), lamps[-1:], DARK, ("/it",)), camera(Lens()), SMALL)[0].irradiance
-    assert found[-1].irradiance.max() < 0.3 * whole.max()
+    assert sources[-1].irradiance.max() < 0.3 * whole.max()
 
 
 def test_strengths_are_read_and_keyed(tmp_path: Path) -> None:

@@ -97,10 +97,10 @@ def share_of_time(begins: float, ends: float, half: float) -> np.ndarray:
 def test_ten_seconds_of_lights_equal_their_sum_in_closed_form(renderer: FrameRenderer, shot: Shot) -> None:
     exposure = exposed(renderer, shot, f"1:{CLOSES}x4")
     line = line_of(exposure)
-    wanted = share_of_time(40, 200, 2)
+    expected = share_of_time(40, 200, 2)
     assert line[19:21] == pytest.approx(1.0, abs=1e-6)  # what stands still is as bright as in one frame
     assert line[30:].sum() == pytest.approx(4.0, rel=1e-3)  # all the light of the one that moves
-    assert line[30:] == pytest.approx(wanted[30:], abs=0.03 * wanted.max())
+    assert line[30:] == pytest.approx(expected[30:], abs=0.03 * expected.max())
     assert line[44:196].mean() == pytest.approx(4 / 160, rel=1e-3)
     state = exposure.state
     assert (state.open_seconds, state.intervals, state.gain) == (SECONDS, 60, 1.0)
@@ -109,10 +109,10 @@ def test_ten_seconds_of_lights_equal_their_sum_in_closed_form(renderer: FrameRen
 def test_by_velocities_it_is_the_same_trail(renderer: FrameRenderer, shot: Shot) -> None:
     quick = replace(SETTINGS, motion_by="velocities", rays=64)
     line = line_of(exposed(renderer, shot, f"1:{CLOSES}x12", quick))
-    wanted = share_of_time(40, 200, 2)
+    expected = share_of_time(40, 200, 2)
     assert line[19:21] == pytest.approx(1.0, abs=1e-6)
     assert line[30:].sum() == pytest.approx(4.0, rel=5e-3)
-    assert line[30:] == pytest.approx(wanted[30:], abs=0.1 * wanted.max())
+    assert line[30:] == pytest.approx(expected[30:], abs=0.1 * expected.max())
 
 
 @pytest.mark.parametrize("step", [5, 17])
@@ -189,11 +189,11 @@ def test_a_keyed_exposure_counts_as_it_is_in_each_interval(renderer: FrameRender
 
 def test_the_file_says_what_was_exposed(renderer: FrameRenderer, shot: Shot) -> None:
     metadata = exposed(renderer, shot, "1:7x3").develop().metadata
-    said = {name: value for name, _, value in metadata.exr_attributes(WIDTH, HEIGHT)}
-    assert said["pullfocus:longExposureSeconds"] == pytest.approx(0.25)
-    assert said["pullfocus:intervals"] == 2
-    assert said["expTime"] == pytest.approx(0.25)
-    assert said["shutterAngle"] == pytest.approx(6 * 360)
+    attributes = {name: value for name, _, value in metadata.exr_attributes(WIDTH, HEIGHT)}
+    assert attributes["pullfocus:longExposureSeconds"] == pytest.approx(0.25)
+    assert attributes["pullfocus:intervals"] == 2
+    assert attributes["expTime"] == pytest.approx(0.25)
+    assert attributes["shutterAngle"] == pytest.approx(6 * 360)
 
 
 @given(st.lists(st.tuples(st.floats(0.01, 100), st.floats(0, 1e4)), min_size=1, max_size=30))
@@ -224,7 +224,7 @@ def test_intervals_join_without_gaps_and_fill_the_time(first: float, length: flo
 
 
 @pytest.mark.parametrize(
-    ("typed", "told"),
+    ("typed", "message"),
     [
         ("1", "such as 1:241"),
         ("", "such as 1:241"),
@@ -237,8 +237,8 @@ def test_intervals_join_without_gaps_and_fill_the_time(first: float, length: flo
         ("1:5,7:6", "it opens at 7 and closes at 6"),
     ],
 )
-def test_openings_that_make_no_sense_are_one_clear_error(typed: str, told: str) -> None:
-    with pytest.raises(SettingsError, match=told):
+def test_openings_that_make_no_sense_are_one_clear_error(typed: str, message: str) -> None:
+    with pytest.raises(SettingsError, match=message):
         parse_shutter_intervals(typed)
 
 

@@ -160,14 +160,14 @@ def test_an_instancer_moves_instance_by_instance(
     np.testing.assert_array_equal(one_by_one, fast)
 
 
-def write_particles(path: Path, ids: dict[float, list[int]], *, told: bool) -> Shot:
-    """Cards in a row, one for each id and where that says; their ids are told, or are not."""
+def write_particles(path: Path, ids: dict[float, list[int]], *, has_ids: bool) -> Shot:
+    """Cards in a row, one for each id and its position by the id; their ids are authored, or are not."""
     stage = write_posts_shot(path)
     instancer = UsdGeom.PointInstancer.Define(stage, "/many")
     card = add_card(stage, "/many/card", size=(0.3, 0.3), depth=0.0, colour=(1, 1, 1))
     instancer.CreatePrototypesRel().SetTargets([card.GetPath()])
     for time, at in ids.items():
-        if told:
+        if has_ids:
             instancer.CreateIdsAttr().Set(at, time)
         instancer.CreateProtoIndicesAttr().Set([0] * len(at), time)
         instancer.CreatePositionsAttr().Set([Gf.Vec3f(i, time, -3) for i in at], time)
@@ -177,11 +177,11 @@ def write_particles(path: Path, ids: dict[float, list[int]], *, told: bool) -> S
 
 def test_instances_are_known_again_by_their_ids(tmp_path: Path) -> None:
     """However many there are and however they are ordered; those that come or go stand still."""
-    shot = write_particles(tmp_path / "ids.usda", {1.0: [7, 8], 2.0: [9, 8, 7], 3.0: [8, 7, 9]}, told=True)
+    shot = write_particles(tmp_path / "ids.usda", {1.0: [7, 8], 2.0: [9, 8, 7], 3.0: [8, 7, 9]}, has_ids=True)
     before, middle, after = (shot.scene_at(time) for time in (1.0, 2.0, 3.0))
-    found = find_movements(middle, before, after)
+    movements = find_movements(middle, before, after)
     (batch,) = (batch for batch in middle.batches if len(batch.poses) == 3)
-    movement = found[id(batch)]
+    movement = movements[id(batch)]
     moved = movement.closing_poses[:, :3, 3] - movement.opening_poses[:, :3, 3]
     np.testing.assert_allclose(moved, [[0, 0, 0], [0, 2, 0], [0, 2, 0]], atol=1e-6)
     assert find_movements(middle, middle, middle) == {}
@@ -189,7 +189,7 @@ def test_instances_are_known_again_by_their_ids(tmp_path: Path) -> None:
 
 def test_instances_without_ids_stand_still_where_some_come_or_go(tmp_path: Path) -> None:
     """The first of four goes: the others are not taken for their neighbours."""
-    shot = write_particles(tmp_path / "none.usda", {1.0: [5, 6, 7, 8], 2.0: [6, 7, 8], 3.0: [6, 7, 8]}, told=False)
+    shot = write_particles(tmp_path / "none.usda", {1.0: [5, 6, 7, 8], 2.0: [6, 7, 8], 3.0: [6, 7, 8]}, has_ids=False)
     before, middle, after = (shot.scene_at(time) for time in (1.0, 2.0, 3.0))
     (batch,) = (batch for batch in middle.batches if len(batch.poses) == 3)
     assert id(batch) not in find_movements(middle, before, after)
@@ -277,7 +277,7 @@ def test_the_layers_of_a_still_shot_keep_no_motion(renderer: FrameRenderer, tmp_
 
 
 def test_a_camera_that_turns_sees_its_rays_from_where_it_was() -> None:
-    """A ray of the camera at the moment, told as one of the middle, passes the same points of the world."""
+    """A ray of the camera at the moment, as one of the camera in the middle, passes the same points of the world."""
     moved = np.eye(4)
     angle = 0.2
     moved[:3, :3] = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]

@@ -141,8 +141,8 @@ def test_exposure_times_and_speeds_that_the_shot_sets_are_reported(renderer, sho
     with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.CreateExposureTimeAttr(1 / 48)
         camera.CreateExposureIsoAttr(800)
-    told = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
-    assert (told.exposure_time_s, told.iso) == pytest.approx((1 / 48, 800))
+    metadata = make_picture(renderer, shot, CAMERA, 1, SETTINGS, Grade()).metadata
+    assert (metadata.exposure_time_s, metadata.iso) == pytest.approx((1 / 48, 800))
 
 
 def test_a_shot_is_finished_on_the_film_that_it_says(renderer, shot):

@@ -1,4 +1,4 @@
-"""The progressive renderer: soon, then better, then exactly what `record` writes; and nothing is done twice."""
+"""The progressive renderer: a preview, then better, then exactly the picture of `record`; and nothing is computed twice."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def shot(tmp_path: Path) -> Shot:
 
 
 @pytest.fixture
-def driver(renderer: FrameRenderer, shot: Shot) -> ProgressiveRenderer:
+def progressive(renderer: FrameRenderer, shot: Shot) -> ProgressiveRenderer:
     return ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
 
 
@@ -93,10 +93,10 @@ def last(pictures: Iterator[ProgressivePicture]) -> ProgressivePicture:
     ],
 )
 def test_the_last_picture_is_that_of_record(
-    driver: ProgressiveRenderer, shot: Shot, changes: dict[str, object]
+    progressive: ProgressiveRenderer, shot: Shot, changes: dict[str, object]
 ) -> None:
     settings = replace(SETTINGS, **changes)  # type: ignore[arg-type]
-    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
+    pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, settings, choice=GradeChoice(view="Raw"))))
     assert pictures[0].stage == "preview"
     assert [shown.stage for shown in pictures[1:-1]] == ["refining"] * (len(pictures) - 2)
     final = pictures[-1]
@@ -110,8 +110,8 @@ def test_the_last_picture_is_that_of_record(
     assert have_equal_content(final.picture.metadata.settings, plain.metadata.settings)
 
 
-def test_the_first_picture_is_like_the_last(driver: ProgressiveRenderer) -> None:
-    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
+def test_the_first_picture_is_like_the_last(progressive: ProgressiveRenderer) -> None:
+    pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, SETTINGS, budget_ms=1.0)))
     assert pictures[0].rays == GOOD_RAYS
     first, final = pictures[0].graded, pictures[-1].graded
     assert psnr_db(enlarge(first, 160, 90), final) > 22
@@ -122,68 +122,68 @@ def test_the_first_picture_is_like_the_last(driver: ProgressiveRenderer) -> None
     assert psnr_db(enlarge(better.graded, 160, 90), final) > 30
 
 
-def test_what_moves_gets_its_first_picture_alone(driver: ProgressiveRenderer) -> None:
-    pictures = list(driver.pictures(PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)))
+def test_a_drag_gets_previews_alone(progressive: ProgressiveRenderer) -> None:
+    pictures = list(progressive.pictures(PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)))
     assert [shown.stage for shown in pictures] == ["preview"]
 
 
 def test_a_change_of_focus_or_stop_peels_nothing_at_first(
-    driver: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = Counted(monkeypatch, LayerRenderer, "draw_layer")
     shadows = Counted(monkeypatch, LayerRenderer, "draw_shadow")
     moving = PreviewRequest("/cam", 2.0, SETTINGS, is_moving=True)
-    sketched = last(driver.pictures(moving)).graded
-    before = last(driver.pictures(moving)).graded
+    sketched = last(progressive.pictures(moving)).graded
+    before = last(progressive.pictures(moving)).graded
     assert sketched.shape < before.shape, "what is new, and may change at once again, is sketched"
     assert drawn.since() > 0
     shadows.since()
     for distance, stop in ((2.0, 0.5), (5.0, 0.5), (5.0, 8.0)):
         shot.camera.set("/cam", focus_distance_m=distance, f_stop=stop)
-        after = last(driver.pictures(moving)).graded
+        after = last(progressive.pictures(moving)).graded
         assert np.abs(after - before).max() > 0.05
         before = after
     assert (drawn.since(), shadows.since()) == (0, 0)
-    last(driver.pictures(replace(moving, time=3.0)))
+    last(progressive.pictures(replace(moving, time=3.0)))
     assert drawn.since() > 0
 
 
 def test_a_change_of_grade_or_film_traces_nothing(
-    driver: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
+    progressive: ProgressiveRenderer, shot: Shot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     traced = Counted(monkeypatch, Tracer, "passes")
     developed = Counted(monkeypatch, finishing, "develop_on_film")  # type: ignore[arg-type]
-    asked = PreviewRequest("/cam", 2.0, SETTINGS, stock="5219")
-    one = last(driver.pictures(asked))
+    request = PreviewRequest("/cam", 2.0, SETTINGS, stock="5219")
+    one = last(progressive.pictures(request))
     assert traced.since() > 0
     assert developed.since() == 1
-    raw = last(driver.pictures(replace(asked, choice=GradeChoice(view="Raw"))))
+    raw = last(progressive.pictures(replace(request, choice=GradeChoice(view="Raw"))))
     assert (traced.since(), developed.since()) == (0, 0)
     assert np.abs(raw.graded - one.graded).max() > 0.02
-    other = last(driver.pictures(replace(asked, stock="5222")))
+    other = last(progressive.pictures(replace(request, stock="5222")))
     assert (traced.since(), developed.since()) == (0, 1)
     assert np.abs(other.graded - one.graded).max() > 0.02
     shot.camera.set("/cam", f_stop=11.0)
-    last(driver.pictures(asked))
+    last(progressive.pictures(request))
     assert traced.since() > 0
 
 
-def test_work_that_is_stale_is_left_and_spoils_nothing(driver: ProgressiveRenderer, shot: Shot) -> None:
-    """Left between any two pieces, wherever these are: what is drawn next is right."""
-    asked = PreviewRequest("/cam", 2.0, SETTINGS)
-    plain = last(driver.pictures(asked)).graded
-    asks = 0
+def test_stale_work_is_cancelled_and_spoils_nothing(progressive: ProgressiveRenderer, shot: Shot) -> None:
+    """Cancelled between any two pieces: the next picture is right."""
+    request = PreviewRequest("/cam", 2.0, SETTINGS)
+    plain = last(progressive.pictures(request)).graded
+    polls = 0
 
     def counting() -> bool:
-        nonlocal asks
-        asks += 1
+        nonlocal polls
+        polls += 1
         return False
 
-    driver.release()
-    last(driver.pictures(replace(asked, time=2.5), is_stale=counting))
-    assert asks > 20, "it is asked often whether anybody still waits"
+    progressive.release()
+    last(progressive.pictures(replace(request, time=2.5), is_stale=counting))
+    assert polls > 20, "staleness is polled often"
     ended = []
-    for until in np.linspace(1, asks, 9).astype(int):
+    for until in np.linspace(1, polls, 9).astype(int):
         left = int(until)
 
         def is_stale() -> bool:
@@ -191,53 +191,53 @@ def test_work_that_is_stale_is_left_and_spoils_nothing(driver: ProgressiveRender
             left -= 1
             return left <= 0
 
-        driver.release()
-        pictures = list(driver.pictures(replace(asked, time=2.0 + 0.1 * until), is_stale=is_stale))
+        progressive.release()
+        pictures = list(progressive.pictures(replace(request, time=2.0 + 0.1 * until), is_stale=is_stale))
         ended.append(pictures[-1].is_final)
-        driver.release()
-        np.testing.assert_array_equal(last(driver.pictures(asked)).graded, plain)
-    assert not any(ended[:-2]), "where nobody waits, nothing is finished"
+        progressive.release()
+        np.testing.assert_array_equal(last(progressive.pictures(request)).graded, plain)
+    assert not any(ended[:-2]), "stale work is not finished"
 
 
-def test_who_asks_no_further_leaves_the_work(driver: ProgressiveRenderer) -> None:
-    asked = PreviewRequest("/cam", 2.0, SETTINGS)
-    plain = last(driver.pictures(asked)).graded
-    driver.release()
+def test_a_closed_iterator_cancels_the_work(progressive: ProgressiveRenderer) -> None:
+    request = PreviewRequest("/cam", 2.0, SETTINGS)
+    plain = last(progressive.pictures(request)).graded
+    progressive.release()
     for count in (1, 2):
-        work = driver.pictures(replace(asked, time=1.0 + count))
+        work = progressive.pictures(replace(request, time=1.0 + count))
         for _ in range(count):
             next(work)
         work.close()
-    np.testing.assert_array_equal(last(driver.pictures(asked)).graded, plain)
+    np.testing.assert_array_equal(last(progressive.pictures(request)).graded, plain)
 
 
-def test_pictures_on_the_way_may_be_looked_at_between_pieces(
-    driver: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
+def test_unfinished_pictures_are_shown_between_pieces(
+    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("render.pictures.progressive.renderer.REFRESH_MS", 0.0)
     monkeypatch.setattr("render.gl.cancellation.PIECE_MS", 1.0)
-    asked = PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))
-    pictures = list(driver.pictures(asked))
+    request = PreviewRequest("/cam", 2.0, replace(SETTINGS, rays=160))
+    pictures = list(progressive.pictures(request))
     shares = [shown.share for shown in pictures if shown.stage == "refining" and shown.share > 0]
     assert len(shares) > 3
     assert shares == sorted(shares)
     whole = [psnr_db(shown.graded, pictures[-1].graded) for shown in pictures if shown.share > 0]
     assert whole[-2] > whole[0]
-    driver.release()
+    progressive.release()
     monkeypatch.setattr("render.pictures.progressive.renderer.REFRESH_MS", 1e9)
-    np.testing.assert_array_equal(last(driver.pictures(asked)).graded, pictures[-1].graded)
+    np.testing.assert_array_equal(last(progressive.pictures(request)).graded, pictures[-1].graded)
 
 
-def test_an_edit_of_the_scene_shows(driver: ProgressiveRenderer, shot: Shot) -> None:
-    asked = PreviewRequest("/cam", 2.0, SETTINGS)
-    before = last(driver.pictures(asked)).graded
+def test_an_edit_of_the_scene_shows(progressive: ProgressiveRenderer, shot: Shot) -> None:
+    request = PreviewRequest("/cam", 2.0, SETTINGS)
+    before = last(progressive.pictures(request)).graded
     with shot.edits.transaction("hide the card"):
         UsdGeom.Imageable(shot.stage.GetPrimAtPath("/card")).MakeInvisible()
-    after = last(driver.pictures(asked)).graded
+    after = last(progressive.pictures(request)).graded
     assert np.abs(after - before).max() > 0.2
 
 
-def test_the_pace_follows_the_machine() -> None:
+def test_plans_follow_the_speed_of_the_machine() -> None:
     planner = PreviewPlanner(is_software=True)
     assert planner.largest_size(960, 540) == (480, 270)
     assert planner.largest_size(8, 3) == (8, 3)
@@ -268,7 +268,7 @@ def test_enlarging_keeps_what_is_even(shape: tuple[int, int]) -> None:
     assert np.all(np.diff(enlarge(ramp, 160, 20)[:, :, 0], axis=1) >= 0)
 
 
-def test_alike_says_what_equality_cannot() -> None:
+def test_equality_is_that_of_the_content() -> None:
     one = SETTINGS
     assert have_equal_content(one, replace(one))
     assert not have_equal_content(one, replace(one, rays=41))
@@ -293,11 +293,11 @@ def test_background_work_stops_when_nothing_waits_for_it() -> None:
 
 @pytest.mark.parametrize("engine", ["flag", "importance", "gather"])
 def test_engines_that_blur_one_picture_are_previewed_in_their_time(
-    driver: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch, engine: str
+    progressive: ProgressiveRenderer, monkeypatch: pytest.MonkeyPatch, engine: str
 ) -> None:
     settings = replace(SETTINGS, engine=engine)
-    asked = PreviewRequest("/cam", 2.0, settings, is_moving=True)
-    sizes = [last(driver.pictures(asked)).graded.shape[1] for _ in range(2)]
+    request = PreviewRequest("/cam", 2.0, settings, is_moving=True, budget_ms=1e5)  # enough on a busy machine too
+    sizes = [last(progressive.pictures(request)).graded.shape[1] for _ in range(2)]
     assert sizes == [107, 160], "sketched, and then whole"
     slow = PreviewRequest("/cam", 2.0, settings, is_moving=True, budget_ms=1e-3)
-    assert last(driver.pictures(slow)).graded.shape[1] == 107, "where there is no time, it stays a sketch"
+    assert last(progressive.pictures(slow)).graded.shape[1] == 107, "where there is no time, it stays a sketch"

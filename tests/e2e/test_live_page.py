@@ -44,7 +44,7 @@ def untouched(service: str) -> None:
 
 def wait_for_pictures(page: Page, count: int) -> None:
     """Wait until so many pictures of what is tried were on screen since `WATCH`."""
-    page.wait_for_function("n => window.seen.filter(shown => shown.tried === 'true').length >= n", arg=count)
+    page.wait_for_function("n => window.seen.filter(shown => shown.unsaved === 'true').length >= n", arg=count)
 
 
 def test_a_drag_of_the_focus_is_live_and_exact_at_its_end(page: Page, service: str) -> None:
@@ -62,7 +62,7 @@ def test_a_drag_of_the_focus_is_live_and_exact_at_its_end(page: Page, service: s
         page.mouse.move(slider["x"] + (0.42 + 0.04 * step) * slider["width"], y)
         wait_for_pictures(page, step)
     expect(page.locator("canvas")).to_have_attribute("data-stage", "preview")
-    seen = [shown for shown in page.evaluate("window.seen") if shown["tried"] == "true"]
+    seen = [shown for shown in page.evaluate("window.seen") if shown["unsaved"] == "true"]
     assert len({shown["data"] for shown in seen}) > 1  # they are other pictures
     page.wait_for_function("near => document.querySelector('[data-reading=near]').innerText !== near", arg=f"{near} m")
     assert history(service) == before  # nothing is saved yet
@@ -128,7 +128,7 @@ def test_a_marker_that_is_dragged_takes_the_focus_with_it(page: Page, service: s
     expect(said).to_have_value(re.compile(rf"^{int(far_m)}\."))
     assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(placed[NEAR]["depthM"])  # it is tried, not done
     page.mouse.up()
-    page.wait_for_selector("canvas[data-settled=true][data-tried=false]")
+    page.wait_for_selector("canvas[data-settled=true][data-unsaved=false]")
     assert focus_points(service, 40)[NEAR]["depthM"] == pytest.approx(far_m, rel=0.1)
     untouched(service)
 

@@ -101,6 +101,29 @@ describe("the answer to an edit", () => {
   });
 });
 
+describe("a reading of an earlier revision", () => {
+  it("that arrives after the answer to an edit does not replace it", async () => {
+    const { fake, document } = opened();
+    const saved = await fake.readout();
+    let arrive = (): void => undefined;
+    vi.spyOn(fake, "readout").mockImplementation(
+      () =>
+        new Promise((resolve) => {
+          arrive = (): void => {
+            resolve(saved);
+          };
+        }),
+    );
+    document.follow(1, false, 0);
+    fake.state = { points: [], readout: { ...saved, fStop: 4 }, focusSettings: null, photography: null, curve: null };
+    await document.edit("a", toStop(4));
+    document.follow(1, false, document.revision.value);
+    arrive();
+    await turn();
+    expect(document.readout.value?.fStop).toBe(4);
+  });
+});
+
 describe("two editors of a shot", () => {
   it("see each other's edits when they come back to the page", async () => {
     const { fake, document } = opened();
@@ -129,20 +152,20 @@ describe("two editors of a shot", () => {
 });
 
 describe("a drag", () => {
-  it("is tried as it goes, and is one edit in the end", async () => {
+  it("is unsaved as it goes, and is one edit in the end", async () => {
     const { fake, document } = opened();
     const drag = document.drag("stop", toStop);
     for (const stop of [2.8, 4, 5.6]) {
       drag.move(stop);
-      expect(document.tried.value).toEqual(toStop(stop));
+      expect(document.unsaved.value).toEqual(toStop(stop));
     }
     await turn();
     expect([fake.made, document.revision.value, document.dragging.value]).toEqual([[], 0, true]);
     drag.commit(8);
-    expect([document.tried.value, document.dragging.value, document.pending.value]).toEqual([toStop(8), false, 1]);
+    expect([document.unsaved.value, document.dragging.value, document.pending.value]).toEqual([toStop(8), false, 1]);
     await turn();
     expect(fake.made).toEqual([toStop(8)]);
-    expect([document.tried.value, document.revision.value]).toEqual([[], 1]);
+    expect([document.unsaved.value, document.revision.value]).toEqual([[], 1]);
     expect(document.undoLabel.value).toBe("Stop");
     await document.undo();
     expect(fake.done).toEqual([]);
@@ -156,7 +179,7 @@ describe("a drag", () => {
     await turn();
     const drag = document.drag("stop", toStop);
     drag.move(4);
-    document.hearReadout({ ...told, fStop: 4 }, document.tried.value);
+    document.showReadout({ ...told, fStop: 4 }, document.unsaved.value);
     expect(document.readout.value?.fStop).toBe(4);
     drag.commit(4);
     await turn();
@@ -176,7 +199,7 @@ describe("a drag", () => {
     open();
     await turn();
     expect(fake.made).toEqual([toStop(8)]);
-    expect([document.tried.value, document.dragging.value]).toEqual([toStop(11), true]);
+    expect([document.unsaved.value, document.dragging.value]).toEqual([toStop(11), true]);
   });
 });
 
@@ -188,7 +211,7 @@ describe("a drag that comes to nothing", () => {
     drag.cancel();
     await turn();
     expect(fake.made).toEqual([]);
-    expect([document.tried.value, document.dragging.value, document.undoLabel.value]).toEqual([[], false, null]);
+    expect([document.unsaved.value, document.dragging.value, document.undoLabel.value]).toEqual([[], false, null]);
   });
 
   it("because it ends where it began is none either", async () => {
@@ -197,7 +220,7 @@ describe("a drag that comes to nothing", () => {
     drag.move(4);
     drag.commit(2);
     await turn();
-    expect([fake.made, document.tried.value, document.dragging.value]).toEqual([[], [], false]);
+    expect([fake.made, document.unsaved.value, document.dragging.value]).toEqual([[], [], false]);
   });
 
   it("because it is refused shows again what is saved", async () => {
@@ -209,6 +232,6 @@ describe("a drag that comes to nothing", () => {
     await turn();
     expect(failed).toHaveLength(1);
     expect(fake.made).toEqual([]);
-    expect([document.tried.value, document.dragging.value]).toEqual([[], false]);
+    expect([document.unsaved.value, document.dragging.value]).toEqual([[], false]);
   });
 });

@@ -5,7 +5,7 @@ import type { EditHistory } from "@/model/history";
 import type { Quality } from "@/model/quality";
 import type { FocusSettings, Readout, Shot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
-import type { LiveEar, LiveLink, LivePicture, Wish } from "@/net/live_link";
+import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
 import type { Edit, Edited, Service } from "@/net/service";
 import type { View } from "@/net/view";
 
@@ -49,10 +49,10 @@ export class FakeService implements Partial<Service> {
   #now = 0;
   readonly frames: { time: number; quality: Quality }[] = [];
   /** What live pictures were wanted, and who waits for them. */
-  readonly wishes: Wish[] = [];
-  ear: LiveEar | null = null;
+  readonly requests: PictureRequest[] = [];
+  listener: LiveListener | null = null;
   /** How often live pictures were given up. */
-  forgotten = 0;
+  cancelled = 0;
   /** Edits with a change of this type fail, as a whole. */
   failing: Change["type"] | null = null;
   /** State that answers have; null as where the service could not read any. */
@@ -121,24 +121,24 @@ export class FakeService implements Partial<Service> {
     // It keeps no tags.
   }
 
-  live(_: View, ear: LiveEar): LiveLink {
-    this.ear = ear;
+  live(_: View, listener: LiveListener): LiveLink {
+    this.listener = listener;
     return {
       free: true,
-      want: (wish) => void this.wishes.push(wish),
-      forget: () => (this.forgotten += 1),
-      close: () => (this.ear = null),
+      request: (request) => void this.requests.push(request),
+      cancel: () => (this.cancelled += 1),
+      close: () => (this.listener = null),
     };
   }
 
-  /** A picture for the newest wish comes, or for the one at an index. */
+  /** A picture for the newest request comes, or for the one at an index. */
   async show(stage: LivePicture["stage"], index = -1): Promise<void> {
-    const wish = this.wishes.at(index);
-    if (!wish || !this.ear) throw new Error("Nobody waits for a picture.");
+    const request = this.requests.at(index);
+    if (!request || !this.listener) throw new Error("Nobody waits for a picture.");
     const scale = stage === "preview" ? 0.25 : 1;
-    const { width, height, rays } = wish.quality;
+    const { width, height, rays } = request.quality;
     const said = { width: width * scale, height: height * scale, rays, share: Number(stage === "final"), tookMs: 80 };
-    await this.ear.onPicture({ blob: new Blob([stage]), stage, ...said }, wish);
+    await this.listener.onPicture({ blob: new Blob([stage]), stage, ...said }, request);
   }
 
   async frame(_: View, time: number, quality: Quality): Promise<Blob> {

@@ -1,7 +1,7 @@
 import { restQuality } from "@/model/quality";
 import type { Changes } from "@/model/changes";
 import { LiveSocket, liveAddress, type Socket } from "@/net/live";
-import type { LivePicture, Wish } from "@/net/live_link";
+import type { LivePicture, PictureRequest } from "@/net/live_link";
 
 const QUALITY = restQuality(800, 400);
 
@@ -60,14 +60,14 @@ interface Heard {
 
 function connected(): Heard & { socket: FakeSocket } {
   const [sockets, pictures, said, states]: [FakeSocket[], Heard["pictures"], unknown[], boolean[]] = [[], [], [], []];
-  const ear = {
-    onPicture: (picture: LivePicture, { time }: Wish): Promise<void> =>
+  const listener = {
+    onPicture: (picture: LivePicture, { time }: PictureRequest): Promise<void> =>
       new Promise((looked) => pictures.push({ picture, time, looked })),
     onReadout: (readout: unknown): void => void said.push(readout),
     onError: (error: unknown): void => void said.push(error),
     onOpen: (isOpen: boolean): void => void states.push(isOpen),
   };
-  const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, ear, () => {
+  const live = new LiveSocket("ws://here", { shot: "demo", camera: "/cam" }, listener, () => {
     const socket = new FakeSocket();
     sockets.push(socket);
     return socket;
@@ -77,8 +77,8 @@ function connected(): Heard & { socket: FakeSocket } {
   return { sockets, live, pictures, said, states, socket };
 }
 
-function wish(time: number, tried: Changes = [], moving = true): Wish {
-  return { time, quality: QUALITY, tried, moving };
+function request(time: number, unsaved: Changes = [], moving = true): PictureRequest {
+  return { time, quality: QUALITY, unsaved, moving };
 }
 
 beforeEach(() => {
@@ -92,11 +92,11 @@ afterEach(() => {
 describe("a live connection", () => {
   it("asks at once, and of what was wanted before it was there for the newest alone", () => {
     const { live, socket } = connected();
-    live.want(wish(1));
-    live.want(wish(2));
+    live.request(request(1));
+    live.request(request(2));
     expect(socket.sent).toEqual([]);
     socket.open();
-    live.want(wish(3));
+    live.request(request(3));
     expect(socket.sent.map(({ id, time }) => [id, time])).toEqual([
       [2, 2],
       [3, 3],
@@ -108,7 +108,7 @@ describe("a live connection", () => {
     const { live, socket } = connected();
     socket.open();
     const free = [1, 2, 3].map((time) => {
-      live.want(wish(time));
+      live.request(request(time));
       return live.free;
     });
     expect(free).toEqual([true, false, false]);
@@ -116,15 +116,15 @@ describe("a live connection", () => {
     expect(live.free).toBe(true);
   });
 
-  it("sends what is tried as the changes that an edit takes", () => {
+  it("sends what is unsaved as the changes that an edit takes", () => {
     const { live, socket } = connected();
     socket.open();
-    const tried: Changes = [
+    const unsaved: Changes = [
       { type: "setCamera", values: { focusDistanceM: 0, time: 3 } },
       { type: "movePoint", name: "side", place: [0.1, 0.2], time: 3 },
     ];
-    live.want(wish(1, tried));
-    expect(socket.sent[0]?.changes).toEqual(tried);
+    live.request(request(1, unsaved));
+    expect(socket.sent[0]?.changes).toEqual(unsaved);
   });
 });
 
@@ -132,7 +132,7 @@ describe("a live picture", () => {
   it("is acknowledged when it was looked at, and not before", async () => {
     const { live, socket, pictures } = connected();
     socket.open();
-    live.want(wish(1));
+    live.request(request(1));
     socket.picture(1, 1);
     await vi.advanceTimersByTimeAsync(0);
     expect(socket.sent).toHaveLength(1);
@@ -150,8 +150,8 @@ describe("a live picture", () => {
   it("of a request whose newer one was answered is acknowledged and not shown", async () => {
     const { live, socket, pictures } = connected();
     socket.open();
-    live.want(wish(1));
-    live.want(wish(2));
+    live.request(request(1));
+    live.request(request(2));
     socket.picture(2, 1);
     socket.picture(1, 2);
     await vi.advanceTimersByTimeAsync(0);
@@ -164,9 +164,9 @@ describe("what is given up", () => {
   it("is stopped at the service, and what still comes of it is acknowledged and not heard", async () => {
     const { live, socket, pictures, said } = connected();
     socket.open();
-    live.want(wish(1));
-    live.want(wish(2));
-    live.forget();
+    live.request(request(1));
+    live.request(request(2));
+    live.cancel();
     expect(socket.sent.at(-1)).toEqual({ stop: true });
     expect(live.free).toBe(true);
     socket.picture(2, 1);
@@ -174,18 +174,18 @@ describe("what is given up", () => {
     await vi.advanceTimersByTimeAsync(0);
     expect([pictures, said]).toEqual([[], []]);
     expect(socket.sent.at(-1)).toEqual({ ack: 1 });
-    live.want(wish(3));
+    live.request(request(3));
     socket.picture(3, 2);
     expect(pictures.map(({ time }) => time)).toEqual([3]);
   });
 
   it("is stopped once, and never asked for where there was no connection yet", () => {
     const { live, socket } = connected();
-    live.want(wish(1));
-    live.forget();
+    live.request(request(1));
+    live.cancel();
     socket.open();
     expect(socket.sent).toEqual([]);
-    live.forget();
+    live.cancel();
     expect(socket.sent).toEqual([]);
   });
 });
@@ -194,8 +194,8 @@ describe("a live connection that fails", () => {
   it("says nothing of what the service refuses before the newest", () => {
     const { live, socket, said } = connected();
     socket.open();
-    live.want(wish(1));
-    live.want(wish(2));
+    live.request(request(1));
+    live.request(request(2));
     const problem = { code: "bad", detail: "No such camera.", path: "/cam" };
     socket.say(JSON.stringify({ id: 1, status: 422, problem }));
     expect(said).toEqual([]);
@@ -206,7 +206,7 @@ describe("a live connection that fails", () => {
   it("tells what the service refuses", () => {
     const { live, socket, said } = connected();
     socket.open();
-    live.want(wish(1));
+    live.request(request(1));
     socket.say(
       JSON.stringify({ id: 1, status: 422, problem: { code: "bad", detail: "No such camera.", path: "/cam" } }),
     );
@@ -214,10 +214,10 @@ describe("a live connection that fails", () => {
     expect(live.free).toBe(true);
   });
 
-  it("that is lost is tried again, later each time, until it is given up for good", () => {
+  it("that is lost is unsaved again, later each time, until it is given up for good", () => {
     const { live, sockets, states, socket } = connected();
     socket.open();
-    live.want(wish(1));
+    live.request(request(1));
     socket.lose();
     expect(states).toEqual([true, false]);
     expect(live.free).toBe(true);

@@ -2,7 +2,7 @@ import { NewestWins } from "@/net/newest";
 
 /** A loader whose answers come when the test says so. */
 function harness(mostInFlight = 2): {
-  asked: string[];
+  loaded: string[];
   aborted: string[];
   shown: string[];
   failed: string[];
@@ -10,7 +10,7 @@ function harness(mostInFlight = 2): {
   answer: (name: string) => Promise<void>;
   refuse: (name: string) => Promise<void>;
 } {
-  const asked: string[] = [];
+  const loaded: string[] = [];
   const aborted: string[] = [];
   const shown: string[] = [];
   const failed: string[] = [];
@@ -20,7 +20,7 @@ function harness(mostInFlight = 2): {
   };
   const fetcher = new NewestWins<string, string>({
     load: (name, signal) => {
-      asked.push(name);
+      loaded.push(name);
       signal.addEventListener("abort", () => aborted.push(name));
       return new Promise((resolve, reject) => open.set(name, { resolve, reject }));
     },
@@ -29,7 +29,7 @@ function harness(mostInFlight = 2): {
     mostInFlight,
   });
   return {
-    asked,
+    loaded,
     aborted,
     shown,
     failed,
@@ -47,11 +47,11 @@ function harness(mostInFlight = 2): {
 
 describe("newest wins", () => {
   it("at most two are in flight, and of those that wait only the newest goes out", async () => {
-    const { fetcher, asked, shown, answer } = harness();
-    for (const request of ["1", "2", "3", "4", "5"]) fetcher.want({ request });
-    expect(asked).toEqual(["1", "2"]);
+    const { fetcher, loaded, shown, answer } = harness();
+    for (const request of ["1", "2", "3", "4", "5"]) fetcher.load(request);
+    expect(loaded).toEqual(["1", "2"]);
     await answer("1");
-    expect(asked).toEqual(["1", "2", "5"]);
+    expect(loaded).toEqual(["1", "2", "5"]);
     await answer("2");
     await answer("5");
     expect(shown).toEqual(["1", "2", "5"]);
@@ -60,8 +60,8 @@ describe("newest wins", () => {
 
   it("never goes back: an older answer that comes late is dropped and its request given up", async () => {
     const { fetcher, shown, aborted, answer } = harness();
-    fetcher.want({ request: "1" });
-    fetcher.want({ request: "2" });
+    fetcher.load("1");
+    fetcher.load("2");
     await answer("2");
     expect(aborted).toEqual(["1"]);
     await answer("1");
@@ -69,27 +69,27 @@ describe("newest wins", () => {
   });
 
   it("what is disposable makes room at once for anything newer", () => {
-    const { fetcher, asked, aborted } = harness(1);
-    fetcher.want({ request: "best", disposable: true });
-    fetcher.want({ request: "draft" });
+    const { fetcher, loaded, aborted } = harness(1);
+    fetcher.load("best", { disposable: true });
+    fetcher.load("draft");
     expect(aborted).toEqual(["best"]);
-    expect(asked).toEqual(["best", "draft"]);
+    expect(loaded).toEqual(["best", "draft"]);
   });
 
   it("a failure is told and does not stop what comes after", async () => {
     const { fetcher, shown, failed, answer, refuse } = harness(1);
-    fetcher.want({ request: "1" });
-    fetcher.want({ request: "2" });
+    fetcher.load("1");
+    fetcher.load("2");
     await refuse("1");
     await answer("2");
     expect(failed).toEqual(["1"]);
     expect(shown).toEqual(["2"]);
   });
 
-  it("cleared, nothing that was asked for comes any more", async () => {
+  it("cleared, nothing that was loaded for comes any more", async () => {
     const { fetcher, shown, failed, aborted, answer } = harness(1);
-    fetcher.want({ request: "1" });
-    fetcher.want({ request: "2" });
+    fetcher.load("1");
+    fetcher.load("2");
     fetcher.clear();
     await answer("1");
     expect([shown, failed, aborted]).toEqual([[], [], ["1"]]);

@@ -6,7 +6,7 @@ import { restQuality } from "@/model/quality";
 import { FakeService, SHOT } from "./fake_service";
 
 const REST = restQuality(800, 400);
-const TRIED: Changes = [{ type: "movePoint", name: "hero", place: [0.5, 0.5], time: 1 }];
+const UNSAVED: Changes = [{ type: "movePoint", name: "hero", place: [0.5, 0.5], time: 1 }];
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -22,13 +22,13 @@ function opened(): {
   fake: FakeService;
   pictures: Pictures;
   document: ShotDocument;
-  want: (time: number, moving: boolean, tried?: Changes) => void;
+  want: (time: number, moving: boolean, unsaved?: Changes) => void;
 } {
   const fake = new FakeService();
   const document = new ShotDocument(fake.service, SHOT, "/cam", signal(1), fail);
   const pictures = new Pictures(fake.service, document, fail);
-  const want = (time: number, moving: boolean, tried: Changes = []): void => {
-    pictures.want({ time, revision: document.revision.value, quality: REST, moving, tried });
+  const want = (time: number, moving: boolean, unsaved: Changes = []): void => {
+    pictures.request({ time, revision: document.revision.value, quality: REST, moving, unsaved });
   };
   return { fake, pictures, document, want };
 }
@@ -53,17 +53,17 @@ describe("live pictures", () => {
   it("are wanted once while a hand moves and again when it rests, however often the same is asked for", () => {
     const { fake, want } = opened();
     for (const moving of [true, true, false, false, true]) want(5, moving);
-    expect(fake.wishes.map((wish) => wish.moving)).toEqual([true, false]);
+    expect(fake.requests.map((request) => request.moving)).toEqual([true, false]);
   });
 
-  it("of what is tried are shown and not kept", async () => {
+  it("of what is unsaved are shown and not kept", async () => {
     const { fake, pictures, want } = opened();
-    want(1, true, TRIED);
+    want(1, true, UNSAVED);
     await fake.show("preview");
-    expect(pictures.displayed.value?.tried).toBe(TRIED);
+    expect(pictures.displayed.value?.unsaved).toBe(UNSAVED);
     expect(pictures.keptTimes.value).toEqual([]);
     want(1, true);
-    expect(fake.wishes.at(-1)?.tried).toEqual([]);
+    expect(fake.requests.at(-1)?.unsaved).toEqual([]);
   });
 });
 
@@ -77,7 +77,7 @@ describe("pictures that were shown once", () => {
     want(1, true);
     want(2, false);
     await vi.advanceTimersByTimeAsync(0);
-    expect(fake.wishes).toHaveLength(2);
+    expect(fake.requests).toHaveLength(2);
     expect(pictures.displayed.value?.time).toBe(2);
     expect(pictures.keptTimes.value.toSorted()).toEqual([1, 2]);
   });
@@ -88,7 +88,7 @@ describe("pictures that were shown once", () => {
     await fake.show("preview");
     want(2, true);
     want(1, true);
-    expect(fake.wishes).toHaveLength(3);
+    expect(fake.requests).toHaveLength(3);
     await fake.show("final", 0);
     await fake.show("preview", 2);
     want(3, true);
@@ -103,7 +103,7 @@ describe("pictures that were shown once", () => {
     await fake.show("final");
     document.refresh();
     want(1, false);
-    expect(fake.wishes).toHaveLength(2);
+    expect(fake.requests).toHaveLength(2);
   });
 });
 
@@ -115,7 +115,7 @@ describe("pictures that are kept", () => {
     want(10, false);
     await fake.show("preview");
     want(11, false);
-    expect(fake.forgotten).toBe(1);
+    expect(fake.cancelled).toBe(1);
     expect(pictures.busy.value).toBe(false);
     await vi.advanceTimersByTimeAsync(0);
     for (const stage of ["refining", "final"] as const) {
@@ -125,14 +125,14 @@ describe("pictures that are kept", () => {
     want(10, false); // which came too late to be shown, and is there now
     await vi.advanceTimersByTimeAsync(0);
     expect(pictures.displayed.value).toMatchObject({ time: 10, stage: "final" });
-    expect(fake.wishes).toHaveLength(2);
+    expect(fake.requests).toHaveLength(2);
   });
 });
 
 describe("where pictures do not come live", () => {
   it("a draft is asked for, and the whole one when all has been still", async () => {
     const { fake, pictures, want } = opened();
-    fake.ear?.onOpen(false);
+    fake.listener?.onOpen(false);
     want(5, false);
     await vi.advanceTimersByTimeAsync(200);
     expect(pictures.displayed.value).toMatchObject({ time: 5, stage: "preview" });
@@ -145,7 +145,7 @@ describe("where pictures do not come live", () => {
     const { fake, pictures, want } = opened();
     want(11, false);
     await fake.show("final");
-    fake.ear?.onOpen(false);
+    fake.listener?.onOpen(false);
     want(10, false);
     want(11, false);
     await vi.advanceTimersByTimeAsync(2000);
@@ -153,14 +153,14 @@ describe("where pictures do not come live", () => {
     expect(fake.frames.filter(({ quality }) => quality.width === REST.width && quality.rays === REST.rays)).toEqual([]);
   });
 
-  it("while things move the whole one is never asked for, and what is only tried not at all", async () => {
+  it("while things move the whole one is never asked for, and what is only unsaved not at all", async () => {
     const { fake, want } = opened();
-    fake.ear?.onOpen(false);
+    fake.listener?.onOpen(false);
     for (const time of [1, 2, 3]) {
       want(time, true);
       await vi.advanceTimersByTimeAsync(200);
     }
-    want(3, true, TRIED);
+    want(3, true, UNSAVED);
     await vi.advanceTimersByTimeAsync(5000);
     expect(fake.frames.map(({ time }) => time)).toEqual([1, 2, 3]);
     expect(fake.frames.every(({ quality }) => quality.rays < REST.rays)).toBe(true);
@@ -169,11 +169,11 @@ describe("where pictures do not come live", () => {
   it("they do again as soon as the connection is there, beginning with what was wanted last", () => {
     const { fake, pictures, want } = opened();
     want(1, false);
-    fake.ear?.onOpen(false);
+    fake.listener?.onOpen(false);
     want(2, false);
-    expect(fake.wishes).toHaveLength(1);
-    fake.ear?.onOpen(true);
-    expect(fake.wishes.map(({ time }) => time)).toEqual([1, 2]);
+    expect(fake.requests).toHaveLength(1);
+    fake.listener?.onOpen(true);
+    expect(fake.requests.map(({ time }) => time)).toEqual([1, 2]);
     expect(pictures.free).toBe(true);
   });
 });

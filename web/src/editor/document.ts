@@ -1,4 +1,4 @@
-/** One shot as it is at the service: its focus points, lens and curve, and the edits that change them. */
+/** One shot as the service has it: its focus points, lens and curve, and the edits that change them. */
 
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
 import type { Changes } from "../model/changes";
@@ -12,43 +12,43 @@ import { Recent } from "../net/recent";
 import type { Edited, Service } from "../net/service";
 import type { View } from "../net/view";
 
-const NOTHING_TRIED: Changes = [];
+const NO_CHANGES: Changes = [];
 /** Frames of a shot whose focus curve comes with the answer to an edit; that of a longer one is read after it. */
 const MOST_CURVE_FRAMES = 500;
 
 type Fail = (error: unknown) => void;
 
-/** When something was read. */
+/** Time and revision of something read. */
 interface At {
   readonly time: number;
   readonly revision: number;
 }
 
-/** A change that a person is still dragging: tried in the picture as it goes, and one edit in the end. */
+/** A drag: its values are previewed in the picture, and the last one is an edit. */
 export interface Drag<Value> {
   move(value: Value): void;
   commit(value: Value): void;
-  /** Leaves what was there before. */
+  /** Leaves the shot as it was. */
   cancel(): void;
 }
 
 export class ShotDocument {
   readonly shot: Shot;
   readonly view: View;
-  /** Goes up with every change; what was fetched for a lower one is stale. */
+  /** Goes up with every edit; data of a lower one is stale. */
   readonly revision = signal(0);
   readonly points = signal<readonly FocusPoint[]>([]);
   readonly curve = signal<Curve>([]);
-  /** What can be undone, here and by whoever else edits the shot. */
+  /** The history of the shot, which other editors share. */
   readonly history = signal(NO_HISTORY);
-  /** A hand is trying something. */
+  /** A drag is under way. */
   readonly dragging = signal(false);
-  /** What the picture shows beyond what is saved: what a hand is trying, or has just let go of. */
-  readonly tried = signal(NOTHING_TRIED);
-  /** Edits that are on their way. */
+  /** Changes that the picture shows and that are not saved: those of a drag, or of an edit that is under way. */
+  readonly unsaved = signal(NO_CHANGES);
+  /** Number of edits under way. */
   readonly pending = signal(0);
   readonly #readout = signal<(At & { readonly value: Readout }) | null>(null);
-  readonly #triedReadout = signal<{ readonly time: number; readonly value: Readout } | null>(null);
+  readonly #previewReadout = signal<{ readonly time: number; readonly value: Readout } | null>(null);
   readonly #settings = signal<{ readonly revision: number; readonly value: FocusSettings } | null>(null);
   readonly #curveRevision = signal(-1);
   readonly #time: ReadonlySignal<number>;
@@ -106,21 +106,21 @@ export class ShotDocument {
     return this.view.camera !== null;
   }
 
-  /** The lens now: as it is tried, else from the curve where it is up to date, else what the service last said. */
+  /** The lens now: of the unsaved changes, else of the present revision, else of the curve, else as last read. */
   readonly readout = computed<Readout | null>(() => {
-    const told = this.#readout.value;
-    const tried = this.#triedReadout.value;
-    if (tried && sameTime(tried.time, this.#time.value)) return tried.value;
-    if (told?.revision === this.revision.value && sameTime(told.time, this.#time.value)) return told.value;
+    const saved = this.#readout.value;
+    const unsaved = this.#previewReadout.value;
+    if (unsaved && sameTime(unsaved.time, this.#time.value)) return unsaved.value;
+    if (saved?.revision === this.revision.value && sameTime(saved.time, this.#time.value)) return saved.value;
     const sample =
       this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
-    return told && sample ? { ...told.value, ...sample } : (told?.value ?? null);
+    return saved && sample ? { ...saved.value, ...sample } : (saved?.value ?? null);
   });
 
-  /** How the focus is found, as the service last said. */
+  /** The focus settings as last read. */
   readonly focusSettings = computed(() => this.#settings.value?.value ?? null);
 
-  /** Whether `readout` and `focusSettings` are what the service has now. */
+  /** Whether `readout` and `focusSettings` are of the present revision. */
   readonly fresh = computed(
     () =>
       this.pending.value === 0 &&
@@ -128,45 +128,50 @@ export class ShotDocument {
       this.#settings.value?.revision === this.revision.value,
   );
 
-  /** Fetches what belongs to a time of a revision; while something moves only what is needed for that. */
+  /** Reads the state at a time of a revision; while something moves only the focus points. */
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;
-    this.#followPoints.want({ request: time });
+    this.#followPoints.load(time);
     if (moving) return;
     const at = { time, revision };
     const edited = this.edited(at);
-    if (edited?.readout) this.#takeReadout(edited.readout, at);
-    else this.#followReadout.want({ request: at });
-    if (edited?.focusSettings) this.#settings.value = { revision, value: edited.focusSettings };
-    else this.#followSettings.want({ request: at });
+    if (edited?.readout) {
+      this.#followReadout.clear(); // a reading under way is of an earlier revision
+      this.#takeReadout(edited.readout, at);
+    } else this.#followReadout.load(at);
+    if (edited?.focusSettings) {
+      this.#followSettings.clear();
+      this.#settings.value = { revision, value: edited.focusSettings };
+    } else this.#followSettings.load(at);
   }
 
-  /** Fetches the curve of a revision. */
+  /** Reads the curve of a revision. */
   refreshCurve(revision: number): void {
     if (!this.hasLens) return;
     if (this.#edited?.revision === revision && this.#edited.curve) {
+      this.#followCurve.clear();
       this.curve.value = this.#edited.curve;
       this.#curveRevision.value = revision;
-    } else this.#followCurve.want({ request: revision });
+    } else this.#followCurve.load(revision);
   }
 
-  /** The answer to the edit that made a revision, where it is of that time: nothing has to be read again. */
+  /** The answer to the edit that led to a revision, if it is of that time; null otherwise. */
   edited({ time, revision }: At): Edited | null {
     return this.#edited?.revision === revision && sameTime(this.#edited.time, time) ? this.#edited : null;
   }
 
-  /** The focus points at a time, asked for once in each revision. */
+  /** The focus points at a time, read once in each revision. */
   pointsAt(time: number): Promise<readonly FocusPoint[]> {
     if (!this.hasLens) return Promise.resolve([]);
     const name = nameOf({ time, revision: this.revision.value });
     const known = this.#pointsAt.get(name);
     if (known) return known;
-    const asked = this.#service.focusPoints(this.view, time);
-    this.#pointsAt.set(name, asked);
-    asked.catch(() => {
+    const points = this.#service.focusPoints(this.view, time);
+    this.#pointsAt.set(name, points);
+    points.catch(() => {
       this.#pointsAt.delete(name);
     });
-    return asked;
+    return points;
   }
 
   readonly undoLabel = computed(() => undoLabel(this.history.value));
@@ -175,12 +180,12 @@ export class ShotDocument {
   /**
    * Makes an edit: one request, all of it or nothing, one step of undo. Resolves to whether it was made.
    *
-   * @param changes a promise where they have to be read first, as from a file.
-   * @param tried is shown until then, and is what comes of it.
+   * @param changes of the edit; a promise where a file has to be read first.
+   * @param unsaved changes that the picture shows until the edit is made.
    */
-  edit(label: string, changes: Changes | Promise<Changes>, tried?: Changes): Promise<boolean> {
+  edit(label: string, changes: Changes | Promise<Changes>, unsaved?: Changes): Promise<boolean> {
     if (!(changes instanceof Promise) && changes.length === 0) {
-      if (tried) this.stopTrying();
+      if (unsaved) this.endPreview();
       return Promise.resolve(true);
     }
     const time = this.#time.peek();
@@ -189,10 +194,10 @@ export class ShotDocument {
       const edited = await this.#service.edit(this.view, { label, changes: await changes, time, withCurve });
       this.history.value = edited.history;
       return { ...edited, time };
-    }, tried);
+    }, unsaved);
   }
 
-  /** Takes back the last edit; nothing where somebody edited since it was shown what that is. */
+  /** Undoes the last edit, unless another editor has edited since the history was read. */
   undo(): Promise<boolean> {
     if (this.pending.peek() === 0 && this.history.peek().before === null) return Promise.resolve(false);
     return this.#inTurn(async () => {
@@ -211,7 +216,7 @@ export class ShotDocument {
     });
   }
 
-  /** Looks whether somebody else edited the shot, and if so shows it as it is now. */
+  /** Reads the history, and the shot again if another editor has changed it. */
   async catchUp(): Promise<void> {
     const known = this.history.peek();
     try {
@@ -226,54 +231,54 @@ export class ShotDocument {
   }
 
   /**
-   * Starts a drag. Its values are tried in the picture; the last one is made an edit.
+   * Starts a drag. Its values are previewed in the picture; the last one is an edit.
    *
    * @param make the changes to a value.
    */
   drag<Value>(label: string, make: (value: Value) => Changes): Drag<Value> {
     return {
       move: (value) => {
-        this.try(make(value));
+        this.preview(make(value));
       },
       commit: (value) => {
         const changes = make(value);
-        this.tried.value = changes;
+        this.unsaved.value = changes;
         void this.edit(label, changes, changes);
         this.dragging.value = false;
       },
       cancel: () => {
-        this.stopTrying();
+        this.endPreview();
       },
     };
   }
 
-  /** Has the picture show what is not saved, in place of what it tried before. */
-  try(tried: Changes): void {
+  /** Shows unsaved changes in the picture, in place of those before. */
+  preview(unsaved: Changes): void {
     batch(() => {
-      this.tried.value = tried;
+      this.unsaved.value = unsaved;
       this.dragging.value = true;
     });
   }
 
-  /** Shows again what is saved. */
-  stopTrying(): void {
+  /** Shows the saved state again. */
+  endPreview(): void {
     batch(() => {
-      this.tried.value = NOTHING_TRIED;
-      this.#triedReadout.value = null;
+      this.unsaved.value = NO_CHANGES;
+      this.#previewReadout.value = null;
       this.dragging.value = false;
     });
   }
 
-  /** The lens in a picture in which something was tried. */
-  hearReadout(readout: Readout, tried: Changes): void {
-    if (tried === this.tried.value || this.dragging.value)
-      this.#triedReadout.value = { time: this.#time.peek(), value: readout };
+  /** Takes the readout of the lens in a picture with unsaved changes. */
+  showReadout(readout: Readout, unsaved: Changes): void {
+    if (unsaved === this.unsaved.value || this.dragging.value)
+      this.#previewReadout.value = { time: this.#time.peek(), value: readout };
   }
 
   /**
    * Shows the shot as it is now.
    *
-   * @param edited what the answer to an edit says of it; null reads everything again.
+   * @param edited answer to an edit, which is shown as it is; null reads everything again.
    */
   refresh(edited: (Edited & { readonly time: number }) | null = null): void {
     const revision = this.revision.value + 1;
@@ -284,7 +289,7 @@ export class ShotDocument {
     this.revision.value = revision;
   }
 
-  /** Lets go of everything that is under way. */
+  /** Cancels all that is under way. */
   close(): void {
     for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings, this.#followCurve])
       follower.clear();
@@ -293,17 +298,17 @@ export class ShotDocument {
   #takeReadout(value: Readout, at: At): void {
     batch(() => {
       this.#readout.value = { ...at, value };
-      if (at.revision === this.revision.value && this.tried.value.length === 0) this.#triedReadout.value = null;
+      if (at.revision === this.revision.value && this.unsaved.value.length === 0) this.#previewReadout.value = null;
     });
   }
 
   /**
-   * Does something after all that was begun before, and then shows the shot as it is. Resolves to whether it was done.
+   * Runs a task after those before it, and then shows the shot as it is. Resolves to whether the task succeeded.
    *
-   * @param task resolves to the answer to an edit, or to null where everything is to be read again.
-   * @param tried is not shown any more then.
+   * @param task resolves to the answer to an edit, or to null to read everything again.
+   * @param unsaved changes whose preview ends with the task.
    */
-  #inTurn(task: () => Promise<(Edited & { readonly time: number }) | null>, tried?: Changes): Promise<boolean> {
+  #inTurn(task: () => Promise<(Edited & { readonly time: number }) | null>, unsaved?: Changes): Promise<boolean> {
     this.pending.value += 1;
     const done = this.#queue.then(async () => {
       let edited: (Edited & { readonly time: number }) | null = null;
@@ -312,12 +317,12 @@ export class ShotDocument {
         return true;
       } catch (error) {
         if (!isAbort(error)) this.#fail(error);
-        this.#triedReadout.value = null;
+        this.#previewReadout.value = null;
         this.history.value = await this.#service.history(this.shot.id).catch(() => this.history.peek());
         return false;
       } finally {
         batch(() => {
-          if (tried && this.tried.value === tried) this.tried.value = NOTHING_TRIED;
+          if (unsaved && this.unsaved.value === unsaved) this.unsaved.value = NO_CHANGES;
           this.refresh(edited);
           this.pending.value -= 1;
         });
@@ -328,7 +333,7 @@ export class ShotDocument {
   }
 }
 
-/** Names what was read at a time of a revision. */
+/** Key of what was read at a time of a revision. */
 function nameOf({ time, revision }: At): string {
   return `${revision}@${time}`;
 }

@@ -1,4 +1,4 @@
-/** The whole editor: the shots, the open one, what is remembered, and what went wrong last. */
+/** The whole editor: the shots, the open one, the remembered choices, and the last error. */
 
 import { signal } from "@preact/signals";
 import type { LensSummary } from "../model/lens";
@@ -23,13 +23,13 @@ export class Editor {
   readonly lenses = signal<readonly LensSummary[]>([]);
   /** The libraries of films and bodies; empty until they are there. */
   readonly libraries = signal<Libraries>(NO_LIBRARIES);
-  /** A sheet about a lens or a film that is looked at. */
+  /** The sheet of a lens or a film that is open. */
   readonly sheet = signal<Sheet | null>(null);
   /** The shot that is being opened. */
   readonly opening = signal<string | null>(null);
   readonly complaint = signal<Complaint | null>(null);
   readonly helpOpen = signal(false);
-  /** What is being made for download, in words. */
+  /** Name of the download under way. */
   readonly exporting = signal<string | null>(null);
 
   readonly service: Service;
@@ -39,12 +39,12 @@ export class Editor {
     this.library = new Library(service, this.fail);
   }
 
-  /** Takes note of an error, unless it only says that something was given up on purpose. */
+  /** Shows an error, unless its request was cancelled on purpose. */
   readonly fail = (error: unknown): void => {
     if (!isAbort(error)) this.complaint.value = complaintOf(error);
   };
 
-  /** Lists the shots and opens one: the asked, else the first. */
+  /** Lists the shots and opens the given one, else the first. */
   async start(shot: string | null, camera: string | null, time: number | null): Promise<void> {
     void this.#readLibraries();
     await this.library.refresh();
@@ -53,7 +53,7 @@ export class Editor {
     if (chosen) await this.open(chosen.id, camera, time);
   }
 
-  /** Asks again for what failed. */
+  /** Reads again after a failure. */
   async retry(): Promise<void> {
     this.complaint.value = null;
     if (this.session.value) this.session.value.document.refresh();
@@ -65,7 +65,7 @@ export class Editor {
     this.opening.value = shot;
     try {
       const opened = await this.service.open(shot);
-      if (this.opening.value !== shot) return; // another was asked for meanwhile
+      if (this.opening.value !== shot) return; // another shot was requested meanwhile
       const known = opened.cameras.some((candidate) => candidate.path === camera);
       const view = known ? camera : opened.defaultCamera;
       this.complaint.value = null;
@@ -108,7 +108,7 @@ export class Editor {
     }
   }
 
-  /** Makes something for download and hands it to `save`. */
+  /** Makes a download and hands it to `save`. */
   async export(what: string, make: () => Promise<Download>, save: (download: Download) => void): Promise<void> {
     this.exporting.value = what;
     try {

@@ -1,4 +1,4 @@
-/** The shots that the service has, and those on their way to it. */
+/** The shots of the service, and the uploads. */
 
 import { signal } from "@preact/signals";
 import type { ShotSummary } from "../model/shot";

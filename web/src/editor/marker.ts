@@ -1,4 +1,4 @@
-/** A focus point's marker in somebody's hand: the picture shows the focus where the point would be if it were let go. */
+/** The drag of a focus point's marker: the picture previews the focus at the pointer. */
 
 import type { FocusPoint } from "../model/shot";
 import type { Session } from "./session";
@@ -19,20 +19,20 @@ export class MarkerDrag {
     const { name } = this.#point;
     this.#last = at;
     this.#session.selected.value = name;
-    this.#session.document.try([{ type: "movePoint", name, place: at, time: this.#session.playhead.time.peek() }]);
+    this.#session.document.preview([{ type: "movePoint", name, place: at, time: this.#session.playhead.time.peek() }]);
   }
 
   /** Puts the point there. */
   async drop(): Promise<void> {
     const { document } = this.#session;
     if (!this.#last) return;
-    const tried = document.tried.peek();
+    const unsaved = document.unsaved.peek();
     document.dragging.value = false;
     await this.#session.click(this.#last, "move");
-    if (document.tried.peek() === tried) document.stopTrying(); // there was nothing to put it on
+    if (document.unsaved.peek() === unsaved) document.endPreview(); // there was nothing to put it on
   }
 
   cancel(): void {
-    this.#session.document.stopTrying();
+    this.#session.document.endPreview();
   }
 }

@@ -1,4 +1,4 @@
-/** How the camera of an open shot takes the picture, kept up with its time and its edits; and the edits of that. */
+/** Exposure, film and meter of the camera of an open shot, read at its time and revision, and their edits. */
 
 import { computed, signal } from "@preact/signals";
 import {
@@ -12,7 +12,7 @@ import {
   type FilmNumber,
   type FilmSettings,
   type GradeChoices,
-  type MeterAsked,
+  type MeterRequest,
   type MeterMode,
   type MeterReading,
   type Photography,
@@ -28,17 +28,17 @@ interface At {
 }
 
 export class CameraPhotography {
-  /** What the camera says, as the service last said. */
+  /** The settings as last read. */
   readonly said = signal<(Photography & At) | null>(null);
   readonly meter = signal<(MeterReading & At) | null>(null);
   readonly grades = signal<GradeChoices | null>(null);
-  /** What the meter looks at where it decides nothing. */
+  /** Mode of the meter where it does not set the exposure. */
   readonly meterMode = signal<MeterMode>("center");
 
   readonly #document: ShotDocument;
   readonly #time: () => number;
   readonly #follow: NewestWins<At, Photography>;
-  readonly #followMeter: NewestWins<At & { asked: MeterAsked | null }, MeterReading>;
+  readonly #followMeter: NewestWins<At & { request: MeterRequest | null }, MeterReading>;
   readonly #service: Service;
   readonly #fail: (error: unknown) => void;
 
@@ -54,40 +54,42 @@ export class CameraPhotography {
       mostInFlight: 1,
     });
     this.#followMeter = new NewestWins({
-      load: ({ time, asked }, signal) => service.meter(document.view, time, asked, signal),
+      load: ({ time, request }, signal) => service.meter(document.view, time, request, signal),
       onResult: (value, { time, revision }) => (this.meter.value = { ...value, time, revision }),
       onError: fail,
       mostInFlight: 1,
     });
   }
 
-  /** Whether `said` is what the service has now. */
+  /** Whether the settings are of the present revision. */
   readonly fresh = computed(
     () => this.#document.pending.value === 0 && this.said.value?.revision === this.#document.revision.value,
   );
 
   follow(time: number, moving: boolean, revision: number): void {
-    // While something moves, what is dragged is shown as it goes and the rest can wait.
+    // While something moves the dragged value is shown, and the rest can wait.
     if (!this.#document.hasLens || (moving && this.said.peek() !== null)) return;
     const at = { time, revision };
     const photography = this.#document.edited(at)?.photography;
-    if (photography) this.said.value = { ...photography, ...at };
-    else this.#follow.want({ request: at });
+    if (photography) {
+      this.#follow.clear(); // a reading under way is of an earlier revision
+      this.said.value = { ...photography, ...at };
+    } else this.#follow.load(at);
   }
 
   /**
-   * Meters the light; the device that draws pictures does it, so it is asked last.
+   * Meters the light, on the device that draws the pictures: so it comes last.
    *
    * @param point name of the focus point that a spot is on; null for the camera's own spot.
    */
   measure(time: number, revision: number, mode: MeterMode, point: string | null): void {
     if (!this.#document.hasLens) return;
     const decides = this.said.peek()?.exposure.meteringMode !== "manual";
-    const asked = decides ? null : { mode, point: mode === "spot" ? point : null };
-    this.#followMeter.want({ request: { time, revision, asked } });
+    const request = decides ? null : { mode, point: mode === "spot" ? point : null };
+    this.#followMeter.load({ time, revision, request });
   }
 
-  /** Fetches what the picture can be graded by, once. */
+  /** Reads the grades to choose from, once. */
   readGrades(): void {
     if (!this.#document.hasLens || this.grades.peek()) return;
     this.#service

@@ -12,7 +12,7 @@ export class Playhead {
   readonly #isFree: () => boolean;
   #request = 0;
 
-  /** @param isFree whether a picture that is asked for now is asked for at once; else playing skips the frame. */
+  /** @param isFree whether a picture can be requested at once; else playing skips the frame. */
   constructor(range: FrameRange, time: number, isFree: () => boolean) {
     this.range = range;
     this.#isFree = isFree;

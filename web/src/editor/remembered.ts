@@ -1,4 +1,4 @@
-/** What the page remembers of a person between visits, and never undoes. */
+/** Choices that the page remembers between visits; undo leaves them alone. */
 
 import { effect, signal, type Signal } from "@preact/signals";
 import type { LengthUnit } from "../model/distance";
@@ -11,7 +11,7 @@ export type Panel = (typeof PANELS)[number];
 
 export class Remembered {
   readonly unit = remembered<LengthUnit>("unit", "m", ["m", "ft"]);
-  /** What stands around the picture. */
+  /** Brightness around the picture. */
   readonly surround = remembered<Surround>("surround", "grey", SURROUNDS);
   /** Whether focus points are drawn on the picture. */
   readonly markers = remembered<"on" | "off">("markers", "on", ["on", "off"]);

@@ -1,4 +1,4 @@
-/** One open shot: its document, its time, its picture, what is selected, and what a click does. */
+/** One open shot: its document, time, pictures and selection, and the gestures on them. */
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import {
@@ -46,7 +46,7 @@ import { CameraPhotography } from "./photography";
 import { Pictures } from "./pictures";
 import { Playhead } from "./playhead";
 
-/** What a click on the picture does. */
+/** Gesture of a click on the picture. */
 export type ClickIntent = "pull" | "add" | "move";
 
 const MODE_NAMES: Readonly<Record<FocusMode, string>> = {
@@ -68,17 +68,17 @@ export class Session {
   readonly notes = signal<readonly Note[]>([]);
   /** Name of the selected focus point. */
   readonly selected = signal<string | null>(null);
-  /** Moments of the shutter's opening that pictures at rest are made of. */
+  /** Moments of the shutter interval in pictures at rest. */
   readonly motion = signal(1);
   /** Device pixels that the picture has on screen. */
   readonly box = signal<{ readonly width: number; readonly height: number } | null>(null);
-  /** Where a click is being looked up, in the picture. */
+  /** Place of a click whose pick is under way, 0 to 1. */
   readonly picking = signal<readonly [number, number] | null>(null);
 
   readonly #service: Service;
   readonly #fail: (error: unknown) => void;
   readonly #stop: () => void;
-  #notesAsked = false;
+  #hasReadNotes = false;
 
   constructor(service: Service, shot: Shot, camera: string | null, time: number, fail: (error: unknown) => void) {
     this.#service = service;
@@ -111,7 +111,7 @@ export class Session {
     return (
       shown !== null &&
       shown.stage === "final" &&
-      shown.tried.length === 0 &&
+      shown.unsaved.length === 0 &&
       !this.moving.value &&
       this.document.pending.value === 0 &&
       shown.revision === this.document.revision.value &&
@@ -153,7 +153,7 @@ export class Session {
     const moved = intent === "move" ? points.find((point) => point.name === this.selected.value) : undefined;
     if (moved) {
       const changes: Changes = [{ type: "movePoint", name: moved.name, anchor, time }];
-      await this.document.edit(`Move ${moved.name}`, changes, this.document.tried.peek());
+      await this.document.edit(`Move ${moved.name}`, changes, this.document.unsaved.peek());
       return;
     }
     const name = freshName(
@@ -284,7 +284,7 @@ export class Session {
     return this.#service.downloadEdits(this.shot.id);
   }
 
-  /** The frame at this time, as large as a delivery: not as the viewer happens to be. */
+  /** Downloads the frame at this time in delivery size. */
   downloadFrame(format: PictureFormat): Promise<Download> {
     const quality = restQuality(DELIVERY_WIDTH_PX, DELIVERY_WIDTH_PX / this.aspect, this.motion.value);
     // A file may take its time: the scene is drawn at each moment.
@@ -300,7 +300,7 @@ export class Session {
     this.pictures.close();
   }
 
-  /** Fetches what the present state needs, whenever it changes. */
+  /** Reads what the present state needs, whenever it changes. */
   #follow(): () => void {
     void this.document.catchUp();
     const stops = [
@@ -309,11 +309,11 @@ export class Session {
       }),
       effect(() => {
         const [box, time, revision] = [this.box.value, this.playhead.time.value, this.document.revision.value];
-        const [tried, motion] = [this.document.tried.value, this.motion.value];
-        // While an edit is on its way the picture of what comes of it is wanted soon.
+        const [unsaved, motion] = [this.document.unsaved.value, this.motion.value];
+        // While an edit is under way the next request follows soon.
         const moving = this.moving.value || this.document.pending.value > 0;
         if (!box) return;
-        this.pictures.want({ time, revision, tried, moving, quality: restQuality(box.width, box.height, motion) });
+        this.pictures.request({ time, revision, unsaved, moving, quality: restQuality(box.width, box.height, motion) });
       }),
       effect(() => {
         this.photography.follow(this.playhead.time.value, this.moving.value, this.document.revision.value);
@@ -325,8 +325,8 @@ export class Session {
       }),
       effect(() => {
         // Last of all, since it reads the whole shot; once.
-        if (this.settled.value && !this.#notesAsked) {
-          this.#notesAsked = true;
+        if (this.settled.value && !this.#hasReadNotes) {
+          this.#hasReadNotes = true;
           this.#service.notes(this.shot.id).then((notes) => (this.notes.value = notes), this.#fail);
         }
       }),

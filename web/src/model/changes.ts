@@ -87,7 +87,7 @@ export function setFocusMode(mode: FocusMode, before: FocusMode): Changes {
   return mode === before ? [] : [{ type: "setFocus", values: { mode } }];
 }
 
-/** Sets how the focus is found: with keys it gets one at the time, else it holds for the whole shot. */
+/** Sets focus settings: keyed ones get a key at the time, others hold for the whole shot. */
 export function setFocus(values: FocusChange, time: number, before: FocusSettings): Changes {
   return [{ type: "setFocus", values: { ...values, ...keyTime(values, time, before.keys) } }];
 }

@@ -7,7 +7,7 @@ export interface CurvePoint {
   readonly name: string;
   /** Along the view axis, or null where the point has no place or is behind the camera. */
   readonly depthM: number | null;
-  /** Of the weight that decided the focus, 0 to 1. */
+  /** Share of the weight that decided the focus, 0 to 1. */
   readonly share: number;
 }
 

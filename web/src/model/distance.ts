@@ -49,7 +49,7 @@ export function formatMark(distanceM: number, unit: LengthUnit): string {
 }
 
 /**
- * What a person typed, in metres: `2.5`, `2.5 m`, `85 cm`, `10'`, `10' 6"`, `10ft`, `∞` or `inf`.
+ * A typed distance in metres: `2.5`, `2.5 m`, `85 cm`, `10'`, `10' 6"`, `10ft`, `∞` or `inf`.
  *
  * @param unit of a number that names none.
  * @returns `null` for what is no distance above 0.

@@ -1,12 +1,12 @@
 /**
- * What can be undone: the service keeps the states of a shot's edits, for all who edit it and from one visit to the next.
+ * The history of a shot's edits, which the service keeps for all editors and from one visit to the next.
  *
  * Time, selection and playing are momentary and never come here; surround and units are remembered and never come here
  * either.
  */
 
 export interface EditHistory {
-  /** Of the present state. */
+  /** Revision of the present state. */
   readonly revision: string;
   /** Revision that an undo goes back to; null for nothing to undo. */
   readonly before: string | null;
@@ -20,17 +20,17 @@ export interface EditHistory {
 
 export const NO_HISTORY: EditHistory = { revision: "", before: null, after: null, undo: "", redo: "" };
 
-/** What an undo would take back, for a button: "Focus on lantern"; null for nothing. */
+/** Label of an undo button, such as "Focus on lantern"; null for nothing to undo. */
 export function undoLabel(history: EditHistory): string | null {
   return history.before === null ? null : capitalised(history.undo);
 }
 
-/** What a redo would do again; null for nothing. */
+/** Label of a redo button; null for nothing to redo. */
 export function redoLabel(history: EditHistory): string | null {
   return history.after === null ? null : capitalised(history.redo);
 }
 
-/** Edits that were made without a label have the service's words, in lower case. */
+/** Labels of the service itself are in lower case. */
 function capitalised(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -5,7 +5,7 @@ import type { Readout } from "./shot";
 export interface LensSummary {
   /** In addresses and edits. */
   readonly name: string;
-  /** What is engraved on it: its name, focal length and f-number. */
+  /** Engraving: name, focal length and f-number. */
   readonly title: string;
   readonly model: string;
   readonly focalLengthMm: number;
@@ -19,7 +19,7 @@ export interface LensSummary {
   readonly sheet: string;
 }
 
-/** What stands on the camera: a lens of the library, the thin lens, or another that the shot or a file brought. */
+/** The lens on the camera: of the library, the thin lens, or one of the shot or of a file. */
 export type MountedLens =
   | { readonly kind: "library"; readonly lens: LensSummary }
   | { readonly kind: "thin" }
@@ -32,7 +32,7 @@ export function mountedLens(readout: Readout, lenses: readonly LensSummary[]): M
   return { kind: "other", title: readout.lensName || `A ${readout.lensModel} lens` };
 }
 
-/** The lenses as a list shows them: those that are made of glass, and those that have errors of a kind. */
+/** The lenses in groups, as a list shows them: of glass, and by a model. */
 export function grouped(lenses: readonly LensSummary[]): readonly (readonly [string, readonly LensSummary[]])[] {
   const isGlass = ({ model }: LensSummary): boolean => ["prescription", "spherical", "heightField"].includes(model);
   return [

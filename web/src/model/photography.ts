@@ -49,7 +49,7 @@ export interface ExposureReadout {
 }
 
 /** What a meter is to look at. */
-export interface MeterAsked {
+export interface MeterRequest {
   readonly mode: MeterMode;
   /** Name of the focus point that a spot is on; null for the camera's own spot. */
   readonly point: string | null;

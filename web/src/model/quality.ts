@@ -1,4 +1,4 @@
-/** How good a picture to ask for. Live pictures begin with what comes in time and end with it. */
+/** Quality of a requested picture: that of the final one, where it is live. */
 
 export interface Quality {
   readonly width: number;
@@ -29,7 +29,7 @@ export function restQuality(widthPx: number, heightPx: number, motion = 1): Qual
 /** Moments of a picture at rest that shows motion. */
 export const MOTION_MOMENTS = 16;
 
-/** The picture to ask for while something moves where pictures are not live: little work, and the same each time. */
+/** The quality while something moves, where pictures are not live: little work, and always the same. */
 export function draftQuality(rest: Quality): Quality {
   const size = even(rest.width / 2, rest.height / 2);
   return { ...rest, ...size, rays: 24, layers: 2, supersample: 1, motion: 1, format: "jpeg" };

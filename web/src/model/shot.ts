@@ -1,4 +1,4 @@
-/** What the page knows of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
+/** Data of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
 
 import type { Key, Keyed } from "./keys";
 import type { FrameRange } from "./time";
@@ -24,15 +24,15 @@ export interface Note {
   readonly message: string;
 }
 
-/** What does not change while a shot is open. */
+/** Data that does not change while a shot is open. */
 export interface Shot extends ShotSummary {
   readonly range: FrameRange;
   readonly cameras: readonly CameraSummary[];
-  /** The camera that a renderer would take unasked; null where the shot has none and one is made to frame it. */
+  /** The default camera; null where the shot has none and a camera is made that frames it. */
   readonly defaultCamera: string | null;
 }
 
-/** What the lens is set to at one time. */
+/** Settings of the lens at one time. */
 export interface Lens {
   /** 0 is a pinhole. */
   readonly fStop: number;
@@ -48,14 +48,14 @@ export interface Lens {
 export const FOCUS_MODES = ["manual", "points", "tiltPlane", "surface"] as const;
 export type FocusMode = (typeof FOCUS_MODES)[number];
 
-/** How the focus is found, apart from the points. All but the mode takes keys. */
+/** Focus settings, apart from the points. All but the mode take keys. */
 export interface FocusSettings {
   readonly mode: FocusMode;
   /** Whether the points also set the f-number. */
   readonly solveStop: boolean;
   /** Time over which the solved focus is smoothed. */
   readonly smoothingS: number;
-  /** How late the focus follows. */
+  /** Delay of the focus behind its points. */
   readonly lagS: number;
   /** Circle of confusion that a followed point may reach before the focus moves. */
   readonly deadZoneMm: number;
@@ -71,17 +71,17 @@ export interface FocusSettings {
   readonly swingDeg: number;
   /** In the mode `tiltPlane`: whether the points tilt the lens. */
   readonly drivenByPoints: boolean;
-  /** How far they may. */
+  /** Largest angle that they may tilt it. */
   readonly maxAngleDeg: number;
   /** Whether points outside the frame count. */
   readonly offScreen: OffScreen;
   /** Whether points count that something stands before. */
   readonly occluded: Occluded;
-  /** How fast the focus ring may turn; 0 sets no bound. */
+  /** Largest speed of the focus ring; 0 sets no bound. */
   readonly maxSpeedDegS: number;
   /** Circle of confusion that counts as sharp, a diameter on the film; 0 takes the gate's usual one. */
   readonly circleOfConfusionMm: number;
-  /** Of the settings that have any, and of the lens. */
+  /** Keys of these settings and of the lens. */
   readonly keys: Keyed;
 }
 
@@ -106,15 +106,15 @@ export interface LensSample extends Lens {
 export interface Readout extends LensSample {
   /** For the whole shot. */
   readonly focusMode: FocusMode;
-  /** What could not be done as asked, in a sentence; or empty. */
+  /** Sentence about a setting that the lens cannot follow; or empty. */
   readonly note: string;
   /** Turn of the lens, positive looks up. */
   readonly tiltDeg: number;
   /** Turn of the lens before the tilt, positive looks left. */
   readonly swingDeg: number;
-  /** What is engraved on the lens; may be empty. */
+  /** Engraving of the lens; may be empty. */
   readonly lensName: string;
-  /** How light passes it. */
+  /** Model of how light passes the lens. */
   readonly lensModel: string;
 }
 
@@ -130,22 +130,22 @@ export interface Anchor {
   /** Which triangle of the face's fan. */
   readonly fanTriangle: number;
   readonly barycentric: readonly [number, number, number];
-  /** Of the point instancer, or -1. */
+  /** Instance of the point instancer, or -1. */
   readonly instance: number;
 }
 
-/** What a focus point asks for, apart from its keys. */
+/** Values of a focus point, apart from its keys. */
 export interface PointSettings {
   readonly enabled: boolean;
   readonly weight: number;
   readonly kind: "sharp" | "soft";
-  /** Of a soft point: diameter of its circle of confusion on the film. */
+  /** Diameter of a soft point's circle of confusion on the film. */
   readonly blurMm: number;
   /** Distance in frame widths where its influence ends; 0 is nowhere. */
   readonly falloff: number;
   /** From the anchor, in scene units and the target's own space. */
   readonly offset: readonly [number, number, number];
-  /** Of a soft point without blur: how far behind it the focus lies, in scene units. */
+  /** Distance of the focus behind a soft point without blur, in scene units. */
   readonly surfaceOffset: number;
   /** Depth of field around it in surface mode, relative to the lens's. */
   readonly extent: number;
@@ -158,7 +158,7 @@ export interface FocusPoint {
   readonly settings: PointSettings;
   /** By attribute; those that are not keyed are not there. */
   readonly keys: Readonly<Partial<Record<KeyedAttribute, readonly Key[]>>>;
-  /** Of the weight that decides the focus, 0 to 1. */
+  /** Share of the weight that decides the focus, 0 to 1. */
   readonly share: number;
   /** Along the view axis, negative behind the camera; null where the point has no place at this time. */
   readonly depthM: number | null;
@@ -166,7 +166,7 @@ export interface FocusPoint {
   readonly screen: readonly [number, number] | null;
 }
 
-/** How a rack from one point to another goes: evenly, or softly at its start, its end or both. */
+/** Ease of a rack: even, or soft at its start, its end or both. */
 export const EASES = ["smooth", "in", "out", "linear"] as const;
 export type Ease = (typeof EASES)[number];
 
@@ -180,7 +180,7 @@ export interface Rack {
   readonly ease: Ease;
 }
 
-/** What was found under a click. */
+/** The surface under a click. */
 export interface Pick {
   readonly anchor: Anchor;
   readonly depthM: number;
@@ -202,7 +202,7 @@ export function primName(path: string): string {
 }
 
 /**
- * What people would call the thing at a prim path: its name with that of what it is a part of.
+ * A name for the thing at a prim path: its own with that of its parent.
  *
  * Meshes are often named after their material or just `mesh`; the scope right under the root says nothing either way.
  */

@@ -5,11 +5,11 @@ export interface FrameRange {
   readonly start: number;
   /** Last time code, included. */
   readonly end: number;
-  /** How many frames pass in one second of the shot. */
+  /** Frames in one second of the shot. */
   readonly framesPerSecond: number;
 }
 
-/** How many frames the range holds, both ends counted; at least 1. */
+/** Number of frames of the range, both ends included; at least 1. */
 export function frameCount(range: FrameRange): number {
   return Math.max(1, Math.floor(range.end - range.start + 1e-6) + 1);
 }

@@ -1,4 +1,4 @@
-/** From what travels as JSON to the model and back: `null` distances are infinite, keys ride with their points. */
+/** From JSON to the model: `null` distances are infinite, keys stay with their points. */
 
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
@@ -88,7 +88,7 @@ export function toFilm(json: Json["FilmSummary"], base: string): FilmSummary {
 }
 
 function toKeyed(keys: Readonly<Record<string, readonly Json["Key"][]>>): Keyed {
-  return Object.fromEntries(Object.entries(keys).map(([name, found]) => [name, toKeys(found)]));
+  return Object.fromEntries(Object.entries(keys).map(([name, ofName]) => [name, toKeys(ofName)]));
 }
 
 export function toLens(json: Json["LensSummary"], base: string): LensSummary {

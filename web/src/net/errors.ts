@@ -1,4 +1,4 @@
-/** What can go wrong between page and service, and how to say it in one line. */
+/** Errors between page and service, and one line for a person about each. */
 
 /** The one shape of the service's errors. */
 export interface Problem {
@@ -7,7 +7,7 @@ export interface Problem {
   readonly path?: string | null;
 }
 
-/** The service refused, or failed, and said why. */
+/** The service refused a request or failed, with a reason. */
 export class ServiceError extends Error {
   readonly code: string;
   readonly path: string | null;
@@ -30,7 +30,7 @@ export class UnreachableError extends Error {
   }
 }
 
-/** Nothing failed, but what was wanted cannot be. */
+/** Nothing failed, but the gesture has no effect. */
 export class HintError extends Error {
   readonly advice: string;
 
@@ -86,7 +86,7 @@ export function complaintOf(error: unknown): Complaint {
   };
 }
 
-/** Two people edit the same thing: what is seen was out of date, so nothing is done with it. */
+/** Another editor changed the same resource: the page was out of date, so nothing is changed. */
 const CHANGED_MEANWHILE: Complaint = {
   message: "Somebody else changed this meanwhile.",
   advice: "It is shown as it is now; repeat your edit if you still want it.",

@@ -4,7 +4,7 @@ import createClient, { type Client } from "openapi-fetch";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
-import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
+import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import {
@@ -25,14 +25,14 @@ import {
 } from "./convert";
 import { errorOf, isAbort, UnreachableError } from "./errors";
 import { LiveSocket, liveAddress } from "./live";
-import type { LiveEar, LiveLink } from "./live_link";
+import type { LiveListener, LiveLink } from "./live_link";
 import type { paths } from "./schema";
 import type { CurveFormat, Download, Edit, Edited, PictureFormat, Service } from "./service";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
 
-/** What openapi-fetch resolves to: one of the two is there. */
+/** Answer of openapi-fetch: either data or an error. */
 interface Answer<Data> {
   readonly data?: Data;
   readonly error?: unknown;
@@ -86,18 +86,21 @@ export class HttpService implements Service {
 
   async photography(view: View, time: number, signal?: AbortSignal): Promise<Photography> {
     const read = this.#tagsOf(view).reading();
-    const asked = { ...at(view, { time }), ...abortable(signal) };
+    const options = { ...at(view, { time }), ...abortable(signal) };
     const [exposure, film, readout] = await Promise.all([
-      result(this.#client.GET("/v1/shots/{shot}/camera/exposure", asked)),
-      result(this.#client.GET("/v1/shots/{shot}/camera/film", asked)),
-      result(this.#client.GET("/v1/shots/{shot}/readout/exposure", asked)),
+      result(this.#client.GET("/v1/shots/{shot}/camera/exposure", options)),
+      result(this.#client.GET("/v1/shots/{shot}/camera/film", options)),
+      result(this.#client.GET("/v1/shots/{shot}/readout/exposure", options)),
     ]);
     if (exposure.etag === film.etag) read(CAMERA, film.etag);
     return toPhotography(exposure, film, readout);
   }
 
-  async meter(view: View, time: number, asked: MeterAsked | null, signal?: AbortSignal): Promise<MeterReading> {
-    const query = { time, ...(asked && { mode: asked.mode, ...(asked.point !== null && { point: asked.point }) }) };
+  async meter(view: View, time: number, request: MeterRequest | null, signal?: AbortSignal): Promise<MeterReading> {
+    const query = {
+      time,
+      ...(request && { mode: request.mode, ...(request.point !== null && { point: request.point }) }),
+    };
     return toReading(
       await result(this.#client.GET("/v1/shots/{shot}/meter", { ...at(view, query), ...abortable(signal) })),
     );
@@ -108,27 +111,27 @@ export class HttpService implements Service {
   }
 
   async history(shot: string): Promise<EditHistory> {
-    const asked = this.#client.GET("/v1/shots/{shot}/edits/history", { params: { path: { shot } } });
-    return toHistory(await result(asked));
+    const answer = this.#client.GET("/v1/shots/{shot}/edits/history", { params: { path: { shot } } });
+    return toHistory(await result(answer));
   }
 
   async undo(shot: string, revision: string): Promise<EditHistory> {
-    const asked = this.#client.POST("/v1/shots/{shot}/edits/undo", ifStill(shot, revision));
-    return this.#asWhole(shot, async () => toHistory(await result(asked)));
+    const answer = this.#client.POST("/v1/shots/{shot}/edits/undo", ifStill(shot, revision));
+    return this.#asWhole(shot, async () => toHistory(await result(answer)));
   }
 
   async redo(shot: string, revision: string): Promise<EditHistory> {
-    const asked = this.#client.POST("/v1/shots/{shot}/edits/redo", ifStill(shot, revision));
-    return this.#asWhole(shot, async () => toHistory(await result(asked)));
+    const answer = this.#client.POST("/v1/shots/{shot}/edits/redo", ifStill(shot, revision));
+    return this.#asWhole(shot, async () => toHistory(await result(answer)));
   }
 
   async notes(shot: string): Promise<readonly Note[]> {
-    const asked = this.#client.GET("/v1/shots/{shot}/inspect", { params: { path: { shot } } });
-    return (await result(asked)).notes;
+    const answer = this.#client.GET("/v1/shots/{shot}/inspect", { params: { path: { shot } } });
+    return (await result(answer)).notes;
   }
 
-  live(view: View, ear: LiveEar): LiveLink {
-    return new LiveSocket(liveAddress(this.#base || location.origin, view.shot), view, ear);
+  live(view: View, listener: LiveListener): LiveLink {
+    return new LiveSocket(liveAddress(this.#base || location.origin, view.shot), view, listener);
   }
 
   async frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob> {
@@ -137,8 +140,8 @@ export class HttpService implements Service {
 
   async focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]> {
     const read = this.#tagsOf(view).reading();
-    const asked = this.#client.GET("/v1/shots/{shot}/focus-points", { ...at(view, { time }), ...abortable(signal) });
-    const { focusPoints, etag } = await result(asked);
+    const answer = this.#client.GET("/v1/shots/{shot}/focus-points", { ...at(view, { time }), ...abortable(signal) });
+    const { focusPoints, etag } = await result(answer);
     read(POINTS, etag);
     for (const point of focusPoints) read(pointAddress(point.name), point.etag);
     return focusPoints.map(toPoint);
@@ -146,21 +149,21 @@ export class HttpService implements Service {
 
   async focusSettings(view: View, time: number, signal?: AbortSignal): Promise<FocusSettings> {
     const read = this.#tagsOf(view).reading();
-    const asked = this.#client.GET("/v1/shots/{shot}/camera/focus", { ...at(view, { time }), ...abortable(signal) });
-    const settings = await result(asked);
+    const answer = this.#client.GET("/v1/shots/{shot}/camera/focus", { ...at(view, { time }), ...abortable(signal) });
+    const settings = await result(answer);
     read(CAMERA, settings.etag);
     return toFocusSettings(settings);
   }
 
   async readout(view: View, time: number, signal?: AbortSignal): Promise<Readout> {
-    const asked = this.#client.GET("/v1/shots/{shot}/readout", { ...at(view, { time }), ...abortable(signal) });
-    return toReadout(await result(asked));
+    const answer = this.#client.GET("/v1/shots/{shot}/readout", { ...at(view, { time }), ...abortable(signal) });
+    return toReadout(await result(answer));
   }
 
   async curve(view: View, signal?: AbortSignal): Promise<Curve> {
     const query = at(view, { format: "json" as const });
-    const asked = this.#client.GET("/v1/shots/{shot}/focus-curve", { ...query, ...abortable(signal) });
-    return toCurve((await result(asked)) as Json["FocusCurve"]);
+    const answer = this.#client.GET("/v1/shots/{shot}/focus-curve", { ...query, ...abortable(signal) });
+    return toCurve((await result(answer)) as Json["FocusCurve"]);
   }
 
   async pick(view: View, time: number, place: readonly [number, number], quality: Quality): Promise<Pick | null> {
@@ -192,7 +195,7 @@ export class HttpService implements Service {
     for (const [view, tags] of this.#tags) if (view.startsWith(`${shot} `)) tags.turn();
   }
 
-  /** Does something to all edits of a shot, after which no tag of it holds. */
+  /** Acts on all edits of a shot, which makes its tags invalid. */
   async #asWhole<Value>(shot: string, act: () => Promise<Value>): Promise<Value> {
     try {
       return await act();
@@ -225,13 +228,13 @@ export class HttpService implements Service {
     return { blob, name: `${shot}.edits.usda` };
   }
 
-  async #picture(view: View, asked: PictureQuery, signal?: AbortSignal): Promise<Blob> {
-    const options = { ...at(view, asked), ...abortable(signal), parseAs: "blob" as const };
+  async #picture(view: View, query: PictureQuery, signal?: AbortSignal): Promise<Blob> {
+    const options = { ...at(view, query), ...abortable(signal), parseAs: "blob" as const };
     return result<Blob>(this.#client.GET("/v1/shots/{shot}/frame", options));
   }
 }
 
-/** Asks that the edits of a shot are still at a revision. */
+/** The condition that the edits of a shot are still at a revision. */
 function ifStill(
   shot: string,
   revision: string,
@@ -259,20 +262,20 @@ function abortable(signal: AbortSignal | undefined): { signal?: AbortSignal } {
   return signal ? { signal } : {};
 }
 
-async function result<Data>(asked: Promise<Answer<Data>>): Promise<Data> {
-  const answer = await reached(asked);
-  if (!answer.response.ok) throw errorOf(answer.response.status, answer.error);
-  return answer.data as Data;
+async function result<Data>(answer: Promise<Answer<Data>>): Promise<Data> {
+  const { data, error, response } = await reached(answer);
+  if (!response.ok) throw errorOf(response.status, error);
+  return data as Data;
 }
 
-async function done(asked: Promise<Answer<unknown>>): Promise<void> {
-  await result(asked);
+async function done(answer: Promise<Answer<unknown>>): Promise<void> {
+  await result(answer);
 }
 
-/** What fetch throws when nothing answers says little to a person. */
-async function reached<Data>(asked: Promise<Answer<Data>>): Promise<Answer<Data>> {
+/** Awaits an answer; the error of fetch without one becomes an `UnreachableError`. */
+async function reached<Data>(answer: Promise<Answer<Data>>): Promise<Answer<Data>> {
   try {
-    return await asked;
+    return await answer;
   } catch (error) {
     throw isAbort(error) || !(error instanceof TypeError) ? error : new UnreachableError();
   }

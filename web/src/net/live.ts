@@ -1,67 +1,69 @@
 /**
- * Live pictures over a WebSocket. What is wanted goes out at once and the service looks at the newest alone; what comes is
- * acknowledged once it is on screen, so that no more pictures are on their way than are looked at.
+ * Live pictures over a WebSocket. A request is sent at once, and the service serves the newest. A picture is acknowledged once it
+ * is on screen, so that no more pictures are sent than are shown.
  */
 
 import { toReadout, type Json } from "./convert";
 import { errorOf } from "./errors";
-import type { LiveEar, LiveLink, Wish } from "./live_link";
+import type { LiveLink, LiveListener, LivePicture, PictureRequest } from "./live_link";
 import { cameraOf, type View } from "./view";
 
 /** The part of a WebSocket that is used. */
 export type Socket = Pick<WebSocket, "send" | "close" | "binaryType" | "onopen" | "onclose" | "onmessage">;
 
-/** How long to wait before a lost connection is tried again, ms; twice as long each time, to the most. */
-const AGAIN_MS = { first: 500, most: 15_000 };
-/** Requests that nothing has come of yet. */
+/** Wait before a lost connection is opened again, ms; it doubles each time, up to the most. */
+const RETRY_MS = { first: 500, most: 15_000 };
+/** Requests without an answer that may be sent before the link is busy. */
 const MOST_UNANSWERED = 2;
 
 export class LiveSocket implements LiveLink {
   readonly #address: string;
   readonly #view: View;
-  readonly #ear: LiveEar;
+  readonly #listener: LiveListener;
   readonly #connect: (address: string) => Socket;
   #socket: Socket | null = null;
   #isOpen = false;
   #isClosed = false;
-  #again: ReturnType<typeof setTimeout> | undefined;
-  #waitMs = AGAIN_MS.first;
-  /** Of those whose pictures may still come. */
-  readonly #wishes = new Map<number, Wish>();
-  #asked = 0;
+  #retry: ReturnType<typeof setTimeout> | undefined;
+  #waitMs = RETRY_MS.first;
+  /** By id; those whose pictures may still arrive. */
+  readonly #requests = new Map<number, PictureRequest>();
+  /** Id of the newest request. */
+  #newest = 0;
+  /** Id of the newest request with an answer. */
   #answered = 0;
 
   constructor(
     address: string,
     view: View,
-    ear: LiveEar,
+    listener: LiveListener,
     connect: (address: string) => Socket = (to) => new WebSocket(to),
   ) {
-    [this.#address, this.#view, this.#ear, this.#connect] = [address, view, ear, connect];
+    [this.#address, this.#view, this.#listener, this.#connect] = [address, view, listener, connect];
     this.#open();
   }
 
   get free(): boolean {
-    return this.#asked - this.#answered < MOST_UNANSWERED;
+    return this.#newest - this.#answered < MOST_UNANSWERED;
   }
 
-  want(wish: Wish): void {
-    this.#asked += 1;
-    this.#wishes.set(this.#asked, wish);
-    if (this.#isOpen) this.#send(this.#asked, wish);
+  request(request: PictureRequest): void {
+    this.#newest += 1;
+    this.#requests.set(this.#newest, request);
+    if (this.#isOpen) this.#send(this.#newest, request);
   }
 
-  forget(): void {
-    if (this.#wishes.size === 0) return;
-    this.#wishes.clear();
-    this.#answered = this.#asked;
+  cancel(): void {
+    if (this.#requests.size === 0) return;
+    this.#requests.clear();
+    this.#answered = this.#newest;
     if (this.#isOpen) this.#socket?.send(JSON.stringify({ stop: true } satisfies Json["LiveStop"]));
   }
 
   close(): void {
     this.#isClosed = true;
-    clearTimeout(this.#again);
-    this.#wishes.clear();
+    clearTimeout(this.#retry);
+    this.#requests.clear();
     this.#socket?.close();
   }
 
@@ -71,77 +73,84 @@ export class LiveSocket implements LiveLink {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.#isOpen = true;
-      this.#waitMs = AGAIN_MS.first;
-      const newest = this.#wishes.get(this.#asked);
-      if (newest) this.#send(this.#asked, newest);
-      this.#ear.onOpen(true);
+      this.#waitMs = RETRY_MS.first;
+      const newest = this.#requests.get(this.#newest);
+      if (newest) this.#send(this.#newest, newest);
+      this.#listener.onOpen(true);
     };
     socket.onmessage = ({ data }) => {
-      if (!this.#isClosed) this.#hear(data);
+      if (!this.#isClosed) this.#receive(data);
     };
     socket.onclose = () => {
       this.#isOpen = false;
       if (this.#isClosed) return;
-      this.#wishes.clear();
-      this.#answered = this.#asked;
-      this.#ear.onOpen(false);
-      this.#again = setTimeout(() => {
+      this.#requests.clear();
+      this.#answered = this.#newest;
+      this.#listener.onOpen(false);
+      this.#retry = setTimeout(() => {
         this.#open();
       }, this.#waitMs);
-      this.#waitMs = Math.min(2 * this.#waitMs, AGAIN_MS.most);
+      this.#waitMs = Math.min(2 * this.#waitMs, RETRY_MS.most);
     };
   }
 
-  #send(id: number, { time, quality, tried, moving }: Wish): void {
+  #send(id: number, { time, quality, unsaved, moving }: PictureRequest): void {
     const { width, height, rays, layers, supersample, motion, motionBy } = quality;
-    const asked: Json["LiveRequest"] = {
+    const message: Json["LiveRequest"] = {
       id,
       ...cameraOf(this.#view),
       ...{ time, width, height, rays, layers, supersample, motion, motionBy, moving },
-      ...(tried.length > 0 && { changes: tried }),
+      ...(unsaved.length > 0 && { changes: unsaved }),
     };
-    this.#socket?.send(JSON.stringify(asked));
+    this.#socket?.send(JSON.stringify(message));
   }
 
-  #hear(data: unknown): void {
+  #receive(data: unknown): void {
     if (data instanceof ArrayBuffer) {
-      const [head, picture] = parted(data);
-      const wish = this.#answer(head.id);
-      const { stage, width, height, timing } = head;
-      const blob = new Blob([picture], { type: `image/${head.format}` });
-      const said = { blob, stage, width, height, rays: timing.rays, share: timing.share, tookMs: timing.answeredMs };
-      const looked = wish ? this.#ear.onPicture(said, wish) : Promise.resolve();
-      const acknowledge = (): void => {
-        if (this.#isOpen) this.#socket?.send(JSON.stringify({ ack: head.picture } satisfies Json["LiveAck"]));
-      };
-      void looked.then(acknowledge, acknowledge);
+      this.#receivePicture(data);
       return;
     }
-    const said = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"];
-    const wish = this.#answer(said.id);
-    if ("problem" in said) {
-      // What becomes of those before the newest is nobody's business any more.
-      if (said.id === null || (wish && said.id === this.#asked)) this.#ear.onError(errorOf(said.status, said.problem));
-    } else if (wish) this.#ear.onReadout(toReadout(said.readout), wish);
+    const message = JSON.parse(String(data)) as Json["LiveReadout"] | Json["LiveProblem"];
+    const request = this.#answer(message.id);
+    if (!("problem" in message)) {
+      if (request) this.#listener.onReadout(toReadout(message.readout), request);
+    } else if (message.id === null || (request && message.id === this.#newest)) {
+      // A problem of a request before the newest matters to nobody.
+      this.#listener.onError(errorOf(message.status, message.problem));
+    }
   }
 
-  /** The wish that something is an answer to; those before it are given up. */
-  #answer(id: number | null): Wish | undefined {
+  #receivePicture(message: ArrayBuffer): void {
+    const [head, data] = splitMessage(message);
+    const request = this.#answer(head.id);
+    const { stage, width, height, timing } = head;
+    const blob = new Blob([data], { type: `image/${head.format}` });
+    const { rays, share, answeredMs: tookMs } = timing;
+    const picture: LivePicture = { blob, stage, width, height, rays, share, tookMs };
+    const shown = request ? this.#listener.onPicture(picture, request) : Promise.resolve();
+    const acknowledge = (): void => {
+      if (this.#isOpen) this.#socket?.send(JSON.stringify({ ack: head.picture } satisfies Json["LiveAck"]));
+    };
+    void shown.then(acknowledge, acknowledge);
+  }
+
+  /** The request of an answer; those before it are dropped. */
+  #answer(id: number | null): PictureRequest | undefined {
     if (id === null) return undefined;
     this.#answered = Math.max(this.#answered, id);
-    for (const older of this.#wishes.keys()) if (older < id) this.#wishes.delete(older);
-    return this.#wishes.get(id);
+    for (const older of this.#requests.keys()) if (older < id) this.#requests.delete(older);
+    return this.#requests.get(id);
   }
 }
 
-/** A picture and what stands before it: the length of the head, the head, the picture. */
-function parted(message: ArrayBuffer): [Json["LivePictureHead"], ArrayBuffer] {
+/** Splits a message into head and picture: the length of the head, the head, the picture. */
+function splitMessage(message: ArrayBuffer): [Json["LivePictureHead"], ArrayBuffer] {
   const end = 4 + new DataView(message).getUint32(0);
   const head = new TextDecoder().decode(message.slice(4, end));
   return [JSON.parse(head) as Json["LivePictureHead"], message.slice(end)];
 }
 
-/** Where the live pictures of a shot are. */
+/** Address of the live pictures of a shot. */
 export function liveAddress(base: string, shot: string): string {
   const address = new URL(`/v1/shots/${encodeURIComponent(shot)}/live`, base);
   address.protocol = address.protocol.replace("http", "ws");

@@ -1,16 +1,15 @@
-/** Live pictures as the editor uses them: what it asks for, and what it hears. `net/live.ts` brings them over a WebSocket. */
+/** Live pictures as the editor uses them. `net/live.ts` brings them over a WebSocket. */
 
 import type { Changes } from "../model/changes";
 import type { Quality } from "../model/quality";
 import type { Readout } from "../model/shot";
 
-/** A picture that is wanted. */
-export interface Wish {
+export interface PictureRequest {
   readonly time: number;
   readonly quality: Quality;
-  /** Changes that are tried in it and not saved. */
-  readonly tried: Changes;
-  /** While a hand moves one picture will do, since the next is wanted soon; else they get better to the last. */
+  /** Changes that the picture shows and that are not saved. */
+  readonly unsaved: Changes;
+  /** While something moves one picture is enough, as the next request follows soon; else pictures improve up to the final one. */
   readonly moving: boolean;
 }
 
@@ -19,30 +18,30 @@ export interface LivePicture {
   readonly stage: "preview" | "refining" | "final";
   readonly width: number;
   readonly height: number;
-  /** Lens rays for each pixel; 0 where it was blurred instead. */
+  /** Lens rays for each pixel; 0 where the picture was blurred instead. */
   readonly rays: number;
   /** Share of the final picture's work that is done. */
   readonly share: number;
-  /** From when the service had the request to when it had the picture. */
+  /** From the arrival of the request at the service to the picture, ms. */
   readonly tookMs: number;
 }
 
-export interface LiveEar {
-  /** A picture is there; the promise resolves when it was looked at. */
-  onPicture(picture: LivePicture, wish: Wish): Promise<void>;
-  /** What the lens does in the pictures of a wish that tries something. */
-  onReadout(readout: Readout, wish: Wish): void;
+export interface LiveListener {
+  /** Shows a picture; the promise resolves when it is on screen. */
+  onPicture(picture: LivePicture, request: PictureRequest): Promise<void>;
+  /** Takes the readout of the lens in the pictures of a request with unsaved changes. */
+  onReadout(readout: Readout, request: PictureRequest): void;
   onError(error: unknown): void;
-  /** The connection came to be, or is lost; it is tried again by itself. */
+  /** Takes whether there is a connection; a lost one is opened again by the link. */
   onOpen(isOpen: boolean): void;
 }
 
 export interface LiveLink {
-  /** Whether another wish would be looked at soon: what playing waits for. */
+  /** Whether another request would be served soon: playing waits for it. */
   readonly free: boolean;
-  /** Asks for a picture, in place of what was wanted before. Where there is no connection it is forgotten. */
-  want(wish: Wish): void;
-  /** Gives up what was wanted, here and at the service: nothing is heard of it any more. */
-  forget(): void;
+  /** Requests a picture in place of the one before. Without a connection the request is dropped. */
+  request(request: PictureRequest): void;
+  /** Cancels the requests, here and at the service; nothing arrives for them. */
+  cancel(): void;
   close(): void;
 }

@@ -1,17 +1,17 @@
 /**
- * Asks for one thing after another and keeps up with the newest.
+ * Loads one thing after another and keeps up with the newest request.
  *
- * At most a few requests are in flight. While they are, only the newest of those that wait is kept. A result that is
- * older than one already delivered is dropped, and so are the requests that could only bring such a result.
+ * At most a few requests are in flight. Of those that wait only the newest is kept. A result that is older than one already
+ * delivered is dropped, and the requests that could only bring such a result are aborted.
  */
 
-export interface Wanted<Request> {
+export interface Queued<Request> {
   readonly request: Request;
-  /** Slow and only worth having if nothing newer is wanted: aborted as soon as something is. */
+  /** Aborted as soon as something newer is requested: slow, and of use only if nothing newer is. */
   readonly disposable?: boolean;
 }
 
-interface Flight<Request> extends Wanted<Request> {
+interface Flight<Request> extends Queued<Request> {
   readonly serial: number;
   readonly abort: AbortController;
 }
@@ -29,7 +29,7 @@ export class NewestWins<Request, Result> {
   readonly #options: NewestWinsOptions<Request, Result>;
   readonly #most: number;
   #flights: Flight<Request>[] = [];
-  #waiting: Wanted<Request> | null = null;
+  #waiting: Queued<Request> | null = null;
   #serial = 0;
   #delivered = 0;
 
@@ -38,7 +38,7 @@ export class NewestWins<Request, Result> {
     this.#most = options.mostInFlight ?? 2;
   }
 
-  /** Whether another request would go out at once. */
+  /** Whether another request would be sent at once. */
   get free(): boolean {
     return this.#flights.length < this.#most;
   }
@@ -47,23 +47,24 @@ export class NewestWins<Request, Result> {
     return this.#flights.length > 0 || this.#waiting !== null;
   }
 
-  want(wanted: Wanted<Request>): void {
+  load(request: Request, { disposable = false } = {}): void {
     this.#abort((flight) => flight.disposable === true);
-    if (this.free) this.#start(wanted);
-    else this.#waiting = wanted;
+    const queued = { request, disposable };
+    if (this.free) this.#start(queued);
+    else this.#waiting = queued;
     this.#options.onBusy?.(this.busy);
   }
 
-  /** Aborts all that is in flight and forgets what waits. */
+  /** Aborts all requests in flight and drops the one that waits. */
   clear(): void {
     this.#waiting = null;
     this.#abort(() => true);
     this.#options.onBusy?.(this.busy);
   }
 
-  #start(wanted: Wanted<Request>): void {
+  #start(queued: Queued<Request>): void {
     this.#serial += 1;
-    const flight = { ...wanted, serial: this.#serial, abort: new AbortController() };
+    const flight = { ...queued, serial: this.#serial, abort: new AbortController() };
     this.#flights.push(flight);
     void this.#fly(flight);
   }
@@ -71,22 +72,22 @@ export class NewestWins<Request, Result> {
   async #fly(flight: Flight<Request>): Promise<void> {
     try {
       const result = await this.#options.load(flight.request, flight.abort.signal);
-      if (this.#land(flight) && flight.serial > this.#delivered) {
+      if (this.#remove(flight) && flight.serial > this.#delivered) {
         this.#delivered = flight.serial;
         this.#abort((other) => other.serial < flight.serial);
         this.#options.onResult(result, flight.request);
       }
     } catch (error) {
-      if (this.#land(flight)) this.#options.onError(error, flight.request);
+      if (this.#remove(flight)) this.#options.onError(error, flight.request);
     }
     this.#next();
   }
 
-  /** Takes a flight off the list; false where it was aborted and nobody waits for it. */
-  #land(flight: Flight<Request>): boolean {
-    const known = this.#flights.includes(flight);
+  /** Removes a flight from the list; false where it was aborted before. */
+  #remove(flight: Flight<Request>): boolean {
+    const isListed = this.#flights.includes(flight);
     this.#flights = this.#flights.filter((other) => other !== flight);
-    return known;
+    return isListed;
   }
 
   #next(): void {
@@ -99,8 +100,8 @@ export class NewestWins<Request, Result> {
   }
 
   #abort(which: (flight: Flight<Request>) => boolean): void {
-    const [gone, kept] = [this.#flights.filter(which), this.#flights.filter((flight) => !which(flight))];
+    const [aborted, kept] = [this.#flights.filter(which), this.#flights.filter((flight) => !which(flight))];
     this.#flights = kept;
-    for (const flight of gone) flight.abort.abort();
+    for (const flight of aborted) flight.abort.abort();
   }
 }

@@ -1,21 +1,21 @@
-/** What the page asks of the service, in the model's own terms. `net/http.ts` asks it over REST; tests answer themselves. */
+/** The service as the page uses it, in the model's terms. `net/http.ts` implements it over REST; tests have a fake. */
 
 import type { Changes } from "../model/changes";
 import type { Curve } from "../model/curve";
 import type { EditHistory } from "../model/history";
 import type { LensSummary } from "../model/lens";
-import type { GradeChoices, Libraries, MeterAsked, MeterReading, Photography } from "../model/photography";
+import type { GradeChoices, Libraries, MeterRequest, MeterReading, Photography } from "../model/photography";
 import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
-import type { LiveEar, LiveLink } from "./live_link";
+import type { LiveListener, LiveLink } from "./live_link";
 import type { View } from "./view";
 
-/** An edit that is asked for. */
+/** An edit to be made. */
 export interface Edit {
   /** Its name in the history. */
   readonly label: string;
   readonly changes: Changes;
-  /** At which the person looks. */
+  /** Time code of the state in the answer. */
   readonly time: number;
   /** Whether the answer has the focus curve. */
   readonly withCurve: boolean;
@@ -48,15 +48,15 @@ export interface Service {
   lenses(): Promise<readonly LensSummary[]>;
   /** The libraries of films and bodies. */
   libraries(): Promise<Libraries>;
-  /** What of the shot's edits can be undone. */
+  /** The history of the shot's edits. */
   history(shot: string): Promise<EditHistory>;
-  /** Takes back the last edit if it is the one that came to `revision`, else fails. */
+  /** Undoes the last edit if it led to `revision`, else fails. */
   undo(shot: string, revision: string): Promise<EditHistory>;
   redo(shot: string, revision: string): Promise<EditHistory>;
-  /** What of the shot is not shown as it says. */
+  /** Features of the shot that are not honoured. */
   notes(shot: string): Promise<readonly Note[]>;
-  /** Pictures of a view as they are wanted, that get better and better. */
-  live(view: View, ear: LiveEar): LiveLink;
+  /** Opens live pictures of a view. */
+  live(view: View, listener: LiveListener): LiveLink;
   /** A graded picture. */
   frame(view: View, time: number, quality: Quality, signal?: AbortSignal): Promise<Blob>;
   focusPoints(view: View, time: number, signal?: AbortSignal): Promise<FocusPoint[]>;
@@ -64,16 +64,16 @@ export interface Service {
   readout(view: View, time: number, signal?: AbortSignal): Promise<Readout>;
   /** Exposure, shutter, film and grade of a camera. */
   photography(view: View, time: number, signal?: AbortSignal): Promise<Photography>;
-  /** What a light meter says; null looks at what the camera's own does. */
-  meter(view: View, time: number, asked: MeterAsked | null, signal?: AbortSignal): Promise<MeterReading>;
-  /** What the camera's picture can be graded by. */
+  /** Reads a light meter; a null request reads the camera's own. */
+  meter(view: View, time: number, request: MeterRequest | null, signal?: AbortSignal): Promise<MeterReading>;
+  /** Displays, views and looks to grade by. */
   grades(view: View, time: number): Promise<GradeChoices>;
   curve(view: View, signal?: AbortSignal): Promise<Curve>;
-  /** What is seen at a place of the picture (0 to 1 from its top left), or null for nothing. */
+  /** Picks the surface at a place of the picture (0 to 1 from its top left); null for none. */
   pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;
-  /** Applies an edit, all of it or nothing. Fails where somebody else changed the same thing since it was read last. */
+  /** Makes an edit, all of it or nothing. Fails where another editor has changed the same resource since it was read. */
   edit(view: View, edit: Edit): Promise<Edited>;
-  /** Takes what is read of a shot from now on for what the person sees and edits. */
+  /** Drops the tags of a shot's resources that are read again from now on. */
   forget(shot: string): void;
   downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download>;
   downloadCurve(view: View, format: CurveFormat): Promise<Download>;

@@ -1,6 +1,6 @@
 /**
- * Entity tags of what was read, so that an edit can name what it is made upon (`If-Match`): a change of somebody else is then
- * not overwritten unseen. Resources go by their addresses below the shot, as the answer to an edit has them.
+ * Entity tags of the resources that were read, for the condition (`If-Match`) of an edit: a change by another editor is then not
+ * overwritten unseen. A resource goes by its address below the shot, as in the answer to an edit.
  */
 
 import type { Change, Changes } from "../model/changes";
@@ -11,7 +11,7 @@ export function pointAddress(name: string): string {
   return `${POINTS}/${name}`;
 }
 
-/** Address of the resource that a change is made upon. */
+/** Address of the resource that a change needs unchanged. */
 export function addressOf(change: Change): string {
   if (change.type === "addPoint" || change.type === "rack") return POINTS;
   return "name" in change ? pointAddress(change.name) : CAMERA;
@@ -19,14 +19,14 @@ export function addressOf(change: Change): string {
 
 export class TagBook {
   readonly #tags = new Map<string, { readonly tag: string; readonly since: number }>();
-  /** Goes up whenever all that was read is read anew. */
+  /** Goes up whenever everything is read again. */
   #epoch = 0;
 
   /**
    * Starts a reading.
    *
-   * What it brings counts unless an edit was sent meanwhile, which it may not have seen. And of what is read more than
-   * once, as at several times, the first counts: that is what the person may have seen.
+   * Its tags count unless an edit was sent meanwhile, which they may not include. Of tags that are read more than once, as at
+   * several times, the first counts: the person may have seen that state.
    */
   reading(): (address: string, tag: string) => void {
     const epoch = this.#epoch;
@@ -36,7 +36,7 @@ export class TagBook {
     };
   }
 
-  /** The header of an edit that is made upon what was read; null where a tag of that is not known. */
+  /** The `If-Match` header of an edit; null where the tag of a resource is not known. */
   ifMatch(changes: Changes): string | null {
     const added = changes.map((change) => (change.type === "addPoint" ? pointAddress(change.point.name ?? "") : ""));
     const addresses = new Set(changes.map(addressOf).filter((address) => !added.includes(address)));
@@ -44,12 +44,12 @@ export class TagBook {
     return tags.every((tag) => tag !== undefined) ? tags.join(", ") : null;
   }
 
-  /** From now on what is read is newer than all that is known. */
+  /** Makes tags that are read from now on newer than all known ones. */
   turn(): void {
     this.#epoch += 1;
   }
 
-  /** Takes the tags that the answer to an edit has; null where there is nothing any more. */
+  /** Takes the tags of the answer to an edit; null for a resource that is gone. */
   take(changed: readonly { readonly resource: string; readonly etag: string | null }[]): void {
     for (const { resource, etag } of changed) {
       if (etag === null) this.#tags.delete(resource);

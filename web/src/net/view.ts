@@ -1,4 +1,4 @@
-/** Which camera of which shot is looked through. */
+/** The camera of a shot that the page looks through. */
 
 /** A null camera is the shot's own choice. */
 export interface View {

@@ -1,4 +1,4 @@
-/** What is looked at, as the page's address says it, so that it can be sent to somebody. */
+/** Shot, camera and time in the page's address, so that a link opens them. */
 
 export interface Address {
   readonly shot: string | null;
@@ -7,16 +7,16 @@ export interface Address {
 }
 
 export function readAddress(href: string): Address {
-  const said = new URL(href).searchParams;
-  const time = Number(said.get("time") ?? NaN);
-  return { shot: said.get("shot"), camera: said.get("camera"), time: Number.isFinite(time) ? time : null };
+  const query = new URL(href).searchParams;
+  const time = Number(query.get("time") ?? NaN);
+  return { shot: query.get("shot"), camera: query.get("camera"), time: Number.isFinite(time) ? time : null };
 }
 
-/** The address of what is looked at, relative to the page; prim paths keep their slashes. */
-export function writeAddress(seen: Address | null): string {
-  if (!seen?.shot) return "?";
-  const said = new URLSearchParams({ shot: seen.shot });
-  if (seen.camera !== null) said.set("camera", seen.camera);
-  if (seen.time !== null) said.set("time", seen.time.toString());
-  return `?${said.toString().replaceAll("%2F", "/")}`;
+/** The address relative to the page; prim paths keep their slashes. */
+export function writeAddress(address: Address | null): string {
+  if (!address?.shot) return "?";
+  const query = new URLSearchParams({ shot: address.shot });
+  if (address.camera !== null) query.set("camera", address.camera);
+  if (address.time !== null) query.set("time", address.time.toString());
+  return `?${query.toString().replaceAll("%2F", "/")}`;
 }

@@ -11,7 +11,7 @@ export interface FieldProps {
   readonly scale: Scale;
   readonly format: (value: number) => string;
   readonly parse: (text: string) => number | null;
-  /** What may be typed, for the person who typed something else. */
+  /** Example of a value, shown after one that cannot be read. */
   readonly example: string;
   readonly startDrag: () => Drag<number>;
   /** Whether `value` is what the service has now, so that a dragged value need not stand in for it. */

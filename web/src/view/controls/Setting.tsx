@@ -11,7 +11,7 @@ interface SettingProps extends FieldProps {
   readonly session: Session;
   /** Takes the keys. */
   readonly setting: KeyedSetting;
-  /** Of the thing that takes the keys, where that is not `value`. */
+  /** Value of the keyed setting, where it is not `value`. */
   readonly keyValue?: number;
   readonly keys: Keyed;
 }

@@ -21,10 +21,10 @@ interface AmountProps extends FocusSettingsProps {
   readonly scale: FieldProps["scale"];
   /** With the space that stands before it. */
   readonly unit: string;
-  /** What one of the unit is. */
+  /** Value of one unit. */
   readonly per?: number;
   readonly places?: number;
-  /** What 0 is called. */
+  /** Text in place of 0. */
   readonly zero?: string;
 }
 
@@ -67,7 +67,7 @@ interface SwitchProps extends FocusSettingsProps {
   readonly name: "solveStop" | "drivenByPoints";
   readonly label: string;
   readonly hint: string;
-  /** What the edit is called. */
+  /** Label of the edit. */
   readonly onEdit: (on: boolean) => string;
 }
 

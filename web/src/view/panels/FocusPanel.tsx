@@ -1,4 +1,4 @@
-/** How the focus is found: by whom, with what settings, and why it is where it is. */
+/** Focus mode, its settings, and the reason of the present focus. */
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";

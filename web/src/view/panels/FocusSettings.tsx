@@ -24,7 +24,7 @@ import { Choice, Options } from "../controls/Choice";
 import { Amount, Switch, type FocusSettingsProps } from "./FocusAmount";
 import { trim } from "../numbers";
 
-/** What the mode uses, and no more. */
+/** The settings that the mode uses. */
 export function ModeSettings({
   session,
   readout,

@@ -1,4 +1,4 @@
-/** What the selected focus point asks for: sharp or soft, its reach on a focal surface, and a rack to another point. */
+/** Settings of the selected focus point: kind, reach on a focal surface, and a rack to another point. */
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -78,7 +78,7 @@ interface AmountProps {
   readonly hint: string;
   readonly scale: FieldProps["scale"];
   readonly unit: string;
-  /** What 0 is called. */
+  /** Text in place of 0. */
   readonly zero?: string;
 }
 

@@ -5,7 +5,7 @@ import type { JSX } from "preact";
 interface KeyDiamondProps {
   /** Which key, read aloud. */
   readonly label: string;
-  /** What is keyed, in words. */
+  /** Name of the keyed setting. */
   readonly what: string;
   /** Whether there are keys at any time. */
   readonly keyed: boolean;

@@ -8,7 +8,7 @@ import { formatDistance, type LengthUnit } from "../../model/distance";
 import { inFrame, type FocusPoint } from "../../model/shot";
 import { followPointer } from "../hooks";
 
-/** How far a pointer must go before it drags, CSS px. */
+/** Distance of a pointer from which it drags, CSS px. */
 const SLACK_PX = 4;
 
 export function Markers({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
@@ -21,7 +21,7 @@ export function Markers({ session, unit }: { session: Session; unit: LengthUnit 
   );
 }
 
-/** Where a click is being looked up. */
+/** Place of a click whose pick is under way. */
 export function Picking({ session }: { session: Session }): JSX.Element | null {
   const at = session.picking.value;
   return at && <div class="picking" style={place(at)} role="status" aria-label="Looking what is there" />;

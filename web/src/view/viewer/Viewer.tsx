@@ -92,7 +92,7 @@ function Canvas({ session }: { session: Session }): JSX.Element {
       aria-label={shown ? `Frame ${formatFrame(shown.time)} of ${session.shot.name}` : "No frame yet"}
       data-settled={session.settled.value}
       data-stage={shown?.stage}
-      data-tried={shown !== null && shown.tried.length > 0}
+      data-unsaved={shown !== null && shown.unsaved.length > 0}
       data-time={shown?.time}
       data-revision={shown?.revision}
       onClick={(event) => void session.click(placeOf(event), intentOf(event, session.gathers.value))}
@@ -119,7 +119,7 @@ function snapToPixels<Box extends Record<"left" | "top" | "width" | "height", nu
   return { ...box, left: snap(box.left), top: snap(box.top), width: even(box.width), height: even(box.height) };
 }
 
-/** That something is on its way, and of a picture that gets better how far it is. */
+/** Progress of the work under way, and of a picture that is refined. */
 function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const refining = session.pictures.busy.value;
   const busy = refining || session.document.pending.value > 0 || editor.opening.value !== null;
@@ -133,7 +133,7 @@ function Busy({ editor, session }: { editor: Editor; session: Session }): JSX.El
   );
 }
 
-/** What went wrong, in one line, with what to do. */
+/** The last error in one line, with a remedy. */
 function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
   const complaint = editor.complaint.value;
   if (!complaint) return null;
@@ -161,24 +161,24 @@ function Complaint({ editor }: { editor: Editor }): JSX.Element | null {
 
 const [PULLS, ADDS] = ["pulls focus there", "adds a point"];
 
-/** What the picture on screen is, and how long it took. */
-function PictureSaid({ shown }: { shown: Displayed }): JSX.Element {
+/** Size, rays and time of the picture on screen. */
+function PictureFacts({ shown }: { shown: Displayed }): JSX.Element {
   const { width, height, stage, rays, share, tookMs, quality } = shown;
-  const said = [`${width} × ${height}`];
-  if (rays > 0) said.push(`${rays} rays`);
-  if (stage === "final" && quality.motion > 1) said.push(`${quality.motion} moments`);
-  if (stage === "refining" && share > 0) said.push(`${Math.round(100 * share)} %`);
-  said.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
+  const facts = [`${width} × ${height}`];
+  if (rays > 0) facts.push(`${rays} rays`);
+  if (stage === "final" && quality.motion > 1) facts.push(`${quality.motion} moments`);
+  if (stage === "refining" && share > 0) facts.push(`${Math.round(100 * share)} %`);
+  facts.push(tookMs < 1000 ? `${Math.round(tookMs)} ms` : `${(tookMs / 1000).toFixed(1)} s`);
   return (
     <>
-      {said.join(" · ")}{" "}
+      {facts.join(" · ")}{" "}
       <i class="stage" data-stage={stage} title={STAGES[stage]} aria-label={STAGES[stage]} role="img" />
     </>
   );
 }
 
 const STAGES: Readonly<Record<Displayed["stage"], string>> = {
-  preview: "Quick: what could be had at once",
+  preview: "Quick preview",
   refining: "Getting better",
   final: "Exact: the picture that a file would hold",
 };
@@ -198,7 +198,7 @@ function PictureFoot({ session }: { session: Session }): JSX.Element {
         )}
       </span>
       <span class="numbers" aria-live="off">
-        {shown && <PictureSaid shown={shown} />}
+        {shown && <PictureFacts shown={shown} />}
       </span>
     </footer>
   );

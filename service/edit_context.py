@@ -44,7 +44,7 @@ class EditContext:
         if self.if_match is not None and not allows(self.if_match, tag):
             raise ChangedMeanwhileError(
                 f"{what} was changed since it was read with the tag {self.if_match[:80]}; its tag is {tag} now: "
-                "read it again and repeat the edit if it is still wanted",
+                "read it again and repeat the edit if it still applies",
                 path="if-match",
             )
 

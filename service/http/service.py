@@ -1,4 +1,4 @@
-"""What all requests of one running service share: the store, the worker queues, the caches and the counters."""
+"""State that all requests of one running service share: the store, the worker queues, the caches and the counters."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class Model(BaseModel):
 
 
 def shown_as(example: JsonDict) -> ConfigDict:
-    """A model's configuration that adds an example to the OpenAPI document."""
+    """Return a model configuration that adds an example to the OpenAPI document."""
     return ConfigDict(json_schema_extra={"example": example})
 
 
@@ -72,7 +72,7 @@ FileContent = Annotated[
 ]
 Vector3 = tuple[float, float, float]
 
-# What goes into USD is bounded where a slip, or a stranger, could make numbers overflow further on.
+# Bounds of what is written to USD, so that no number overflows in later computations.
 TimeCode = Annotated[float, Field(ge=-1e9, le=1e9)]
 Index = Annotated[int, Field(ge=-1, le=2**31 - 1)]
 Amount = Annotated[float, Field(ge=0, le=1e6)]
@@ -95,9 +95,9 @@ class Finding(Model):
 
 
 class Problem(Model):
-    """Every error has this shape."""
+    """Body of every error."""
 
     code: str = Field(description="Short stable word for programs.", examples=["shot_not_found"])
     detail: str = Field(description="One sentence for people.", examples=["There is no shot 'night'."])
-    path: str | None = Field(default=None, description="File, prim or parameter that it is about.", examples=["night"])
+    path: str | None = Field(default=None, description="File, prim or parameter concerned.", examples=["night"])
     errors: list[Finding] = Field(default=[], description="The single findings, where there are several.")

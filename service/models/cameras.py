@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
-from service.models.base import Distance, Finding, Model, TimeCode, shown_as
+from service.models.base import Distance, Finding, Model, PointName, PrimPath, TimeCode, shown_as
 from service.models.lenses import LensModel
 from service.models.shots import CameraChoice
 
@@ -58,16 +58,14 @@ class CameraState(Model):
     time: float = Field(description="USD time code.")
     f_stop: float = Field(description="f-number; 0 is a pinhole.")
     focal_length_mm: float
-    focus_distance_m: Distance = Field(description="Where the lens is focused; null is infinity.")
+    focus_distance_m: Distance = Field(description="Focus distance; null is infinity.")
     focus_mode: FocusMode = Field(description="Whether it is focused by hand or by its focus points.")
     horizontal_aperture_mm: float
     vertical_aperture_mm: float
     exposure_scale: float = Field(description="Factor of radiance by the camera's exposure attributes.")
     lens_name: str = Field(description="Engraving of the lens, the `title` of one of the library; may be empty.")
     lens_model: LensModel = Field(description="Model of how light passes the lens.")
-    etag: str = Field(
-        description="Its `ETag`, which changes when the camera is edited, its focus points aside: for `If-Match`."
-    )
+    etag: str = Field(description="`ETag` for `If-Match`; changes when the camera is edited, its focus points aside.")
 
 
 class CameraList(Model):
@@ -82,7 +80,7 @@ class CameraList(Model):
     )
 
     default: CameraChoice
-    cameras: list[CameraState] = Field(description="Of a shot without any: the one that frames it.")
+    cameras: list[CameraState] = Field(description="For a shot without cameras, the one that frames it.")
     unusable: list[Finding] = Field(description="Cameras whose numbers make no picture, and why.")
 
 
@@ -97,22 +95,23 @@ class CameraEdit(Model):
         default=None,
         ge=0,
         le=1e9,
-        description="0 focuses at infinity. Without a `focusMode`, it sets that to `manual`.",
+        description="0 focuses at infinity. Without a `focusMode`, sets the mode to `manual`.",
     )
     focus_mode: FocusMode | None = Field(default=None, description="`points` gives the focus back to the focus points.")
     lens: str | None = Field(
         default=None,
         max_length=80,
-        description="Mounts a lens of the library by its name, null the thin lens. It brings its focal length, and raises "
-        "f-numbers that it has not; an `fStop` and a `focalLengthMm` beside it are set after that. Left out, the lens stays.",
+        description="Mounts a lens of the library by its name; null is the thin lens. Sets the lens's focal length, and raises "
+        "f-numbers below its own; an `fStop` and a `focalLengthMm` in the same edit are set after it. Left out, the lens stays.",
     )
     body: str | None = Field(
         default=None,
         max_length=80,
-        description="Gives the camera another body of the library, for all time: its gate and its photosites. The lens stays.",
+        description="Sets a body of the library, for all time: its gate and its photosites. The lens stays.",
     )
     time: TimeCode | None = Field(
-        default=None, description="USD time code of a key; without it, keys go and the values hold for all time."
+        default=None,
+        description="USD time code of a key; without it, keys are removed and the values hold for all time.",
     )
 
 
@@ -131,13 +130,60 @@ class Readout(Model):
     far_m: Distance = Field(description="Farthest depth that is sharp; null is infinity.")
     hyperfocal_m: Distance
     coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
-    source: str = Field(description="Whether focus points decided, or the camera's own focus distance was kept.")
-    reason: str = Field(description="One sentence that says why.")
+    source: str = Field(description="Whether focus points set the focus, or the camera's own focus distance was kept.")
+    reason: str = Field(description="Reason, one sentence.")
     note: str = Field(description="Sentence about a setting that the lens cannot follow; or empty.")
-    tilt_deg: float = Field(description="Turn of the lens: positive looks up.")
-    swing_deg: float = Field(description="Turn of the lens, before the tilt: positive looks left.")
+    tilt_deg: float = Field(description="Tilt of the lens; positive is up.")
+    swing_deg: float = Field(description="Swing of the lens, applied before the tilt; positive is left.")
     lens_name: str = Field(description="Engraving of the lens, the `title` of one of the library; may be empty.")
     lens_model: LensModel = Field(description="Model of how light passes the lens.")
+
+
+class PlaceQuery(Model):
+    """Point of the picture: a focus point, or a position."""
+
+    camera: PrimPath | None = Field(
+        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
+    )
+    time: TimeCode = Field(description="USD time code.", examples=[24])
+    point: PointName | None = Field(
+        default=None, description="A focus point's name, in place of `x` and `y`.", examples=["driver"]
+    )
+    x: float | None = Field(
+        default=None,
+        ge=0,
+        le=1,
+        description="Position from the picture's left edge (0) to its right one (1).",
+        examples=[0.43],
+    )
+    y: float | None = Field(
+        default=None,
+        ge=0,
+        le=1,
+        description="Position from the picture's top edge (0) to its bottom one (1).",
+        examples=[0.55],
+    )
+    depth_m: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e9,
+        description="Depth at that position, along the view axis; when left out, that of the surface seen there.",
+        examples=[3.42],
+    )
+    aspect: float | None = Field(
+        default=None,
+        ge=0.01,
+        le=100,
+        description="Width over height of the picture; the film gate's when left out.",
+        examples=[1.7778],
+    )
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        is_position = self.x is not None and self.y is not None
+        if (self.point is None) != is_position or (self.point is not None and self.depth_m is not None):
+            raise ValueError("a place is a focus point's name, or x and y, and with these a depth if need be")
+        return self
 
 
 class PlaceReadout(Model):
@@ -163,12 +209,12 @@ class PlaceReadout(Model):
     camera: str | None = Field(description="Prim path; null for the camera that frames a shot which has none.")
     time: float = Field(description="USD time code.")
     point: str | None = Field(description="Name of the requested focus point, if any.")
-    screen: tuple[float, float] = Field(description="The place, 0 to 1 from the picture's top left corner.")
-    depth_m: Distance = Field(description="Of the thing there, along the view axis; null is infinity.")
-    focus_distance_m: Distance = Field(description="Depth of the focal surface at that place; null is infinity.")
-    near_m: Distance = Field(description="Nearest depth that is sharp at that place; null is infinity.")
-    far_m: Distance = Field(description="Farthest depth that is sharp at that place; null is infinity.")
-    hyperfocal_m: Distance = Field(description="Of the lens, on the view axis.")
-    coc_mm: float = Field(description="Diameter on the film of the thing's circle of confusion.")
+    screen: tuple[float, float] = Field(description="Point of the picture, 0 to 1 from its top left corner.")
+    depth_m: Distance = Field(description="Depth of the surface there, along the view axis; null is infinity.")
+    focus_distance_m: Distance = Field(description="Depth of the focal surface at that point; null is infinity.")
+    near_m: Distance = Field(description="Nearest depth that is sharp at that point; null is infinity.")
+    far_m: Distance = Field(description="Farthest depth that is sharp at that point; null is infinity.")
+    hyperfocal_m: Distance = Field(description="Hyperfocal distance on the view axis; null is infinity.")
+    coc_mm: float = Field(description="Diameter on the film of the surface's circle of confusion.")
     coc_limit_mm: float = Field(description="Largest circle of confusion, as a diameter on the film, that is sharp.")
-    sharp: bool = Field(description="Whether the thing is.")
+    sharp: bool = Field(description="Whether the surface is sharp.")

@@ -22,37 +22,37 @@ from usd_schemas.units import mm_from_tenths
 
 
 def read_exposure_settings(shot: Shot, camera: str | None, time: float) -> ExposureSettings:
-    """How a camera exposes at one time.
+    """Read how a camera exposes at one time.
 
     Raises:
-        CameraError: it is no camera, or a number of it is none.
+        CameraError: it is no camera, or has impossible numbers.
     """
-    said = dict(shot.exposure.settings(camera, time))
-    open_for = said["shutter_close"] - said["shutter_open"]
-    said["shutter_angle_deg"] = 360 * max(open_for, 0.0) / _time_codes_in_a_frame(shot)
-    return _told(ExposureSettings, shot, camera, time, said, get_args(ExposureKeyed))
+    values = dict(shot.exposure.settings(camera, time))
+    open_time_codes = values["shutter_close"] - values["shutter_open"]
+    values["shutter_angle_deg"] = 360 * max(open_time_codes, 0.0) / _time_codes_per_frame(shot)
+    return _keyed_settings(ExposureSettings, shot, camera, time, values, get_args(ExposureKeyed))
 
 
 def read_film_settings(shot: Shot, camera: str | None, time: float) -> FilmSettings:
-    """What a camera's light falls on at one time.
+    """Read the film and grade of a camera at one time.
 
     Raises:
-        CameraError: it is no camera, or a number of it is none.
+        CameraError: it is no camera, or has impossible numbers.
     """
-    said = dict(shot.film.settings(camera, time))
+    values = dict(shot.film.settings(camera, time))
     usd = UsdGeom.Camera.Get(shot.stage, _path(shot, camera))
-    sides = usd.GetHorizontalApertureAttr(), usd.GetVerticalApertureAttr()
-    said["gate_mm"] = tuple(mm_from_tenths(float(side.Get(time)), shot.stage) for side in sides)
-    return _told(FilmSettings, shot, camera, time, said, get_args(FilmKeyed))
+    apertures = usd.GetHorizontalApertureAttr(), usd.GetVerticalApertureAttr()
+    values["gate_mm"] = tuple(mm_from_tenths(float(aperture.Get(time)), shot.stage) for aperture in apertures)
+    return _keyed_settings(FilmSettings, shot, camera, time, values, get_args(FilmKeyed))
 
 
 def read_grade_choices(shot: Shot, camera: str | None, time: float) -> GradeChoices:
-    """What a camera's picture can be graded by.
+    """List the displays, views and looks that a camera's picture can be graded by.
 
     Raises:
         CameraError: it is no camera.
         SettingsError: the shot's own configuration cannot be read.
-        InputError: it is missing.
+        InputError: the configuration is missing.
     """
     config = config_file(shot.film.settings(camera, time)["ocio_config"], confinement(shot.stage))
     displays = [
@@ -63,21 +63,21 @@ def read_grade_choices(shot: Shot, camera: str | None, time: float) -> GradeChoi
 
 
 def shutter_closes(shot: Shot, camera: str | None, time: float, angle_deg: float, opens: float | None) -> float:
-    """When a shutter of an opening closes, in time codes from the frame's own.
+    """Compute when a shutter of an angle closes, in time codes relative to the frame.
 
     Args:
-        shot: of the camera.
-        camera: of the shutter.
+        shot: the shot.
+        camera: prim path, or None for the default camera.
         time: USD time code.
-        angle_deg: its opening; 360 is a whole frame.
-        opens: when it opens; None leaves that as it is.
+        angle_deg: shutter angle; 360 is a whole frame.
+        opens: when the shutter opens; None keeps the camera's own.
     """
     if opens is None:
         opens = float(shot.exposure.settings(camera, time)["shutter_open"])
-    return opens + angle_deg / 360 * _time_codes_in_a_frame(shot)
+    return opens + angle_deg / 360 * _time_codes_per_frame(shot)
 
 
-def _time_codes_in_a_frame(shot: Shot) -> float:
+def _time_codes_per_frame(shot: Shot) -> float:
     return float(shot.stage.GetTimeCodesPerSecond() / shot.stage.GetFramesPerSecond())
 
 
@@ -85,21 +85,29 @@ def _path(shot: Shot, camera: str | None) -> str:
     return camera or shot.default_camera().path or ""
 
 
-def _told(
-    model: type[Settings], shot: Shot, camera: str | None, time: float, said: Mapping[str, Any], keyed: tuple[Any, ...]
+def _keyed_settings(
+    model: type[Settings],
+    shot: Shot,
+    camera: str | None,
+    time: float,
+    values: Mapping[str, Any],
+    keyed: tuple[Any, ...],
 ) -> Settings:
-    """A model of settings, with the keys of those that take any."""
+    """Return a model of settings with the keys of those that can be keyed."""
     fields = set(model.model_fields) - {"camera", "time", "keys", "etag"}
-    keys = {name: shot.camera.keys(camera, setting_name(name)) for name in keyed}
-    values = {field: said[field] for field in fields}
-    path = _path(shot, camera)
+    keys_by_name = {name: shot.camera.keys(camera, setting_name(name)) for name in keyed}
+    plain = {field: _plain(values[field]) for field in fields}
     return settings_model(
         model,
-        {field: value.path if isinstance(value, Asset) else value for field, value in values.items()}
+        plain
         | {
-            "camera": path,
+            "camera": _path(shot, camera),
             "time": time,
-            "keys": {name: [key_model(key) for key in found] for name, found in keys.items() if found},
+            "keys": {name: [key_model(key) for key in keys] for name, keys in keys_by_name.items() if keys},
             "etag": camera_tag(shot, camera),
         },
     )
+
+
+def _plain(value: object) -> object:
+    return value.path if isinstance(value, Asset) else value

@@ -60,7 +60,7 @@ class StaleCheck:
 
     Attributes:
         has_yielded: whether the stream has yielded an item; set by the caller.
-        has_ended: whether the stream was told to end.
+        has_ended: whether it has returned True.
     """
 
     def __init__(self, signals: Signals, serial: int, *, has_yielded: bool, grace_s: float) -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import Field, model_validator
 
 from service.http.routes.parameters import CameraQuery, EditContextDep, ShotId, Time, problems, set_etag
 from service.http.service import Service, ServiceDep
-from service.models.base import Model, PointName, PrimPath, TimeCode
-from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceReadout, Readout
+from service.models.cameras import CameraEdit, CameraList, CameraState, PlaceQuery, PlaceReadout, Readout
 from service.models.changes import SetCamera
 from service.picture.calls import frames
 from service.stage.calls import cameras
@@ -30,7 +28,7 @@ async def list_cameras(service: ServiceDep, shot: ShotId, time: Time) -> CameraL
 async def get_camera(
     service: ServiceDep, response: Response, shot: ShotId, time: Time, camera: CameraQuery = None
 ) -> CameraState:
-    """One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside."""
+    """Read one camera at one time, with its focus solved. Its `ETag` is a hash of the camera's edits, its focus points aside."""
     state = await service.call_stage(cameras.read_camera, service.store.get(shot), camera, time)
     set_etag(response, state.etag)
     return state
@@ -54,58 +52,19 @@ async def edit_camera(
 
 @router.get("/shots/{shot}/readout", operation_id="getReadout")
 async def get_readout(service: ServiceDep, shot: ShotId, time: Time, camera: CameraQuery = None) -> Readout:
-    """Focus distance, depth of field and hyperfocal distance at one time."""
+    """Compute focus distance, depth of field and hyperfocal distance at one time."""
     return await service.call_stage(cameras.read_lens, service.store.get(shot), camera, time)
-
-
-class PlaceQuery(Model):
-    """Which place of the picture: a focus point's, or one that is pointed at."""
-
-    camera: PrimPath | None = Field(
-        default=None, description="Prim path; the shot's default camera when left out.", examples=["/World/Camera"]
-    )
-    time: TimeCode = Field(description="USD time code.", examples=[24])
-    point: PointName | None = Field(
-        default=None, description="A focus point's name, in place of `x` and `y`.", examples=["driver"]
-    )
-    x: float | None = Field(
-        default=None, ge=0, le=1, description="From the picture's left edge (0) to its right one (1).", examples=[0.43]
-    )
-    y: float | None = Field(
-        default=None, ge=0, le=1, description="From the picture's top edge (0) to its bottom one (1).", examples=[0.55]
-    )
-    depth_m: float | None = Field(
-        default=None,
-        gt=0,
-        le=1e9,
-        description="Depth of a thing at that place, along the view axis; left out, that of what is seen there.",
-        examples=[3.42],
-    )
-    aspect: float | None = Field(
-        default=None,
-        ge=0.01,
-        le=100,
-        description="Width over height of the picture; the film gate's when left out.",
-        examples=[1.7778],
-    )
-
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        pointed_at = self.x is not None and self.y is not None
-        if (self.point is None) != pointed_at or (self.point is not None and self.depth_m is not None):
-            raise ValueError("a place is a focus point's name, or x and y, and with these a depth if need be")
-        return self
 
 
 @router.get("/shots/{shot}/readout/place", operation_id="getPlaceReadout")
 async def get_place_readout(service: ServiceDep, shot: ShotId, query: Annotated[PlaceQuery, Query()]) -> PlaceReadout:
-    """Depth of field at a focus point or at a place of the picture, and the circle of confusion of the surface there."""
+    """Compute depth of field and circle of confusion at a focus point or at a point of the picture."""
     record = service.store.get(shot)
-    place = query.point or await _pointed_at(service, record, query)
+    place = query.point or await _measure(service, record, query)
     return await service.call_stage(cameras.read_place, record, query.camera, query.time, place, query.aspect)
 
 
-async def _pointed_at(service: Service, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
+async def _measure(service: Service, record: ShotRecord, query: PlaceQuery) -> tuple[tuple[float, float], float]:
     assert query.x is not None
     assert query.y is not None
     screen, depth_m = (query.x, query.y), query.depth_m

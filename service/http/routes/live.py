@@ -16,21 +16,20 @@ from service.models.live import LiveAck, LivePictureHead, LiveProblem, LiveReado
 
 router = APIRouter(tags=["frames"])
 
-PROTOCOL = """A WebSocket at this address streams pictures that get better and better, until the exact one.
+PROTOCOL = """Connect a WebSocket to this address for a stream of pictures that get better, up to the exact one.
 
-**You send** text. A `LiveRequest` asks for a picture; it takes the place of the request before, whose further pictures are not
-made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly;
-without, further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. The
-`changes`, those that an edit takes, are tried in these pictures and not kept: while a slider is dragged send them along, and
-edit once it is let go. A `LiveAck` says that a picture has arrived: at most two are on their way, and of those that wait for an
-ack the newest alone is kept. A `LiveStop` says that nothing of what was asked for is wanted any more, say since a picture from
-before is shown again; a picture that is on its way then still comes.
+**The client sends** text. A `LiveRequest` asks for pictures of a frame. It replaces the request before, which sends no further
+picture (a request that has not sent any yet still sends one). With `moving` it is answered by one picture, within about
+`budgetMs`; without, further pictures follow up to the `final` one, whose bytes are those of `getFrame` and `pullfocus record`.
+Its `changes`, as in an edit, apply to these pictures only: send them while a slider is dragged, and send an edit when it is
+released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowledged; of those that wait, only the newest is
+kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
 
-**You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
-JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in pictures that try
-changes, and `LiveProblem`, why there is no picture.
+**The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
+`LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
+of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
 
-Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`."""
+Browsers may connect only from the service's own page: the `Origin` has to match the `Host`."""
 
 
 _FROM_CLIENT: tuple[type[BaseModel], ...] = (LiveRequest, LiveAck, LiveStop)

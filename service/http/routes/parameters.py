@@ -34,8 +34,8 @@ IfMatch = Annotated[
     str | None,
     Header(
         max_length=8000,
-        description="The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it "
-        "since. Left out: whatever is there is edited.",
+        description="The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. "
+        "Left out: the edit is unconditional.",
         examples=['"5f70bf18a0860070"'],
     ),
 ]
@@ -47,7 +47,7 @@ def _edit_context(
         str,
         Query(
             max_length=64,
-            description="Names one drag of a hand: its edits, one after the other, are one step of undo.",
+            description="Name of one drag; all its edits in succession are one step of undo.",
             examples=["drag-17"],
         ),
     ] = "",

@@ -301,7 +301,7 @@ export interface paths {
         };
         /**
          * Get Camera
-         * @description One camera at one time, focus points solved in. Its `ETag` is made of what is edited on it, its points aside.
+         * @description Read one camera at one time, with its focus solved. Its `ETag` is a hash of the camera's edits, its focus points aside.
          */
         readonly get: operations["getCamera"];
         readonly put?: never;
@@ -761,21 +761,20 @@ export interface paths {
         };
         /**
          * Refuse Without Upgrade
-         * @description A WebSocket at this address streams pictures that get better and better, until the exact one.
+         * @description Connect a WebSocket to this address for a stream of pictures that get better, up to the exact one.
          *
-         *     **You send** text. A `LiveRequest` asks for a picture; it takes the place of the request before, whose further pictures are not
-         *     made (one that has shown nothing yet shows one). With `moving` there is one picture for it, within `budgetMs` or nearly;
-         *     without, further ones follow until the `final` one, whose bytes are those of `getFrame` and of `pullfocus record`. The
-         *     `changes`, those that an edit takes, are tried in these pictures and not kept: while a slider is dragged send them along, and
-         *     edit once it is let go. A `LiveAck` says that a picture has arrived: at most two are on their way, and of those that wait for an
-         *     ack the newest alone is kept. A `LiveStop` says that nothing of what was asked for is wanted any more, say since a picture from
-         *     before is shown again; a picture that is on its way then still comes.
+         *     **The client sends** text. A `LiveRequest` asks for pictures of a frame. It replaces the request before, which sends no further
+         *     picture (a request that has not sent any yet still sends one). With `moving` it is answered by one picture, within about
+         *     `budgetMs`; without, further pictures follow up to the `final` one, whose bytes are those of `getFrame` and `pullfocus record`.
+         *     Its `changes`, as in an edit, apply to these pictures only: send them while a slider is dragged, and send an edit when it is
+         *     released. A `LiveAck` acknowledges a picture. At most two pictures are unacknowledged; of those that wait, only the newest is
+         *     kept. A `LiveStop` cancels all requests; a picture that is being sent still arrives.
          *
-         *     **You get**, as binary messages, pictures: the length of a head as four bytes, big end first; the head, a `LivePictureHead` as
-         *     JSON; the picture, a JPEG or, where it is final, a PNG. And as text `LiveReadout`, what the lens does in pictures that try
-         *     changes, and `LiveProblem`, why there is no picture.
+         *     **The service sends** pictures as binary messages: the length of the head as four bytes, big-endian; the head, a
+         *     `LivePictureHead` as JSON; the picture, a JPEG, or a PNG where it is final. It sends text for a `LiveReadout`, the lens readout
+         *     of pictures with changes, and a `LiveProblem`, the reason why there is no picture.
          *
-         *     Browsers may open it from the service's own page alone: an `Origin` has to agree with the `Host`.
+         *     Browsers may connect only from the service's own page: the `Origin` has to match the `Host`.
          */
         readonly get: operations["watch"];
         readonly put?: never;
@@ -910,7 +909,7 @@ export interface paths {
         };
         /**
          * Get Readout
-         * @description Focus distance, depth of field and hyperfocal distance at one time.
+         * @description Compute focus distance, depth of field and hyperfocal distance at one time.
          */
         readonly get: operations["getReadout"];
         readonly put?: never;
@@ -950,7 +949,7 @@ export interface paths {
         };
         /**
          * Get Place Readout
-         * @description Depth of field at a focus point or at a place of the picture, and the circle of confusion of the surface there.
+         * @description Compute depth of field and circle of confusion at a focus point or at a point of the picture.
          */
         readonly get: operations["getPlaceReadout"];
         readonly put?: never;
@@ -1349,14 +1348,14 @@ export interface components {
         readonly CameraEdit: {
             /**
              * Body
-             * @description Gives the camera another body of the library, for all time: its gate and its photosites. The lens stays.
+             * @description Sets a body of the library, for all time: its gate and its photosites. The lens stays.
              */
             readonly body?: string | null;
             /** Focallengthmm */
             readonly focalLengthMm?: number | null;
             /**
              * Focusdistancem
-             * @description 0 focuses at infinity. Without a `focusMode`, it sets that to `manual`.
+             * @description 0 focuses at infinity. Without a `focusMode`, sets the mode to `manual`.
              */
             readonly focusDistanceM?: number | null;
             /**
@@ -1371,12 +1370,12 @@ export interface components {
             readonly fStop?: number | null;
             /**
              * Lens
-             * @description Mounts a lens of the library by its name, null the thin lens. It brings its focal length, and raises f-numbers that it has not; an `fStop` and a `focalLengthMm` beside it are set after that. Left out, the lens stays.
+             * @description Mounts a lens of the library by its name; null is the thin lens. Sets the lens's focal length, and raises f-numbers below its own; an `fStop` and a `focalLengthMm` in the same edit are set after it. Left out, the lens stays.
              */
             readonly lens?: string | null;
             /**
              * Time
-             * @description USD time code of a key; without it, keys go and the values hold for all time.
+             * @description USD time code of a key; without it, keys are removed and the values hold for all time.
              */
             readonly time?: number | null;
         };
@@ -1410,7 +1409,7 @@ export interface components {
         readonly CameraList: {
             /**
              * Cameras
-             * @description Of a shot without any: the one that frames it.
+             * @description For a shot without cameras, the one that frames it.
              */
             readonly cameras: readonly components["schemas"]["CameraState"][];
             readonly default: components["schemas"]["CameraChoice"];
@@ -1441,7 +1440,7 @@ export interface components {
         readonly CameraState: {
             /**
              * Etag
-             * @description Its `ETag`, which changes when the camera is edited, its focus points aside: for `If-Match`.
+             * @description `ETag` for `If-Match`; changes when the camera is edited, its focus points aside.
              */
             readonly etag: string;
             /**
@@ -1453,7 +1452,7 @@ export interface components {
             readonly focalLengthMm: number;
             /**
              * Focusdistancem
-             * @description Where the lens is focused; null is infinity.
+             * @description Focus distance; null is infinity.
              */
             readonly focusDistanceM: number | null;
             /**
@@ -6008,32 +6007,32 @@ export interface components {
             readonly cocLimitMm: number;
             /**
              * Cocmm
-             * @description Diameter on the film of the thing's circle of confusion.
+             * @description Diameter on the film of the surface's circle of confusion.
              */
             readonly cocMm: number;
             /**
              * Depthm
-             * @description Of the thing there, along the view axis; null is infinity.
+             * @description Depth of the surface there, along the view axis; null is infinity.
              */
             readonly depthM: number | null;
             /**
              * Farm
-             * @description Farthest depth that is sharp at that place; null is infinity.
+             * @description Farthest depth that is sharp at that point; null is infinity.
              */
             readonly farM: number | null;
             /**
              * Focusdistancem
-             * @description Depth of the focal surface at that place; null is infinity.
+             * @description Depth of the focal surface at that point; null is infinity.
              */
             readonly focusDistanceM: number | null;
             /**
              * Hyperfocalm
-             * @description Of the lens, on the view axis.
+             * @description Hyperfocal distance on the view axis; null is infinity.
              */
             readonly hyperfocalM: number | null;
             /**
              * Nearm
-             * @description Nearest depth that is sharp at that place; null is infinity.
+             * @description Nearest depth that is sharp at that point; null is infinity.
              */
             readonly nearM: number | null;
             /**
@@ -6043,7 +6042,7 @@ export interface components {
             readonly point: string | null;
             /**
              * Screen
-             * @description The place, 0 to 1 from the picture's top left corner.
+             * @description Point of the picture, 0 to 1 from its top left corner.
              */
             readonly screen: readonly [
                 number,
@@ -6051,7 +6050,7 @@ export interface components {
             ];
             /**
              * Sharp
-             * @description Whether the thing is.
+             * @description Whether the surface is sharp.
              */
             readonly sharp: boolean;
             /**
@@ -6062,7 +6061,7 @@ export interface components {
         };
         /**
          * Problem
-         * @description Every error has this shape.
+         * @description Body of every error.
          */
         readonly Problem: {
             /**
@@ -6085,7 +6084,7 @@ export interface components {
             readonly errors?: readonly components["schemas"]["Finding"][];
             /**
              * Path
-             * @description File, prim or parameter that it is about.
+             * @description File, prim or parameter concerned.
              * @example night
              */
             readonly path?: string | null;
@@ -6261,22 +6260,22 @@ export interface components {
             readonly note: string;
             /**
              * Reason
-             * @description One sentence that says why.
+             * @description Reason, one sentence.
              */
             readonly reason: string;
             /**
              * Source
-             * @description Whether focus points decided, or the camera's own focus distance was kept.
+             * @description Whether focus points set the focus, or the camera's own focus distance was kept.
              */
             readonly source: string;
             /**
              * Swingdeg
-             * @description Turn of the lens, before the tilt: positive looks left.
+             * @description Swing of the lens, applied before the tilt; positive is left.
              */
             readonly swingDeg: number;
             /**
              * Tiltdeg
-             * @description Turn of the lens: positive looks up.
+             * @description Tilt of the lens; positive is up.
              */
             readonly tiltDeg: number;
             /** Time */
@@ -7636,11 +7635,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -7780,11 +7779,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -7860,11 +7859,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -7942,13 +7941,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8086,11 +8085,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8166,11 +8165,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8248,13 +8247,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8392,11 +8391,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8536,11 +8535,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8618,13 +8617,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8698,11 +8697,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8907,11 +8906,11 @@ export interface operations {
     readonly restoreEdits: {
         readonly parameters: {
             readonly query?: {
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -8986,7 +8985,7 @@ export interface operations {
         readonly parameters: {
             readonly query?: never;
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9128,11 +9127,11 @@ export interface operations {
     readonly redoEdit: {
         readonly parameters: {
             readonly query?: {
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9211,11 +9210,11 @@ export interface operations {
     readonly undoEdit: {
         readonly parameters: {
             readonly query?: {
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9374,11 +9373,11 @@ export interface operations {
                 readonly firstFrame?: number | null;
                 /** @description What becomes of rows that are missing or cannot be used. */
                 readonly gaps?: "refuse" | "hold" | "interpolate";
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9529,13 +9528,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9677,11 +9676,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9753,13 +9752,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9837,11 +9836,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -9921,13 +9920,13 @@ export interface operations {
             readonly query: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
                 /** @description USD time code. */
                 readonly time: number;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -10628,11 +10627,11 @@ export interface operations {
             readonly query?: {
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Names one drag of a hand: its edits, one after the other, are one step of undo. */
+                /** @description Name of one drag; all its edits in succession are one step of undo. */
                 readonly gesture?: string;
             };
             readonly header?: {
-                /** @description The `ETag` of what is edited, as it was read: the edit is refused with 412 if somebody changed it since. Left out: whatever is there is edited. */
+                /** @description The `ETag` of the edited thing, as it was read: the edit is refused with 412 if it has changed since. Left out: the edit is unconditional. */
                 readonly "if-match"?: string | null;
             };
             readonly path: {
@@ -10838,15 +10837,15 @@ export interface operations {
                 readonly aspect?: number | null;
                 /** @description Prim path; the shot's default camera when left out. */
                 readonly camera?: string | null;
-                /** @description Depth of a thing at that place, along the view axis; left out, that of what is seen there. */
+                /** @description Depth at that position, along the view axis; when left out, that of the surface seen there. */
                 readonly depthM?: number | null;
                 /** @description A focus point's name, in place of `x` and `y`. */
                 readonly point?: string | null;
                 /** @description USD time code. */
                 readonly time: number;
-                /** @description From the picture's left edge (0) to its right one (1). */
+                /** @description Position from the picture's left edge (0) to its right one (1). */
                 readonly x?: number | null;
-                /** @description From the picture's top edge (0) to its bottom one (1). */
+                /** @description Position from the picture's top edge (0) to its bottom one (1). */
                 readonly y?: number | null;
             };
             readonly header?: never;

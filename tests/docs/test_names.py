@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "usd_schemas" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [ROOT / name for name in ("README.md", "usd_schemas/README.md", "tests/bench/RESULTS.md")]
+PAGES += sorted((ROOT / "docs").rglob("*.md"))
 CODE = re.compile(r"`([^`\n]+)`")
 ROOMS = "render|service|usd_schemas|tests|web|scripts|docs"
 FILE = re.compile(rf"(?:{ROOMS})/[\w./-]*")

@@ -7,7 +7,7 @@ the shot's own edits raise: `CameraError`, `NotFoundError`, `SettingsError` and 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Any, Literal
@@ -42,7 +42,7 @@ from service.models.exposure import ExposureSettingsEdit
 from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyEdit, TangentsEdit
 from service.models.solving import FocusSettingsEdit, Rack
-from service.stage.field_names import FOCUS_OF_FIELD, setting_name
+from service.stage.field_names import setting_name
 from service.stage.lenses import lens_to_mount
 from service.stage.libraries import body_to_mount, film_to_mount
 from service.stage.read_cameras import read_camera_state
@@ -189,7 +189,7 @@ def _set_camera(change: SetCamera, camera: EditedCamera) -> Outcome:
 
 @apply_change.register
 def _set_focus(change: SetFocus, camera: EditedCamera) -> Outcome:
-    camera.shot.focus.set(camera.path, time=change.values.time, **_sent_values(change.values, FOCUS_OF_FIELD))
+    camera.shot.focus.set(camera.path, time=change.values.time, **_sent_values(change.values))
     return None
 
 
@@ -307,12 +307,9 @@ def schema_key(key: KeyEdit, attribute: str) -> Key:
     return Key(key.time, bool(key.value), "held")
 
 
-def _sent_values(
-    edit: FocusSettingsEdit | ExposureSettingsEdit | FilmSettingsEdit, names: Mapping[str, str] | None = None
-) -> dict[str, Any]:
-    """The values of an edit that were sent (null is left out), by the shot's names; ``names`` has those that differ."""
-    values = edit.model_dump(exclude={"time"}, exclude_none=True)
-    return {(names or {}).get(field, field): value for field, value in values.items()}
+def _sent_values(edit: FocusSettingsEdit | ExposureSettingsEdit | FilmSettingsEdit) -> dict[str, Any]:
+    """The values of an edit that were sent; null is left out."""
+    return edit.model_dump(exclude={"time"}, exclude_none=True)
 
 
 def _stops_or_nan(stops: float | None) -> float:

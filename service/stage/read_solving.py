@@ -6,7 +6,7 @@ from typing import get_args
 
 from render.shot import Shot
 from service.models.solving import CameraKeyed, FocusSettings
-from service.stage.field_names import FOCUS_OF_FIELD, setting_name
+from service.stage.field_names import setting_name
 from service.stage.read_cameras import camera_tag, settings_model
 from service.stage.read_points import key_model
 
@@ -24,7 +24,7 @@ def read_focus_settings(shot: Shot, camera: str | None, time: float) -> FocusSet
     keys = {name: shot.camera.keys(camera, setting_name(name)) for name in names}
     return settings_model(
         FocusSettings,
-        {field: values[FOCUS_OF_FIELD.get(field, field)] for field in fields}
+        {field: values[field] for field in fields}
         | {
             "camera": camera or shot.default_camera().path,
             "time": time,

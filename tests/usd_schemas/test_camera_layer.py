@@ -115,7 +115,7 @@ def test_the_layer_applies_the_schemas_that_it_needs(stage: Usd.Stage) -> None:
     layer = camera_layer(stage, "/shot/cam", FRAMES, driven())
     stage.GetRootLayer().subLayerPaths.append(layer.identifier)
     camera = LensCamera(stage.GetPrimAtPath("/shot/cam"))
-    assert camera.tilt_shift.read(48.0).tilt == pytest.approx(8 * np.sin(0.9 * 2))
+    assert camera.tilt_shift.read(48.0).tilt_deg == pytest.approx(8 * np.sin(0.9 * 2))
     assert not camera.lens.applied
 
 

@@ -56,7 +56,7 @@ def test_values_of_another_type_read_as_the_fallback(stage: Usd.Stage, time: flo
     lens = camera.lens.read(time)
     assert (lens.name, lens.prescription) == ("", LensData().prescription)
     assert camera.aperture.read(time).blades == 0
-    assert camera.focus.read(time).smoothing == 0.0
+    assert camera.focus.read(time).smoothing_s == 0.0
     assert camera.film.read(time).curve.red == ()
     point = camera.focus_point("a").read(time)
     assert (point.face, point.barycentric) == (-1, FocusPoint("a").barycentric)

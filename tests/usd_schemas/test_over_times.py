@@ -19,7 +19,7 @@ def camera() -> Iterator[LensCamera]:
     camera = define_camera(stage, "/cam")
     camera.lens.author(LensData(name="Singlet", split_diopter=SplitDiopter(count=1)))
     camera.focus.author(FocusData(mode="points"))
-    camera.tilt_shift.author(TiltShiftData(tilt=3.0))
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=3.0))
     camera.add_focus_point("hero", FocusPoint("hero", ("/subject",), face=4, barycentric=(0.2, 0.3, 0.5)))
     yield camera  # noqa: PT022  (the stage lives as long)
 

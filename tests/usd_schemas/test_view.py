@@ -48,7 +48,7 @@ EXAMPLES = {
     "aperture": ApertureData(
         blades=7, roundness=0.25, rotation=12.0, mask=Asset("./iris.png"), radial_weights=(1.0, 0.5)
     ),
-    "tilt_shift": TiltShiftData(tilt=-4.0, shift=3.5, from_focus_points=False),
+    "tilt_shift": TiltShiftData(tilt_deg=-4.0, shift_mm=3.5, driven_by_points=False),
     "film": FilmData(stock="5219", push=1.0, grade=GradeData(view="Film", cdl_slope=(1.1, 1.0, 0.9))),
     "focus": FocusData(mode="surface", field_offsets=((0.5, 0.5, 0.1),), surface_exponent=2.5),
 }
@@ -98,10 +98,10 @@ def test_authoring_pins_nothing_but_what_changes(camera: LensCamera) -> None:
 
 
 def test_a_number_authored_at_a_time_is_a_key_on_a_spline(camera: LensCamera) -> None:
-    camera.tilt_shift.author(TiltShiftData(tilt=0.0))
-    camera.tilt_shift.author(TiltShiftData(tilt=2.0), time=10)
-    camera.tilt_shift.author(TiltShiftData(tilt=6.0), time=20)
-    assert camera.tilt_shift.read(15).tilt == 4.0
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=0.0))
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=2.0), time=10)
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=6.0), time=20)
+    assert camera.tilt_shift.read(15).tilt_deg == 4.0
     assert camera.prim.GetAttribute("tiltShift:tilt").HasSpline()
     assert [key.time for key in camera.keys("tiltShift:tilt")] == [10, 20]
 
@@ -112,11 +112,11 @@ def test_a_uniform_value_is_the_same_at_all_times(camera: LensCamera) -> None:
 
 
 def test_a_value_that_keys_would_hide_is_refused(camera: LensCamera) -> None:
-    camera.tilt_shift.author(TiltShiftData(tilt=2.0), time=10)
-    camera.tilt_shift.author(TiltShiftData(tilt=3.0), time=20)
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=2.0), time=10)
+    camera.tilt_shift.author(TiltShiftData(tilt_deg=3.0), time=20)
     with pytest.raises(SchemaError, match="tiltShift:tilt has keys"):
-        camera.tilt_shift.author(TiltShiftData(tilt=5.0, rise=1.0))
-    assert camera.tilt_shift.read(10) == TiltShiftData(tilt=2.0), "nothing of it is authored"
+        camera.tilt_shift.author(TiltShiftData(tilt_deg=5.0, rise_mm=1.0))
+    assert camera.tilt_shift.read(10) == TiltShiftData(tilt_deg=2.0), "nothing of it is authored"
 
 
 def test_a_camera_is_needed(stage: Usd.Stage) -> None:

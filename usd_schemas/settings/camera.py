@@ -12,7 +12,15 @@ from usd_schemas.settings.setting import Bounds, Option, Setting, Slider, schema
 class CameraData:
     """The lens as every USD camera has it; lengths are in millimetres and metres, whatever the unit of the scene."""
 
-    f_stop: float = setting("fStop", 0.0, "Stop", "f-number; 0 is a pinhole.", unit="f-number", usd_type="float")
+    f_stop: float = setting(
+        "fStop",
+        0.0,
+        "Stop",
+        "f-number; 0 is a pinhole.",
+        unit="f-number",
+        usd_type="float",
+        bounds=Bounds(0, 1000),
+    )
     focal_length_mm: float = setting(
         "focalLength",
         50.0,
@@ -21,6 +29,7 @@ class CameraData:
         unit="millimetres",
         usd_type="float",
         length="tenths",
+        bounds=Bounds(0, 100_000, above=True),
     )
     focus_distance_m: float = setting(
         "focusDistance",
@@ -30,6 +39,7 @@ class CameraData:
         unit="metres",
         usd_type="float",
         length="units",
+        bounds=Bounds(0, 1e9),
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Triples, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Triples, schema_group, setting
 
 FocusMode = Literal["manual", "points", "tiltPlane", "surface"]
 
@@ -36,7 +36,7 @@ class FocusData:
         "Whether the points also set the f-number: the widest at which each keeps to its blur.",
         unit="none, a switch",
     )
-    circle_of_confusion: float = setting(
+    circle_of_confusion_mm: float = setting(
         "focus:circleOfConfusion",
         0.0,
         "Circle of Confusion",
@@ -45,8 +45,9 @@ class FocusData:
         unit="millimetres",
         hard=(0, None),
         soft=(None, 0.1),
+        bounds=Bounds(0, 1e6),
     )
-    smoothing: float = setting(
+    smoothing_s: float = setting(
         "focus:smoothing",
         0.0,
         "Smoothing",
@@ -55,8 +56,9 @@ class FocusData:
         unit="seconds",
         hard=(0, None),
         soft=(None, 2),
+        bounds=Bounds(0, 1e6),
     )
-    lag: float = setting(
+    lag_s: float = setting(
         "focus:lag",
         0.0,
         "Lag",
@@ -64,8 +66,9 @@ class FocusData:
         unit="seconds",
         hard=(0, None),
         soft=(None, 1),
+        bounds=Bounds(0, 1e6),
     )
-    dead_zone: float = setting(
+    dead_zone_mm: float = setting(
         "focus:deadZone",
         0.0,
         "Dead Zone",
@@ -73,8 +76,9 @@ class FocusData:
         unit="millimetres on the film",
         hard=(0, None),
         soft=(None, 0.1),
+        bounds=Bounds(0, 1e6),
     )
-    max_speed: float = setting(
+    max_speed_deg_s: float = setting(
         "focus:maxSpeed",
         0.0,
         "Fastest Turn",
@@ -82,6 +86,7 @@ class FocusData:
         unit="degrees per second",
         hard=(0, None),
         soft=(None, 720),
+        bounds=Bounds(0, 1e6),
     )
     near_priority: float = setting(
         "focus:nearPriority",
@@ -91,6 +96,7 @@ class FocusData:
         unit="none, an exponent",
         hard=(0, None),
         soft=(None, 4),
+        bounds=Bounds(0, 16),
     )
     off_screen: Literal["ignore", "keep"] = setting(
         "focus:offScreen",
@@ -119,6 +125,7 @@ class FocusData:
         hard=(1, None),
         soft=(2, 4),
         group="Focus:Surface",
+        bounds=Bounds(1, 16),
     )
     expressive: float = setting(
         "focus:expressive",

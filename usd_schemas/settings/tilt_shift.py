@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import schema_group, setting
+from usd_schemas.settings.setting import Bounds, schema_group, setting
 
 
 @schema_group("Tilt and Shift", rest="focus")
@@ -12,7 +12,7 @@ from usd_schemas.settings.setting import schema_group, setting
 class TiltShiftData:
     """TiltShiftAPI: the lens's movements against the film."""
 
-    tilt: float = setting(
+    tilt_deg: float = setting(
         "tiltShift:tilt",
         0.0,
         "Tilt",
@@ -22,7 +22,7 @@ class TiltShiftData:
         hard=(-89, 89),
         soft=(-12, 12),
     )
-    swing: float = setting(
+    swing_deg: float = setting(
         "tiltShift:swing",
         0.0,
         "Swing",
@@ -31,7 +31,7 @@ class TiltShiftData:
         hard=(-89, 89),
         soft=(-12, 12),
     )
-    rise: float = setting(
+    rise_mm: float = setting(
         "tiltShift:rise",
         0.0,
         "Rise",
@@ -39,8 +39,9 @@ class TiltShiftData:
         "verticalApertureOffset.",
         unit="millimetres",
         soft=(-15, 15),
+        bounds=Bounds(-1e3, 1e3),
     )
-    shift: float = setting(
+    shift_mm: float = setting(
         "tiltShift:shift",
         0.0,
         "Shift",
@@ -48,8 +49,9 @@ class TiltShiftData:
         "to horizontalApertureOffset.",
         unit="millimetres",
         soft=(-15, 15),
+        bounds=Bounds(-1e3, 1e3),
     )
-    from_focus_points: bool = setting(
+    driven_by_points: bool = setting(
         "tiltShift:fromFocusPoints",
         True,
         "Driven by Focus Points",
@@ -57,7 +59,7 @@ class TiltShiftData:
         "keeps the authored angles, and the points set the focus distance alone.",
         unit="none, a switch",
     )
-    max_angle: float = setting(
+    max_angle_deg: float = setting(
         "tiltShift:maxAngle",
         15.0,
         "Largest Angle",

@@ -98,14 +98,14 @@ class FocusInputs:
     @property
     def tilt_gradients(self) -> DoubleArray:
         """``(n, 2)`` change of w with the slope to the right and up, of the lens at its authored tilt and swing."""
-        tilts = np.radians([[tilt.tilt, tilt.swing] for tilt in self.tilts])
+        tilts = np.radians([[tilt.tilt_deg, tilt.swing_deg] for tilt in self.tilts])
         focal_mm = np.array([camera.focal_length_mm for camera in self.cameras])
         return planes_of(tilts[:, 0], tilts[:, 1], math.inf, focal_mm)[:, 1:]
 
     @property
     def is_smoothed(self) -> bool:
         """True where points fade in and out."""
-        return any(focus.smoothing > 0 for focus in self.focus)
+        return any(focus.smoothing_s > 0 for focus in self.focus)
 
     def setting(self, name: str) -> DoubleArray:
         """``(n,)`` a number of the focus settings, by its field of `FocusData`."""
@@ -135,8 +135,8 @@ class FocusInputs:
 
 def coc_limit_mm(camera: Camera, focus: FocusData) -> float:
     """Largest diameter of a circle of confusion on the film that counts as sharp."""
-    if focus.circle_of_confusion > 0:
-        return focus.circle_of_confusion
+    if focus.circle_of_confusion_mm > 0:
+        return focus.circle_of_confusion_mm
     return default_coc_limit_mm(camera.horizontal_aperture_mm, camera.vertical_aperture_mm)
 
 
@@ -199,7 +199,7 @@ def read_focus_inputs(
 
 def _check_angles(tilt: TiltShiftData, camera_path: str) -> None:
     """Raise `CameraError` where an angle is too steep: at a right angle to the film a lens has no plane of focus."""
-    angles = {"tilt": (tilt.tilt, -1), "swing": (tilt.swing, -1), "maxAngle": (tilt.max_angle, 0)}
+    angles = {"tilt": (tilt.tilt_deg, -1), "swing": (tilt.swing_deg, -1), "maxAngle": (tilt.max_angle_deg, 0)}
     for name, (angle, sign) in angles.items():
         least = sign * _STEEPEST_DEG
         if not least <= angle <= _STEEPEST_DEG:

@@ -59,7 +59,7 @@ def _stretch(stage: Usd.Stage, anchors: AnchorReader, camera: LensCamera, rack: 
     path = str(camera.prim.GetPath())
     view = read_camera(stage, path, rack.start)
     ring = focus_ring(view, camera.lens.read(rack.start).focus_throw)
-    speed_rad_s = math.radians(camera.focus.read(rack.start).max_speed)
+    speed_rad_s = math.radians(camera.focus.read(rack.start).max_speed_deg_s)
     nearest_w = 1 / close_m if (close_m := close_focus_depth_m(view)) > 0 else math.inf
     start_w = min(_w(stage, anchors, camera, rack.from_point, rack.start), nearest_w)
     end = rack.end

@@ -125,7 +125,7 @@ def fade_points(inputs: FocusInputs, targets: FocusTargets) -> DoubleArray:
         usable = (targets.depths_m > 0) & (targets.aims_m > 0)
     if not inputs.is_smoothed:
         return np.where(usable, share, 0.0)
-    return fade_weights(share, inputs.seconds, inputs.setting("smoothing"), usable=usable)
+    return fade_weights(share, inputs.seconds, inputs.setting("smoothing_s"), usable=usable)
 
 
 def _tilt_through_points(
@@ -141,15 +141,15 @@ def _tilt_through_points(
     Returns:
         ``(n,)`` true at those times, and n sentences on what the points determine where that is less than a plane.
     """
-    is_fitted = np.array([tilt.from_focus_points for tilt in inputs.tilts]) & shares.any(axis=1)
+    is_fitted = np.array([tilt.driven_by_points for tilt in inputs.tilts]) & shares.any(axis=1)
     fits, w = fit_targets(targets, shares, law.coc_slope_mm_m(planes[:, 0]))
     focal_mm = np.array([camera.focal_length_mm for camera in inputs.cameras])
-    max_angles_rad = np.radians([tilt.max_angle for tilt in inputs.tilts])
+    max_angles_rad = np.radians([tilt.max_angle_deg for tilt in inputs.tilts])
     slopes = np.where((shares > 0)[..., None], targets.slopes, 0.0)
     limited, changed = limit_planes(fits.planes, focal_mm, max_angles_rad, slopes, w, shares)
     planes[is_fitted] = limited[is_fitted]
     for i in np.flatnonzero(is_fitted & changed):
-        notes[i] = _join(notes[i], _limit_note(limited[i], float(focal_mm[i]), inputs.tilts[i].max_angle))
+        notes[i] = _join(notes[i], _limit_note(limited[i], float(focal_mm[i]), inputs.tilts[i].max_angle_deg))
     is_underdetermined = is_fitted & (fits.ranks < 3)
     return np.asarray(is_fitted), [
         fits.at(i).reason if few else "" for i, few in enumerate(is_underdetermined.tolist())

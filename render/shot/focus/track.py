@@ -69,7 +69,7 @@ def keeps_sides(inputs: FocusInputs) -> bool:
 
 def follows_over_time(focus: FocusData) -> bool:
     """True where the focus at one time depends on other times."""
-    return max(focus.smoothing, focus.lag, focus.dead_zone, focus.max_speed) > 0
+    return max(focus.smoothing_s, focus.lag_s, focus.dead_zone_mm, focus.max_speed_deg_s) > 0
 
 
 def solve_track(inputs: FocusInputs) -> FocusTrack:
@@ -166,7 +166,7 @@ def _follow_planes(inputs: FocusInputs, law: LensLaw, planes: DoubleArray) -> tu
     if not any(follows_over_time(focus) for focus in inputs.focus):
         return planes, np.zeros(len(planes))
     seconds, keys = inputs.seconds, inputs.key_seconds
-    smoothing, lag, speed = (inputs.setting(name) for name in ("smoothing", "lag", "max_speed"))
+    smoothing, lag, speed = (inputs.setting(name) for name in ("smoothing_s", "lag_s", "max_speed_deg_s"))
     follow = partial(_follow, inputs, law, planes[:, 0], close_focus_m=close_focus_depth_m(inputs.cameras[0]))
     ring = focus_ring(inputs.cameras[0], float(inputs.throws_deg[0]))
     followed = planes.copy()
@@ -198,13 +198,13 @@ def _points_w(inputs: FocusInputs) -> DoubleArray:
 
 def _follow(inputs: FocusInputs, law: LensLaw, w: DoubleArray, **ring: Any) -> DoubleArray:
     """Follow ``(n,)`` requested inverse depths, 1/m, with the hand on the lens."""
-    growth, zone_mm = law.coc_slope_mm_m(w), inputs.setting("dead_zone")
+    growth, zone_mm = law.coc_slope_mm_m(w), inputs.setting("dead_zone_mm")
     return drive(
         inputs.seconds,
         w,
         exact_at_s=inputs.key_seconds,
-        smoothing_s=inputs.setting("smoothing"),
-        lag_s=inputs.setting("lag"),
+        smoothing_s=inputs.setting("smoothing_s"),
+        lag_s=inputs.setting("lag_s"),
         dead_zone_w=np.where(growth > 0, zone_mm / np.where(growth > 0, growth, 1.0), 0.0),
         **ring,
     )

@@ -226,8 +226,8 @@ def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.T
     confined_to = confinement(stage)
     return replace(
         camera,
-        horizontal_offset_mm=camera.horizontal_offset_mm + moved.shift,
-        vertical_offset_mm=camera.vertical_offset_mm + moved.rise,
+        horizontal_offset_mm=camera.horizontal_offset_mm + moved.shift_mm,
+        vertical_offset_mm=camera.vertical_offset_mm + moved.rise_mm,
         f_stop=0.0 if glass.model == "pinhole" else camera_number(usd.GetFStopAttr(), time),
         focus_distance_m=0.0 if focus == math.inf else metres_from_units(focus, stage),
         exposure_scale=exposure_scale(usd, time),

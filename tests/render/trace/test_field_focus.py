@@ -118,7 +118,7 @@ def test_a_focused_point_is_sharp_in_readout_and_picture(
 ) -> None:
     for name in names:
         shot.focus.add_point(CAMERA, name, on_table(name, PLACES[name]))
-    shot.focus.set(CAMERA, mode=mode, max_angle=40.0)
+    shot.focus.set(CAMERA, mode=mode, max_angle_deg=40.0)
     camera = shot.camera_at(CAMERA, 1, WIDTH, HEIGHT)
     settings = FrameSettings(WIDTH, HEIGHT, rays=1, aovs=("color", "coc"))
     aovs = renderer.render(shot.scene_at(1), camera, settings).aovs

@@ -4046,7 +4046,7 @@ export interface components {
             readonly camera: string;
             /**
              * Circleofconfusionmm
-             * @description Diameter on the film up to which a thing is sharp; 0: 1/1500 of the gate's diagonal.
+             * @description Diameter on the film up to which a point counts as sharp, for near and far limits; 0 takes 1/1500 of the gate's diagonal.
              */
             readonly circleOfConfusionMm: number;
             /**
@@ -4056,7 +4056,7 @@ export interface components {
             readonly deadZoneMm: number;
             /**
              * Drivenbypoints
-             * @description In the mode `tiltPlane`: whether the focus points tilt the lens, or the angles hold.
+             * @description Where focus:mode is tiltPlane: true lets the plane through the focus points set tilt and swing; false keeps the authored angles, and the points set the focus distance alone.
              */
             readonly drivenByPoints: boolean;
             /**
@@ -4066,12 +4066,12 @@ export interface components {
             readonly etag: string;
             /**
              * Expressive
-             * @description From the plane of focus (0) to the focal surface (1).
+             * @description From what a lens can do (0) to what is drawn (1): where focus:mode is surface, from the plane of focus to the focal surface; in all modes, how much of focus:fieldOffsets there is.
              */
             readonly expressive: number;
             /**
              * Fieldoffsets
-             * @description Curvature of field: x and y across and down the frame, offset of the image plane toward the lens in mm.
+             * @description Curvature of field drawn by hand: (x, y, offset) with x and y from 0 to 1 across and down the frame and the offset of the image plane toward the lens, interpolated like the focal surface.
              */
             readonly fieldOffsets: readonly (readonly [
                 number,
@@ -4087,75 +4087,79 @@ export interface components {
             };
             /**
              * Lags
-             * @description How late the focus follows.
+             * @description How late the focus follows a moving point, like an assistant's hand.
              */
             readonly lagS: number;
             /**
              * Maxangledeg
-             * @description How far the points may tilt and swing it together.
+             * @description How far focus points may tilt and swing the lens together.
              */
             readonly maxAngleDeg: number;
             /**
              * Maxspeeddegs
-             * @description How fast the focus ring may turn, degrees in a second; 0: no bound.
+             * @description How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.
              */
             readonly maxSpeedDegS: number;
             /**
              * Mode
-             * @description `manual`: by hand. `points`: the distance that serves the focus points best. `tiltPlane`: the plane through them, by tilting the lens. `surface`: a surface through all of them, which no lens has.
+             * @description What decides the focus.
+             *     - manual: focusDistance as it is authored.
+             *     - points: the focus distance that serves the focus points best.
+             *     - tiltPlane: the plane through the focus points, reached by tilting the lens (TiltShiftAPI).
+             *     - surface: a focal surface through every focus point, which no lens could make.
              * @enum {string}
              */
             readonly mode: "manual" | "points" | "tiltPlane" | "surface";
             /**
              * Nearpriority
-             * @description How much nearer points count more: weights times (1/depth)^p.
+             * @description How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
              */
             readonly nearPriority: number;
             /**
              * Occluded
-             * @description Whether points count that something stands before.
+             * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              * @enum {string}
              */
             readonly occluded: "ignore" | "keep" | "fade";
             /**
              * Offscreen
-             * @description Whether points outside the frame count.
+             * @description What becomes of a focus point outside the frame: it is left out, or kept.
              * @enum {string}
              */
             readonly offScreen: "ignore" | "keep";
             /**
              * Risemm
-             * @description How far the lens is moved up against the film.
+             * @description How far the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
              */
             readonly riseMm: number;
             /**
              * Shiftmm
-             * @description How far the lens is moved to the right against the film.
+             * @description How far the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
              */
             readonly shiftMm: number;
             /**
              * Smoothings
-             * @description Time over which the solved focus is smoothed; it is exact at keys.
+             * @description Time over which the solved focus is smoothed; it stays exact at keys. 0 for none.
              */
             readonly smoothingS: number;
             /**
              * Solvestop
-             * @description Whether the points also set the f-number.
+             * @description Whether the points also set the f-number: the widest at which each keeps to its blur.
              */
             readonly solveStop: boolean;
             /**
              * Surfaceexponent
-             * @description How local the focal surface is.
+             * @description How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
              */
             readonly surfaceExponent: number;
             /**
              * Swingdeg
-             * @description Turn of the lens, before the tilt: positive looks left.
+             * @description Turn of the lens about the camera's +Y axis, before the tilt: positive looks to the left.
              */
             readonly swingDeg: number;
             /**
              * Tiltdeg
-             * @description Turn of the lens: positive looks up.
+             * @description Turn of the lens about the camera's +X axis: positive looks up, negative lays the plane of focus down over the ground.
              */
             readonly tiltDeg: number;
             /**
@@ -4176,7 +4180,7 @@ export interface components {
         readonly FocusSettingsEdit: {
             /**
              * Circleofconfusionmm
-             * @description Diameter on the film up to which a thing is sharp; 0: 1/1500 of the gate's diagonal.
+             * @description Diameter on the film up to which a point counts as sharp, for near and far limits; 0 takes 1/1500 of the gate's diagonal.
              */
             readonly circleOfConfusionMm?: number | null;
             /**
@@ -4186,17 +4190,17 @@ export interface components {
             readonly deadZoneMm?: number | null;
             /**
              * Drivenbypoints
-             * @description In the mode `tiltPlane`: whether the focus points tilt the lens, or the angles hold.
+             * @description Where focus:mode is tiltPlane: true lets the plane through the focus points set tilt and swing; false keeps the authored angles, and the points set the focus distance alone.
              */
             readonly drivenByPoints?: boolean | null;
             /**
              * Expressive
-             * @description From the plane of focus (0) to the focal surface (1).
+             * @description From what a lens can do (0) to what is drawn (1): where focus:mode is surface, from the plane of focus to the focal surface; in all modes, how much of focus:fieldOffsets there is.
              */
             readonly expressive?: number | null;
             /**
              * Fieldoffsets
-             * @description Curvature of field: x and y across and down the frame, offset of the image plane toward the lens in mm.
+             * @description Curvature of field drawn by hand: (x, y, offset) with x and y from 0 to 1 across and down the frame and the offset of the image plane toward the lens, interpolated like the focal surface.
              */
             readonly fieldOffsets?: readonly (readonly [
                 number,
@@ -4205,72 +4209,76 @@ export interface components {
             ])[] | null;
             /**
              * Lags
-             * @description How late the focus follows.
+             * @description How late the focus follows a moving point, like an assistant's hand.
              */
             readonly lagS?: number | null;
             /**
              * Maxangledeg
-             * @description How far the points may tilt and swing it together.
+             * @description How far focus points may tilt and swing the lens together.
              */
             readonly maxAngleDeg?: number | null;
             /**
              * Maxspeeddegs
-             * @description How fast the focus ring may turn, degrees in a second; 0: no bound.
+             * @description How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.
              */
             readonly maxSpeedDegS?: number | null;
             /**
              * Mode
-             * @description `manual`: by hand. `points`: the distance that serves the focus points best. `tiltPlane`: the plane through them, by tilting the lens. `surface`: a surface through all of them, which no lens has.
+             * @description What decides the focus.
+             *     - manual: focusDistance as it is authored.
+             *     - points: the focus distance that serves the focus points best.
+             *     - tiltPlane: the plane through the focus points, reached by tilting the lens (TiltShiftAPI).
+             *     - surface: a focal surface through every focus point, which no lens could make.
              */
             readonly mode?: ("manual" | "points" | "tiltPlane" | "surface") | null;
             /**
              * Nearpriority
-             * @description How much nearer points count more: weights times (1/depth)^p.
+             * @description How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
              */
             readonly nearPriority?: number | null;
             /**
              * Occluded
-             * @description Whether points count that something stands before.
+             * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              */
             readonly occluded?: ("ignore" | "keep" | "fade") | null;
             /**
              * Offscreen
-             * @description Whether points outside the frame count.
+             * @description What becomes of a focus point outside the frame: it is left out, or kept.
              */
             readonly offScreen?: ("ignore" | "keep") | null;
             /**
              * Risemm
-             * @description How far the lens is moved up against the film.
+             * @description How far the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
              */
             readonly riseMm?: number | null;
             /**
              * Shiftmm
-             * @description How far the lens is moved to the right against the film.
+             * @description How far the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
              */
             readonly shiftMm?: number | null;
             /**
              * Smoothings
-             * @description Time over which the solved focus is smoothed; it is exact at keys.
+             * @description Time over which the solved focus is smoothed; it stays exact at keys. 0 for none.
              */
             readonly smoothingS?: number | null;
             /**
              * Solvestop
-             * @description Whether the points also set the f-number.
+             * @description Whether the points also set the f-number: the widest at which each keeps to its blur.
              */
             readonly solveStop?: boolean | null;
             /**
              * Surfaceexponent
-             * @description How local the focal surface is.
+             * @description How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
              */
             readonly surfaceExponent?: number | null;
             /**
              * Swingdeg
-             * @description Turn of the lens, before the tilt: positive looks left.
+             * @description Turn of the lens about the camera's +Y axis, before the tilt: positive looks to the left.
              */
             readonly swingDeg?: number | null;
             /**
              * Tiltdeg
-             * @description Turn of the lens: positive looks up.
+             * @description Turn of the lens about the camera's +X axis: positive looks up, negative lays the plane of focus down over the ground.
              */
             readonly tiltDeg?: number | null;
             /**
@@ -4752,7 +4760,7 @@ export interface components {
         readonly KeySetting: {
             readonly key: components["schemas"]["KeyEdit"];
             /** Setting */
-            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            readonly setting: ("fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -6447,7 +6455,7 @@ export interface components {
          */
         readonly SetSettingTangents: {
             /** Setting */
-            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            readonly setting: ("fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
             readonly tangents: components["schemas"]["TangentsEdit"];
             /**
              * Time
@@ -6736,7 +6744,7 @@ export interface components {
          */
         readonly UnkeySetting: {
             /** Setting */
-            readonly setting: ("focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
+            readonly setting: ("fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg") | ("exposureTimeS" | "iso" | "exposureFStop" | "compensationStops" | "responsivity" | "shutterOpen" | "shutterClose" | "transmittance" | "neutralDensity" | "flareGhosts" | "flareStar" | "shutterTravelS" | "meteringCompensationStops") | ("speed" | "push" | "whiteBalanceK" | "tint" | "curveMiddleGray" | "grainAmount" | "grainSizeUm" | "halationAmount" | "halationRadiusMm" | "sensorFullWellE" | "sensorReadNoiseE" | "sensorClipStops" | "cdlSaturation");
             /**
              * Time
              * @description USD time code of the key.
@@ -8544,7 +8552,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description The keyed setting, in the unit of its name. */
-                readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
+                readonly attribute: "fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
                 /** @description A shot's id. */
                 readonly shot: string;
             };
@@ -8628,7 +8636,7 @@ export interface operations {
             };
             readonly path: {
                 /** @description The keyed setting, in the unit of its name. */
-                readonly attribute: "focusDistanceM" | "fStop" | "focalLengthMm" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
+                readonly attribute: "fStop" | "focalLengthMm" | "focusDistanceM" | "solveStop" | "circleOfConfusionMm" | "smoothingS" | "lagS" | "deadZoneMm" | "maxSpeedDegS" | "nearPriority" | "surfaceExponent" | "expressive" | "tiltDeg" | "swingDeg" | "riseMm" | "shiftMm" | "drivenByPoints" | "maxAngleDeg";
                 /** @description A shot's id. */
                 readonly shot: string;
             };

@@ -19,12 +19,12 @@ def attribute(shot, name):
 
 
 def test_settings_are_authored_by_their_schemas(shot):
-    shot.focus.set(CAMERA, mode="tiltPlane", lag=0.5, tilt=-6.0, from_focus_points=False, max_angle=20.0)
+    shot.focus.set(CAMERA, mode="tiltPlane", lag_s=0.5, tilt_deg=-6.0, driven_by_points=False, max_angle_deg=20.0)
     focus, tilt = shot.focus.settings(CAMERA, 1)
-    assert (focus.mode, focus.lag) == ("tiltPlane", 0.5)
-    assert (tilt.tilt, tilt.from_focus_points, tilt.max_angle) == (-6, False, 20)
+    assert (focus.mode, focus.lag_s) == ("tiltPlane", 0.5)
+    assert (tilt.tilt_deg, tilt.driven_by_points, tilt.max_angle_deg) == (-6, False, 20)
     assert {"FocusAPI", "TiltShiftAPI"} <= set(shot.stage.GetPrimAtPath(CAMERA).GetAppliedSchemas())
-    assert shot.edits.history.undo_label == "set mode, lag, tilt, from focus points, max angle of cam"
+    assert shot.edits.history.undo_label == "set mode, lag, tilt, driven by points, max angle of cam"
     shot.edits.undo()
     assert shot.focus.settings(CAMERA, 1)[0].mode == "manual"
 
@@ -77,10 +77,10 @@ def test_impossible_settings_are_reported_and_change_nothing(shot):
     attempts = [
         lambda: shot.focus.set(CAMERA, mode="by feel"),
         lambda: shot.focus.set(CAMERA, colour="red"),
-        lambda: shot.focus.set(CAMERA, lag=0.5, expressive=2.0),
-        lambda: shot.focus.set(CAMERA, tilt=90.0),
-        lambda: shot.focus.set(CAMERA, lag=float("nan")),
-        lambda: shot.focus.set(CAMERA, lag=1.0, time=float("inf")),
+        lambda: shot.focus.set(CAMERA, lag_s=0.5, expressive=2.0),
+        lambda: shot.focus.set(CAMERA, tilt_deg=90.0),
+        lambda: shot.focus.set(CAMERA, lag_s=float("nan")),
+        lambda: shot.focus.set(CAMERA, lag_s=1.0, time=float("inf")),
         lambda: shot.camera.set_key(CAMERA, "mode", Key(1, "points", "held")),
         lambda: shot.camera.set_key(CAMERA, "focal_length_mm", Key(1, -5.0, "linear")),
         lambda: shot.camera.set_key(CAMERA, "colour", Key(1, 1.0, "linear")),
@@ -91,7 +91,7 @@ def test_impossible_settings_are_reported_and_change_nothing(shot):
             attempt()
         assert shot.edits.export() == before
     with pytest.raises(CameraError):
-        shot.focus.set(NEAR, lag=1.0)
+        shot.focus.set(NEAR, lag_s=1.0)
 
 
 def test_a_rack_is_one_edit(shot):

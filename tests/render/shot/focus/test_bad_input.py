@@ -139,7 +139,7 @@ def test_a_focus_out_of_the_lenss_reach_leaves_the_shot_readable(shot: Shot) -> 
 
 
 def test_a_lens_tilted_as_far_as_it_may_be_is_written_as_a_layer(shot: Shot) -> None:
-    shot.focus.set(CAMERA, tilt=89.0, from_focus_points=False)
+    shot.focus.set(CAMERA, tilt_deg=89.0, driven_by_points=False)
     layer = shot.focus.layer(CAMERA, [1.0, 2.0])
     assert "tiltShift:tilt" in layer
 

@@ -45,18 +45,18 @@ def test_the_first_frames_of_a_long_shot_are_followed_too(tmp_path: Path, monkey
     shot = racked_shot(tmp_path, 6, 12, last=150)
     first_frames = [1.0, 6.0, 140.0]
     level = distances_m(shot, first_frames)
-    shot.focus.set(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag_s=0.3)
     assert distances_m(shot, first_frames) == pytest.approx(level, rel=1e-6)
     in_one = shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m
     monkeypatch.setattr(tracker, "MAX_FOLLOWED_FRAMES", 1000)
-    shot.focus.set(CAMERA, lag=0.3001)
-    shot.focus.set(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag_s=0.3001)
+    shot.focus.set(CAMERA, lag_s=0.3)
     assert in_one == pytest.approx(shot.focus.curve(CAMERA, list(range(1, 151))).focus_distance_m, rel=1e-6)
 
 
 def test_what_was_looked_at_beyond_the_shot_changes_nothing_in_it(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, -20, -10)
-    shot.focus.set(CAMERA, lag=3.0)
+    shot.focus.set(CAMERA, lag_s=3.0)
     before = distances_m(shot, [2.0, 20.0])
     assert before[0] == pytest.approx(before[1], rel=1e-6)  # the hand is settled at the shot's first frame
     beyond = distances_m(shot, [-15.0, -30.0, 40.0])
@@ -68,7 +68,7 @@ def test_a_time_far_beyond_the_shot_is_solved_from_frames_near_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shot = racked_shot(tmp_path, 6, 12)
-    shot.focus.set(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag_s=0.3)
     frames: list[int] = []
 
     def counted(inputs: FocusInputs) -> FocusTrack:
@@ -87,13 +87,13 @@ def test_smoothing_is_exact_at_keys_between_frames(tmp_path: Path, seconds_off: 
     shot.focus.set_key(CAMERA, "far", "weight", 9 + seconds_off, 0.9)
     key_times = [6 + seconds_off, 9 + seconds_off, 12 + seconds_off]
     wanted = distances_m(shot, key_times)
-    shot.focus.set(CAMERA, smoothing=0.3)
+    shot.focus.set(CAMERA, smoothing_s=0.3)
     assert distances_m(shot, key_times) == pytest.approx(wanted, rel=1e-9)
 
 
 def test_a_range_that_is_turned_about_has_its_first_frame(tmp_path: Path) -> None:
     shot = racked_shot(tmp_path, 6, 12, first=24, last=1)
-    shot.focus.set(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag_s=0.3)
     assert all(math.isfinite(distance) for distance in distances_m(shot, [1.0, 10.0, 24.0]))
 
 
@@ -101,11 +101,11 @@ def test_what_the_lens_could_not_do_is_flagged_and_nothing_else(tmp_path: Path) 
     """A ring of 300 degrees from 0.5 m on, turned by 60 degrees in a second, takes longer than 6 frames."""
     shot = racked_shot(tmp_path, 6, 12)
     frames = list(range(1, 200))
-    shot.focus.set(CAMERA, lag=0.1)
+    shot.focus.set(CAMERA, lag_s=0.1)
     assert not shot.focus.curve(CAMERA, frames).limited.any()  # to come late is what was asked for
     with Usd.EditContext(shot.stage, shot.edits.layer):
         LensCamera(shot.stage.GetPrimAtPath(CAMERA)).lens.author(LensData(close_focus=500.0, focus_throw=300.0))
-    shot.focus.set(CAMERA, lag=0.0, max_speed=60.0)
+    shot.focus.set(CAMERA, lag_s=0.0, max_speed_deg_s=60.0)
     limited = shot.focus.curve(CAMERA, frames).limited
     assert limited[12]
     assert not limited[:5].any()

@@ -61,7 +61,9 @@ def test_the_curve_has_the_angles_that_give_the_plane_back_by_hand(shot: Shot) -
     height_along_film_m = 0.7 / math.cos(math.radians(18))
     assert hinge_m(plane) == pytest.approx(height_along_film_m, rel=1e-6)
     assert math.sin(-curve.tilt_rad[0]) == pytest.approx(0.04 / height_along_film_m, rel=1e-6)
-    shot.focus.set(CAMERA, mode="manual", tilt=math.degrees(curve.tilt_rad[0]), swing=math.degrees(curve.swing_rad[0]))
+    shot.focus.set(
+        CAMERA, mode="manual", tilt_deg=math.degrees(curve.tilt_rad[0]), swing_deg=math.degrees(curve.swing_rad[0])
+    )
     shot.camera.set(CAMERA, focus_distance_m=float(curve.focus_distance_m[0]))
     by_hand = shot.camera_at(CAMERA, 1, WIDTH, HEIGHT).focal_surface
     assert by_hand is not None
@@ -88,7 +90,7 @@ def test_a_lens_is_not_turned_away_from_its_film(shot: Shot, name: str, angle: f
 
 def test_a_lens_that_cannot_tilt_so_far_says_so(shot: Shot) -> None:
     with_table_points(shot, "tiltPlane")
-    shot.focus.set(CAMERA, max_angle=2.0)
+    shot.focus.set(CAMERA, max_angle_deg=2.0)
     curve = shot.focus.curve(CAMERA, [1.0])
     assert math.degrees(math.hypot(curve.tilt_rad[0], curve.swing_rad[0])) == pytest.approx(2.0, rel=1e-3)
     assert curve.limited[0]
@@ -98,7 +100,7 @@ def test_a_lens_that_cannot_tilt_so_far_says_so(shot: Shot) -> None:
 def test_a_plane_that_meets_the_axis_behind_the_camera_is_along_it(shot: Shot) -> None:
     for name, place in {"near": (0.0, 0.0, 0.5), "left": (-0.5, -1.3, -2.5), "right": (0.5, -1.3, -2.5)}.items():
         shot.focus.add_point(CAMERA, name, on_table(name, place))
-    shot.focus.set(CAMERA, mode="tiltPlane", max_angle=60.0, off_screen="keep")
+    shot.focus.set(CAMERA, mode="tiltPlane", max_angle_deg=60.0, off_screen="keep")
     readout = shot.focus.read(CAMERA, 1)
     assert readout.focus_distance_m == math.inf
     assert "behind the camera" in readout.note
@@ -156,7 +158,7 @@ def test_a_point_that_is_switched_off_goes_softly(shot: Shot) -> None:
         shot.focus.set_key(CAMERA, name, "enabled", 12, not before)
     frames = list(range(1, 25))
     hard = 1 / shot.focus.curve(CAMERA, frames).focus_distance_m
-    shot.focus.set(CAMERA, smoothing=0.5)
+    shot.focus.set(CAMERA, smoothing_s=0.5)
     soft = 1 / shot.focus.curve(CAMERA, frames).focus_distance_m
     assert soft[[0, -1]] == pytest.approx(hard[[0, -1]])
     assert np.abs(np.diff(hard)).max() == pytest.approx(abs(hard[-1] - hard[0]))
@@ -170,13 +172,13 @@ def test_a_frame_has_the_same_focus_whichever_is_looked_at_first(shot: Shot) -> 
     for name, before in (("near", 1.0), ("far", 0.0)):
         shot.focus.set_key(CAMERA, name, "weight", 6, before)
         shot.focus.set_key(CAMERA, name, "weight", 12, 1 - before)
-    shot.focus.set(CAMERA, lag=0.3)
+    shot.focus.set(CAMERA, lag_s=0.3)
     curve = shot.focus.curve(CAMERA, list(range(1, 25)))
     assert shot.focus.read(CAMERA, 14).focus_distance_m == pytest.approx(curve.focus_distance_m[13])
     assert "on the way" in shot.focus.read(CAMERA, 10).reason
     late, wanted = curve.focus_distance_m[9], curve.focus_distance_m[-1]
     assert late < wanted
-    shot.focus.set(CAMERA, lag=0.0)
+    shot.focus.set(CAMERA, lag_s=0.0)
     assert (
         shot.focus.read(CAMERA, 10).focus_distance_m > late
     )  # what was worked out before an edit is not used after it
@@ -231,7 +233,7 @@ def test_a_hand_follows_each_point_of_a_surface_too(shot: Shot) -> None:
     shot.focus.add_point(CAMERA, "runner", FocusPoint("runner", target=("/World/runner",)))
     shot.focus.set(CAMERA, mode="surface")
     assert [point.coc_mm for point in shot.focus.points(CAMERA, 8)] == pytest.approx([0, 0], abs=1e-9)
-    shot.focus.set(CAMERA, lag=0.25)
+    shot.focus.set(CAMERA, lag_s=0.25)
     still, runner = (point.coc_mm for point in shot.focus.points(CAMERA, 8))
     assert still == pytest.approx(0, abs=1e-9)
     assert runner > 0.05
@@ -251,7 +253,7 @@ def test_points_set_the_stop_that_holds_them(shot: Shot) -> None:
     """A focus puller's split: both ends of the row at the limit of the circle of confusion, and no wider an f-number does it."""
     shot.focus.add_point(CAMERA, "near", on_table("near", (0.0, 0.0, 0.5)))
     shot.focus.add_point(CAMERA, "far", on_table("far", (0.0, 0.0, -2.2)))
-    shot.focus.set(CAMERA, solve_stop=True, circle_of_confusion=0.03)
+    shot.focus.set(CAMERA, solve_stop=True, circle_of_confusion_mm=0.03)
     cocs = [point.coc_mm for point in shot.focus.points(CAMERA, 1)]
     assert cocs == pytest.approx([0.03, 0.03], rel=1e-6)
     readout = shot.focus.read(CAMERA, 1)

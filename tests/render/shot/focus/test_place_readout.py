@@ -36,7 +36,7 @@ def test_an_upright_plane_reads_the_same_everywhere(shot, screen, depth_m):
 
 
 def test_the_limits_of_a_place_are_where_its_circle_is_the_limit(shot):
-    shot.focus.set(CAMERA, tilt=-5.0, mode="tiltPlane", from_focus_points=False)
+    shot.focus.set(CAMERA, tilt_deg=-5.0, mode="tiltPlane", driven_by_points=False)
     screen = (0.5, 0.8)
     read = shot.focus.read_at(CAMERA, 1, screen, FOCUS_M)
     for depth_m in (read.near_m, read.far_m):
@@ -45,7 +45,7 @@ def test_the_limits_of_a_place_are_where_its_circle_is_the_limit(shot):
 
 
 def test_a_tilted_plane_lies_nearer_below_than_above(shot):
-    shot.focus.set(CAMERA, tilt=-5.0, mode="tiltPlane", from_focus_points=False)
+    shot.focus.set(CAMERA, tilt_deg=-5.0, mode="tiltPlane", driven_by_points=False)
     below, middle, above = (shot.focus.read_at(CAMERA, 1, (0.5, y), 3.0).focus_distance_m for y in (0.9, 0.5, 0.1))
     assert below < middle < above
     assert middle == pytest.approx(FOCUS_M)

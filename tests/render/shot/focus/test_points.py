@@ -200,7 +200,7 @@ def test_the_limit_of_sharpness_is_the_gates_or_the_cameras_own(shot):
     assert SLOPE_MM_M * (1 / readout.near_m - 1 / 3) == pytest.approx(readout.coc_limit_mm, rel=1e-5)
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
     with Usd.EditContext(shot.stage, shot.edits.layer):
-        camera.focus.author(type(camera.focus.read())(circle_of_confusion=0.05))
+        camera.focus.author(type(camera.focus.read())(circle_of_confusion_mm=0.05))
     assert shot.focus.read(CAMERA, 1).coc_limit_mm == 0.05
 
 
@@ -300,7 +300,7 @@ def test_camera_settings_without_effect_are_reported(shot):
     camera = LensCamera(shot.stage.GetPrimAtPath(CAMERA))
     with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.lens.author(LensData(entrance_pupil_offset=9.0))
-        camera.focus.author(FocusData(mode="points", smoothing=0.5, near_priority=1.0))
+        camera.focus.author(FocusData(mode="points", smoothing_s=0.5, near_priority=1.0))
     told = {finding.path: finding.message for finding in shot.findings()}
     assert "lens:entrancePupilOffset" in told[f"{CAMERA}.lens:entrancePupilOffset"]
     assert not any("focus:" in path for path in told)

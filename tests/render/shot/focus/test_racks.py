@@ -88,7 +88,7 @@ def stage(tmp_path):
 def set_lens(stage, throw_deg, close_mm, speed_deg_s):
     camera = LensCamera(stage.GetPrimAtPath(CAMERA))
     camera.lens.author(type(camera.lens.read())(focus_throw=throw_deg, close_focus=close_mm))
-    camera.focus.author(type(camera.focus.read())(max_speed=speed_deg_s))
+    camera.focus.author(type(camera.focus.read())(max_speed_deg_s=speed_deg_s))
 
 
 def test_a_slow_hand_makes_the_rack_longer_in_the_shot_too(stage):

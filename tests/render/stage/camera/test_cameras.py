@@ -49,7 +49,7 @@ def test_rise_and_shift_move_the_gate_in_mm_in_any_scene_unit() -> None:
     stage = new_stage(0.01)
     add_camera(stage, horizontalApertureOffset=1.0, verticalApertureOffset=-2.0)
     camera = LensCamera(stage.GetPrimAtPath("/cam"))
-    camera.tilt_shift.author(TiltShiftData(rise=3.0, shift=-4.0))
+    camera.tilt_shift.author(TiltShiftData(rise_mm=3.0, shift_mm=-4.0))
     read = read_camera(stage, "/cam", 0)
     assert (read.horizontal_offset_mm, read.vertical_offset_mm) == pytest.approx((1 - 4, -2 + 3))
 

@@ -80,7 +80,7 @@ class Grade:
             cdl = read_cdl(cdl_file(data.cdl_file, confined_to), data.cdl_id)
         else:
             cdl = Cdl(data.cdl_slope, data.cdl_offset, data.cdl_power, data.cdl_saturation)
-        return cls(config, *choice.words(data, config), cdl)
+        return cls(config, *choice.names_in(data, config), cdl)
 
     @property
     def display_name(self) -> str:

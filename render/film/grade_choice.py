@@ -31,7 +31,7 @@ class GradeChoice:
     look: str | None = None
     cdl: Cdl | None = None
 
-    def words(self, data: GradeData, config: str | None) -> tuple[str | None, str | None, str | None]:
+    def names_in(self, data: GradeData, config: str | None) -> tuple[str | None, str | None, str | None]:
         """Display, view and look, with the shot's own filled in; None for the configuration's default.
 
         Args:

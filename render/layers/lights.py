@@ -31,10 +31,10 @@ class ShadowSlot:
 def select_lights(lights: tuple[Light, ...]) -> tuple[Light, ...]:
     """Select the lights that are drawn: all, or the `MAX_LIGHTS` strongest where there are more."""
     shining = [light for light in lights if max(light.radiance) > 0 and light.cone_angle_rad > 0]
-    return tuple(shining if len(shining) <= MAX_LIGHTS else sorted(shining, key=power, reverse=True)[:MAX_LIGHTS])
+    return tuple(shining if len(shining) <= MAX_LIGHTS else sorted(shining, key=light_power, reverse=True)[:MAX_LIGHTS])
 
 
-def power(light: Light) -> float:
+def light_power(light: Light) -> float:
     """Rank of a light by its power: radiance times area; distant lights, which have no area, come first."""
     if light.kind == "distant":
         return 1e9 * max(light.radiance)

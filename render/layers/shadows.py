@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.layers.lights import ShadowSlot, power, unit_axes
+from render.layers.lights import ShadowSlot, light_power, unit_axes
 from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.scene import Light
@@ -62,7 +62,7 @@ def plan_shadows(lights: tuple[Light, ...], whole: Sphere, interest: Sphere | No
     slots: dict[int, ShadowSlot] = {}
     matrices: list[DoubleArray] = []
     casters = [i for i, light in enumerate(lights) if light.casts_shadow]
-    for i in sorted(casters, key=lambda i: -power(lights[i])):
+    for i in sorted(casters, key=lambda i: -light_power(lights[i])):
         maps, texel_m = _light_maps(lights[i], whole, part)
         if len(matrices) + len(maps) <= MAX_SHADOW_MAPS:
             slots[i] = ShadowSlot(len(matrices), len(maps), texel_m)

@@ -18,7 +18,7 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.moment import Moment
 from render.optics.view import PinholeView
-from render.postblur.picture_errors import PictureErrors, picture_errors
+from render.postblur.picture_errors import PictureErrors, make_picture_errors
 
 if TYPE_CHECKING:  # so that a process without GL can import the shot
     from render.frame import Frame, FrameRenderer
@@ -58,7 +58,7 @@ class ImageSpace:
 
         def errors_in(view: PinholeView) -> PictureErrors:
             x, y = max(view.cx, view.width - view.cx) / view.fx, max(view.cy, view.height - view.cy) / view.fy
-            return picture_errors(
+            return make_picture_errors(
                 sheet,
                 camera.lens.scales,
                 focal_length_mm=camera.focal_length_mm,

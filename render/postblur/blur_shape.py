@@ -53,7 +53,7 @@ class BlurShape:
         return np.asarray(heights.sum(axis=1), np.float32)
 
 
-def blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> BlurShape:
+def make_blur_shape(iris: IrisShape, *, behind: bool, squeeze: float = 1.0) -> BlurShape:
     """Make the blur shape of an iris.
 
     Args:

@@ -12,7 +12,7 @@ import moderngl
 
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.postblur.blur_shape import BlurShape, blur_shape
+from render.postblur.blur_shape import BlurShape, make_blur_shape
 from render.postblur.focus_split import FocusSplit
 from render.postblur.point_spread import Field, RadiusWindow
 
@@ -42,8 +42,8 @@ class Part:
 
 def split_into_parts(split: FocusSplit) -> tuple[Part, Part, Part]:
     """Split the picture into three parts: the near field, the slightly blurred far field, and the strongly blurred far field."""
-    before = blur_shape(split.iris, behind=False, squeeze=split.squeeze)
-    behind = blur_shape(split.iris, behind=True, squeeze=split.squeeze)
+    before = make_blur_shape(split.iris, behind=False, squeeze=split.squeeze)
+    behind = make_blur_shape(split.iris, behind=True, squeeze=split.squeeze)
     near, far = Field(split.near, split.radii, 0), Field(split.far, split.radii, 1)
     little = min(max(LITTLE_SHARE * split.most_px, LITTLE_PX[0]), LITTLE_PX[1])
     hazy = _HAZE * little

@@ -82,7 +82,7 @@ class PictureErrors:
         return margins[0], margins[1]
 
 
-def picture_errors(
+def make_picture_errors(
     sheet: DataSheet,
     scales: AberrationScales,
     *,

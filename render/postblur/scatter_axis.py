@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from render.model.arrays import DoubleArray
-from render.trace.axis_rays import LensErrors, axis_key, axis_rays, open_axes
+from render.trace.axis_rays import LensErrors, axis_key, open_axes, trace_axis_rays
 from render.trace.lens_table import GridTable
 
 LANDING_PX, PUPIL = 1 / 8, 1 / 256
@@ -117,7 +117,7 @@ class ExactSpot:
         return _in_pixels(self.errors, stops)
 
 
-def axis_spot(errors: LensErrors) -> AxisSpot:
+def make_axis_spot(errors: LensErrors) -> AxisSpot:
     """Axis spot of a lens, rounded where that moves no ray by more than `ROUNDED_PX` and `ROUNDED_PUPIL`."""
     if isinstance(errors.table, GridTable):
         return ExactSpot(errors)
@@ -130,5 +130,5 @@ def axis_spot(errors: LensErrors) -> AxisSpot:
 
 
 def _in_pixels(errors: LensErrors, stops: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    rays = axis_rays(errors.table, stops)
+    rays = trace_axis_rays(errors.table, stops)
     return rays.pupil_m / errors.pupil_m, -errors.focal_px * rays.slope

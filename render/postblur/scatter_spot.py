@@ -82,7 +82,7 @@ class Spot:
         return np.asarray(c_px * self.pupil[:count] + self.error_px[:count])
 
 
-def camera_spot(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Spot:
+def make_camera_spot(iris: IrisShape, squeeze: float, lens: AxisSpot | None = None) -> Spot:
     """Spot of a camera's lens.
 
     Args:

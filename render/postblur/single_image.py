@@ -21,7 +21,7 @@ from render.postblur.focus_split import Blur, FocusSplitter
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
 from render.trace.picture_focus import PictureFocus, picture_focus
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 
 MAX_MARGIN = 0.125
 """Largest margin peeled around the picture for the light that is blurred into it, as a share of the longer side."""
@@ -113,7 +113,7 @@ class SingleImageBlur:
             return np.frombuffer(blurred.read(), np.float32).reshape(*split.size[::-1], 4).copy()
 
     def _axis_errors(self, camera: Camera, view: PinholeView) -> LensErrors | None:
-        table = self._bundles.make_bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+        table = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()), 1).table
         return None if table is None else LensErrors(table, pupil_radius_m(camera), max(view.fx, view.fy))
 
     def release(self) -> None:

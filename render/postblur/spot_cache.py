@@ -8,8 +8,8 @@ import moderngl
 
 from render.model.lens import IrisShape
 from render.postblur.focus_split import FocusSplit
-from render.postblur.scatter_axis import axis_spot
-from render.postblur.scatter_spot import Spot, SpotTables, camera_spot, make_spot_tables
+from render.postblur.scatter_axis import make_axis_spot
+from render.postblur.scatter_spot import Spot, SpotTables, make_camera_spot, make_spot_tables
 
 SPLIT_PX = 24.0
 """Radius from which circles of confusion are drawn at half the resolution, from twice of it on at a quarter, and so on."""
@@ -70,13 +70,13 @@ class SpotCache:
 
     def spot(self, split: FocusSplit) -> Spot:
         """Spot of a picture's camera."""
-        lens = None if split.errors is None else axis_spot(split.errors)
+        lens = None if split.errors is None else make_axis_spot(split.errors)
         key = (*_iris_key(split.iris), split.squeeze, None if lens is None else lens.cache_key)
         kept = self._kept.pop(key, None)
         if kept is None:
             while len(self._kept) >= _MAX_SPOTS:
                 self._kept.pop(next(iter(self._kept))).release()
-            kept = _CachedSpot(camera_spot(split.iris, split.squeeze, lens))
+            kept = _CachedSpot(make_camera_spot(split.iris, split.squeeze, lens))
         self._kept[key] = kept  # now the most recently used
         return kept.spot
 

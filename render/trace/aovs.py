@@ -18,7 +18,7 @@ from render.optics.view import PinholeView
 from render.trace.layer_view import MAX_SLOPE
 from render.trace.picture_focus import PictureFocus
 from render.trace.rays import RayBundle
-from render.trace.sharpness import sharpness
+from render.trace.sharpness import measure_sharpness
 
 MEASURED = ("depth", "coc", "defocus", "focus_depth", "prim_id", "face_id")
 MAX_AREA_RATIO = 8.0
@@ -38,7 +38,7 @@ def measure_aovs(
         chief: the lens's chief rays; None where they are straight.
     """
     w, prim_id, face_id = _nearest(peeler, view, chief)
-    sharp = sharpness(bundle, focus, view)
+    sharp = measure_sharpness(bundle, focus, view)
     with np.errstate(divide="ignore"):
         depth, focus_depth = (1.0 / np.maximum(values, 0.0) for values in (w.astype(np.float64), sharp.w))
     return {

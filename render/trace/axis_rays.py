@@ -41,7 +41,7 @@ class AxisRays:
     pupil_m: DoubleArray
 
 
-def axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> AxisRays:
+def trace_axis_rays(table: PolynomialTable | GridTable, stops: DoubleArray) -> AxisRays:
     """The rays of the middle wavelength; those that the lens blocks are left out.
 
     Args:
@@ -71,7 +71,7 @@ def open_axes(table: PolynomialTable) -> tuple[float, float]:
 
 
 def axis_key(table: PolynomialTable | GridTable) -> bytes:
-    """Cache key of the part of a table that `axis_rays` reads."""
+    """Cache key of the part of a table that `trace_axis_rays` reads."""
     if isinstance(table, PolynomialTable):
         return bytes(table.rows[len(table.rows) // 2, 0].tobytes())
     field = _middle_field(table)

@@ -14,13 +14,13 @@ from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import Spectrum, spectrum
 from render.optics.thin_lens import focus_w, pupil_radius_m
 from render.optics.view import PinholeView
-from render.trace.data_sheet_table import data_sheet_table
-from render.trace.drawn_power import add_drawn_power, drawn_lens_table
-from render.trace.grid_table import grid_table
+from render.trace.data_sheet_table import make_data_sheet_table
+from render.trace.drawn_power import add_drawn_power, make_drawn_lens_table
+from render.trace.grid_table import make_grid_table
 from render.trace.lens_table import FRONT_RIM, PUPIL_T, SLOPE_T, GridTable, PolynomialTable
-from render.trace.prescription_table import prescription_table
-from render.trace.rays import RayBundle, RayPattern, thin_lens_bundle
-from render.trace.seidel_table import seidel_table
+from render.trace.prescription_table import make_prescription_table
+from render.trace.rays import RayBundle, RayPattern, make_thin_lens_bundle
+from render.trace.seidel_table import make_seidel_table
 from render.trace.surface_tracer import SurfaceTracer
 
 LensTable = PolynomialTable | GridTable
@@ -50,7 +50,7 @@ class BundleMaker:
             SettingsError: it does not reach the focus distance, or there are too many wavelengths.
         """
         if camera.f_stop == 0 or not (_has_errors(camera) or is_drawn(camera.lens)):
-            return thin_lens_bundle(camera, pattern)
+            return make_thin_lens_bundle(camera, pattern)
         has_colours = _has_errors(camera) and camera.lens.scales.chromatic != 0
         light = spectrum(wavelengths) if has_colours else spectrum(1)
         table = self._table(camera, view, light)
@@ -94,7 +94,7 @@ class BundleMaker:
         lens, focal_length_mm = camera.lens, camera.focal_length_mm
         if not _has_errors(camera):
             radius_m = pupil_radius_m(camera)
-            return drawn_lens_table(
+            return make_drawn_lens_table(
                 lens, focal_length_mm=focal_length_mm, pupil_radius_m=radius_m, last_slope=last_slope
             )
         own = self._own_table(camera, last_slope, light)
@@ -110,7 +110,7 @@ class BundleMaker:
         lens = camera.lens
         scales = own_scales(lens)
         if lens.model == "seidel" and lens.seidel is not None:
-            return seidel_table(
+            return make_seidel_table(
                 lens.seidel,
                 scales,
                 focal_length_mm=camera.focal_length_mm,
@@ -119,7 +119,7 @@ class BundleMaker:
                 wavelengths_nm=light.wavelengths_nm,
             )
         if lens.model == "dataSheet" and lens.data_sheet is not None:
-            return data_sheet_table(
+            return make_data_sheet_table(
                 lens.data_sheet,
                 scales,
                 focal_length_mm=camera.focal_length_mm,
@@ -128,7 +128,7 @@ class BundleMaker:
                 wavelengths_nm=light.wavelengths_nm,
             )
         if lens.model == "heightField" and lens.height_field is not None:
-            return grid_table(
+            return make_grid_table(
                 self._tracer,
                 mount_lens(camera),
                 lens.height_field,
@@ -137,7 +137,7 @@ class BundleMaker:
                 light.wavelengths_nm,
                 scales,
             )
-        return prescription_table(
+        return make_prescription_table(
             self._tracer, mount_lens(camera), last_slope, focus_w(camera), light.wavelengths_nm, scales
         )
 

@@ -17,7 +17,7 @@ HEIGHTS = 64
 _GRID = 61  # points across the pupil that find its open part
 
 
-def data_sheet_table(
+def make_data_sheet_table(
     sheet: DataSheet,
     scales: AberrationScales,
     *,

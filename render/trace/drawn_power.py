@@ -30,7 +30,7 @@ PUPIL_SIDE = 96
 _SLOPE_DEGREE, _PUPIL_DEGREE = 7, 5
 
 
-def drawn_lens_table(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float, last_slope: float) -> GridTable:
+def make_drawn_lens_table(lens: Lens, *, focal_length_mm: float, pupil_radius_m: float, last_slope: float) -> GridTable:
     """Make the table of a thin lens with drawn power: the same rays for every field.
 
     Args:

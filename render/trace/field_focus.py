@@ -28,13 +28,13 @@ from render.optics.pupil_power import is_drawn, own_scales
 from render.optics.spectrum import THREE_LINES
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
-from render.trace.data_sheet_table import data_sheet_table
+from render.trace.data_sheet_table import make_data_sheet_table
 from render.trace.drawn_power import slope_errors
 from render.trace.lens_fit import NodeRays, PupilFit, Region, mean_light, pupil_nodes
 from render.trace.lens_table import LIGHT, PolynomialTable
-from render.trace.prescription_table import MAX_SLOPE, chromatic, enclosing_region, extend_dark_rows, scale_rays
-from render.trace.seidel_table import seidel_table
-from render.trace.sharpness import least_spread, rays_of_heights
+from render.trace.prescription_table import MAX_SLOPE, enclosing_region, extend_dark_rows, scale_chromatic, scale_rays
+from render.trace.seidel_table import make_seidel_table
+from render.trace.sharpness import find_least_spread, rays_of_heights
 
 HEIGHTS = 13
 _COARSE = (60, 24)
@@ -200,7 +200,7 @@ def _trace_glass(
     whole = _rays(lens, heights, [Region()] * HEIGHTS, coarse, w, D_LINE_NM)
     regions = [_open_region(rays, coarse) for rays in whole]
     traced = [_rays(lens, heights, regions, fine, w, wavelength) for wavelength in errors.wavelengths_nm]
-    rays = chromatic(traced, errors.scales.chromatic)[0] if len(traced) > 1 else traced[0]
+    rays = scale_chromatic(traced, errors.scales.chromatic)[0] if len(traced) > 1 else traced[0]
     scales = own_scales(errors.lens)
     rays = [scale_rays(r, rays[0], region, fine, scales) for r, region in zip(rays, regions, strict=True)]
     fit = PupilFit(fine)
@@ -219,7 +219,7 @@ def _from_table(
     slope, pupil, is_open = rays_of_heights(table)
     if is_drawn(errors.lens):
         slope = slope + slope_errors(errors.lens, focal_length_mm, pupil_radius_mm / 1000, pupil)
-    shift, radius = least_spread(slope, pupil, is_open.astype(np.float64))
+    shift, radius = find_least_spread(slope, pupil, is_open.astype(np.float64))
     heights = np.linspace(0.0, table.last_slope, len(shift))
     scaled = np.maximum.accumulate(heights + errors.scales.distortion * (seen - heights))
     return FieldFocus(heights, scaled, shift, radius * 1000 / pupil_radius_mm)
@@ -273,9 +273,9 @@ def _thin_field_focus(errors: _Errors, focal_length_mm: float, f_stop: float, re
     )
     lens = {"focal_length_mm": focal_length_mm, "pupil_radius_m": radius_m, "last_slope": reach}
     if errors.data_sheet is not None:
-        table = data_sheet_table(errors.data_sheet, scales, **lens, wavelengths_nm=wavelengths)
+        table = make_data_sheet_table(errors.data_sheet, scales, **lens, wavelengths_nm=wavelengths)
     else:
-        table = seidel_table(errors.seidel or SeidelErrors(), scales, **lens, wavelengths_nm=wavelengths)
+        table = make_seidel_table(errors.seidel or SeidelErrors(), scales, **lens, wavelengths_nm=wavelengths)
     camera = Camera(np.eye(4), focal_length_mm, f_stop=f_stop, lens=replace(errors.lens, scales=AberrationScales()))
     chief, heights = chief_rays(camera), np.linspace(0.0, reach, table.rows.shape[1])
     seen = heights if chief is None else _distort(heights, chief.ideal, chief.seen)

@@ -28,7 +28,7 @@ MAX_SLOPE = 4.5
 _DOWN_TO_UP = np.array([1.0, -1.0])
 
 
-def grid_table(
+def make_grid_table(
     tracer: SurfaceTracer,
     lens: FocusedLens,
     height_field: HeightField,

@@ -35,7 +35,7 @@ class RayExtent:
     bottom: float
 
 
-def layer_view(
+def make_layer_view(
     view: PinholeView, bundle: RayBundle, focus: PictureFocus, supersample: float, nearest_w: float
 ) -> PinholeView:
     """The view to peel.
@@ -47,10 +47,10 @@ def layer_view(
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
     """
-    return extended_view(view, ray_extent(view, bundle, focus, nearest_w), supersample)
+    return extend_view(view, bound_rays(view, bundle, focus, nearest_w), supersample)
 
 
-def extended_view(view: PinholeView, extent: RayExtent, supersample: float) -> PinholeView:
+def extend_view(view: PinholeView, extent: RayExtent, supersample: float) -> PinholeView:
     """View of the layers that show a picture and a given extent around it.
 
     Args:
@@ -79,7 +79,7 @@ def extended_view(view: PinholeView, extent: RayExtent, supersample: float) -> P
     )
 
 
-def ray_extent(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float) -> RayExtent:
+def bound_rays(view: PinholeView, bundle: RayBundle, focus: PictureFocus, nearest_w: float) -> RayExtent:
     """Bounds of the rays of the picture's edge, at any depth from infinity to the nearest surface."""
     edge = _edge_points(view)
     w_f, pupil = focus.at(edge)

@@ -23,10 +23,10 @@ from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import measure_aovs
 from render.trace.bundles import BundleMaker, merge_wavelengths
-from render.trace.layer_view import layer_view
+from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
-from render.trace.rays import RayBundle, RayPattern, ray_pattern
+from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
 from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
@@ -128,9 +128,9 @@ class LensTracer:
         on_stage("rays")
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
-        widest = layer_view(view, bundle, focus, supersample, 1 / view.near_m)
+        widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m)
         nearest_w = peeler.nearest_w(widest)
-        wide = layer_view(view, bundle, focus, supersample, nearest_w)
+        wide = make_layer_view(view, bundle, focus, supersample, nearest_w)
         f_px = max(wide.fx, wide.fy)
         pupil_px = f_px * bundle.reach_m * float(pupil.max())
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
@@ -198,7 +198,7 @@ class LensTracer:
 
     def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
-        bundle = self._bundles.make_bundle(camera, view, ray_pattern(1, IrisShape()))
+        bundle = self._bundles.make_bundle(camera, view, make_ray_pattern(1, IrisShape()))
         chief = chief_rays(camera)
         return measure_aovs(peeler, view, bundle, picture_focus(camera, view), chief)
 

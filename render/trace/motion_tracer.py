@@ -26,7 +26,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker, merge_wavelengths
-from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, extended_view, ray_extent, transform_extent
+from render.trace.layer_view import MAX_BLUR_SHARE, MAX_SLOPE, RayExtent, bound_rays, extend_view, transform_extent
 from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern
@@ -66,7 +66,7 @@ class MotionTracer:
         self._ctx, self._programs = ctx, programs
         self._nbuffers, self._tracer, self._bundles = nbuffers, tracer, bundles
 
-    def pictures(
+    def trace_moments(
         self,
         peeler: Peeler,
         middle: PinholeView,
@@ -137,10 +137,10 @@ class _ShutterSweep:
         """Peel the layers of the middle for all moments; return them and the largest inverse depth of any surface, 1/m."""
         middle = self._middle
         swept_slopes = swept_bounds(moves.values(), middle)
-        nearest_w = peeler.nearest_w(extended_view(middle, self._extent(1 / middle.near_m, swept_slopes), supersample))
+        nearest_w = peeler.nearest_w(extend_view(middle, self._extent(1 / middle.near_m, swept_slopes), supersample))
         ahead_m = max(float(np.linalg.norm(MomentView(middle, sample.view, 0).move_m)) for sample in self._samples)
         nearest_w = 1 / max(middle.near_m, 1 / nearest_w - ahead_m) if nearest_w > 0 else nearest_w
-        wide = extended_view(middle, self._extent(nearest_w, swept_slopes), supersample)
+        wide = extend_view(middle, self._extent(nearest_w, swept_slopes), supersample)
         f_px = max(wide.fx, wide.fy)
         sample = self._samples[len(self._samples) // 2]
         focus = picture_focus(sample.camera, sample.view)
@@ -167,7 +167,7 @@ class _ShutterSweep:
         extents = []
         for sample in self._samples:
             moment_view = MomentView(self._middle, sample.view, sample.shutter_time)
-            own = ray_extent(sample.view, self.bundle(sample), picture_focus(sample.camera, sample.view), nearest_w)
+            own = bound_rays(sample.view, self.bundle(sample), picture_focus(sample.camera, sample.view), nearest_w)
             extents.append(transform_extent(own, moment_view.turn, moment_view.move_m, nearest_w))
         left, top = min(extent.left for extent in extents), min(extent.top for extent in extents)
         right, bottom = max(extent.right for extent in extents), max(extent.bottom for extent in extents)

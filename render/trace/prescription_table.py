@@ -37,7 +37,7 @@ _GRID = 41
 _PADDING = 1.0 / _GRID
 
 
-def prescription_table(
+def make_prescription_table(
     tracer: SurfaceTracer,
     lens: FocusedLens,
     last_slope: float,
@@ -62,7 +62,7 @@ def prescription_table(
     traced = _trace_nodes(tracer, lens, slopes, regions, nodes, (*wavelengths_nm, *reference))
     rays = _node_rays(traced, slopes, regions, focus_w, lens.stop_radius_mm**2)
     if reference:
-        rays = chromatic(rays, scales.chromatic)
+        rays = scale_chromatic(rays, scales.chromatic)
     rays = [
         [scale_rays(r, part[0], region, nodes, scales) for r, region in zip(part, regions, strict=True)]
         for part in rays
@@ -215,7 +215,7 @@ def _drawable(traced: TracedLens) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(traced.slope[..., 0], traced.slope[..., 1]) <= MAX_SLOPE)
 
 
-def chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
+def scale_chromatic(rays: list[list[NodeRays]], factor: float) -> list[list[NodeRays]]:
     """Scale the distance of all wavelengths from the last one."""
     return [
         [

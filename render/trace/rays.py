@@ -94,7 +94,7 @@ class RayBundle:
         return self.table.pupil_reach_m if self.table is not None else max(self.pupil_m)
 
 
-def ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> RayPattern:
+def make_ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> RayPattern:
     """Make the pattern of ``rays`` rays through an iris; see `render.optics.sampling`.
 
     Raises:
@@ -112,7 +112,7 @@ def ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True
     return RayPattern(base, shifts, _downward(samples), _relative_transmission(iris))
 
 
-def thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
+def make_thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
     """Rays of the camera's thin lens; the rays of a pinhole all pass one point."""
     radius = pupil_radius_m(camera)
     return RayBundle(pattern, (radius / camera.lens.squeeze, radius), transmittance=camera.lens.transmittance)

@@ -34,7 +34,7 @@ HEIGHTS = 48
 _MIDDLE_NM, _SPAN_NM = 562.5, 175.0  # colour errors are stated between 475 and 650 nm and taken as linear between
 
 
-def seidel_table(
+def make_seidel_table(
     errors: SeidelErrors,
     scales: AberrationScales,
     *,

@@ -30,7 +30,7 @@ class Sharpness:
     pupil_m: DoubleArray
 
 
-def sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Sharpness:
+def measure_sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Sharpness:
     """Fit the least spread of each pixel's rays: ``s(w) = δ + X·(w - w_f)`` is least where ``w = w_f - ⟨δ·X⟩ / ⟨X·X⟩``."""
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     w_f, pupil = focus.at(np.stack([x, y], axis=-1))
@@ -48,7 +48,7 @@ def sharpness(bundle: RayBundle, focus: PictureFocus, view: PinholeView) -> Shar
 def _over_heights(table: PolynomialTable) -> tuple[DoubleArray, DoubleArray]:
     """``(heights,)`` shift of the sharpest w and radius of the pupil, at the middle wavelength."""
     slope, pupil, is_open = rays_of_heights(table)
-    shift, radius = least_spread(slope, pupil, is_open.astype(np.float64))
+    shift, radius = find_least_spread(slope, pupil, is_open.astype(np.float64))
     return np.where(table.rows[len(table.rows) // 2, :, WEIGHT] > 0, shift, 0.0), radius
 
 
@@ -77,7 +77,7 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     side = np.linspace(-1.0, 1.0, table.rays.shape[2])
     on_disc = (np.hypot(*np.meshgrid(side, side)) <= 1).ravel()  # beyond it there is only the iris
     passing = np.where(on_disc & (light[..., 1] <= 0), light[..., 0], 0.0).astype(np.float64)
-    shift, radius = least_spread(rays[..., :2], rays[..., 2:], passing)
+    shift, radius = find_least_spread(rays[..., :2], rays[..., 2:], passing)
     columns, rows = table.fields
     column = np.clip(np.rint((0.5 + 0.5 * x / table.last_slope[0]) * (columns - 1)), 0, columns - 1).astype(int)
     row = np.clip(np.rint((0.5 + 0.5 * y / table.last_slope[1]) * (rows - 1)), 0, rows - 1).astype(int)
@@ -85,7 +85,7 @@ def _over_fields(table: GridTable, x: DoubleArray, y: DoubleArray) -> tuple[Doub
     return shift[field], radius[field]
 
 
-def least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
+def find_least_spread(slope: DoubleArray, pupil: DoubleArray, weight: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
     """Inverse depth of least spread of the rays of fields.
 
     Args:

@@ -15,7 +15,7 @@ from render.postblur.preview import Previewer
 from render.postblur.single_image import SingleImageBlur
 from render.trace.lens import LensTracer
 from render.trace.motion_tracer import ShutterSample
-from render.trace.rays import RayPattern, ray_pattern
+from render.trace.rays import RayPattern, make_ray_pattern
 
 
 class Device:
@@ -75,7 +75,7 @@ class Device:
     ) -> Generator[FloatArray, None, None]:
         """Trace the moments of a moving scene; as `Engine.draw_swept`."""
         settings = request.settings
-        return self.tracer.motion_tracer.pictures(
+        return self.tracer.motion_tracer.trace_moments(
             self.peeler,
             request.view,
             samples,
@@ -125,5 +125,5 @@ class Device:
 
 def _pattern(request: DrawRequest) -> RayPattern:
     settings = request.settings
-    pattern = ray_pattern(settings.rays, request.camera.iris, seed=settings.seed, tiled=settings.tiled)
+    pattern = make_ray_pattern(settings.rays, request.camera.iris, seed=settings.seed, tiled=settings.tiled)
     return pattern.part(*request.part)

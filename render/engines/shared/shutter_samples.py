@@ -13,7 +13,7 @@ from render.model.lens import IrisShape
 from render.model.moment import Moment
 from render.optics.view import PinholeView
 from render.trace.motion_tracer import ShutterSample
-from render.trace.rays import RayPattern, ray_pattern
+from render.trace.rays import RayPattern, make_ray_pattern
 
 
 def shutter_samples(
@@ -30,7 +30,7 @@ def shutter_samples(
 
     @lru_cache(maxsize=1)  # the iris mostly stays the same
     def pattern_of(iris: IrisShape) -> RayPattern:
-        return ray_pattern(settings.rays, iris, seed=settings.seed, tiled=settings.tiled)
+        return make_ray_pattern(settings.rays, iris, seed=settings.seed, tiled=settings.tiled)
 
     samples = []
     for i, moment in enumerate(moments):

@@ -20,7 +20,7 @@ from render.optics.thin_lens import focal_surface, pupil_radius_m
 from render.optics.view import PinholeView
 from render.trace.accumulator import Accumulator, choose_view_sampling, make_lens_points
 from render.trace.lens import STAGES, LensTracer, Stage, TracedPicture
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +120,7 @@ class LensRig:
             self._peeler,
             camera,
             view,
-            ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
+            make_ray_pattern(settings.rays, camera.iris, seed=settings.seed, tiled=settings.tiled),
             wavelengths=settings.wavelengths,
             layers=settings.layers,
             supersample=settings.supersample,

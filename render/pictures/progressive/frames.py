@@ -18,7 +18,7 @@ from render.optics.view import PinholeView
 from render.pictures.progressive.clock import Clock
 from render.pictures.progressive.planner import PreviewPlan, PreviewPlanner
 from render.postblur.preview import Sketch
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 
 _LEAST_TRACE_SHARE = 0.4
 """Share of a preview's time that its rays have even where peeling took all of it."""
@@ -102,7 +102,7 @@ class LiveFrames:
         wavelengths: int,
     ) -> FloatArray:
         device = self._renderer.device
-        pattern = ray_pattern(plan.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
+        pattern = make_ray_pattern(plan.rays, camera.iris, seed=settings.seed, tiled=settings.tiled)
         return device.previewer.trace(device.peeler, peeled, camera, view, pattern, wavelengths)
 
     def draw_in_steps(self, scene: Scene, camera: Camera, settings: FrameSettings) -> Generator[float, None, Frame]:

@@ -15,7 +15,7 @@ from render.model.camera import Camera
 from render.model.lens import AberrationScales, DataSheet, Lens
 from render.optics.data_sheet import SheetErrors, at_heights, open_pupil, sheet_errors
 from render.optics.distortion import chief_rays
-from render.trace.data_sheet_table import data_sheet_table
+from render.trace.data_sheet_table import make_data_sheet_table
 from render.trace.field_focus import field_focus
 from render.trace.sharpness import rays_of_heights
 from tests.render.kits.data_sheets import SHEET
@@ -103,7 +103,7 @@ def test_tables_are_joined_smoothly_and_stay_beyond_their_end() -> None:
 
 def test_the_table_of_the_tracer_has_the_same_rays() -> None:
     no_colour = AberrationScales(chromatic=0.0)
-    table = data_sheet_table(
+    table = make_data_sheet_table(
         SHEET, no_colour, focal_length_mm=50, pupil_radius_m=0.05 / 2.8, last_slope=0.432, wavelengths_nm=(510.0,)
     )
     heights = np.linspace(0, 21.6, table.rows.shape[1])

@@ -21,7 +21,7 @@ from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.model.scene import Batch, Dome, Material, Scene
 from render.pictures.picture import make_picture
-from render.postblur.blur_shape import BlurShape, blur_shape
+from render.postblur.blur_shape import BlurShape, make_blur_shape
 from render.postblur.flag import BAND_BYTES, CONTRIBUTION_BYTES, Flag, Ring
 from render.postblur.point_spread import ALL_RADII, Field, RadiusWindow
 from render.shot import Shot
@@ -67,7 +67,7 @@ def test_rows_and_columns_shed_what_points_do(ctx: moderngl.Context, iris: str, 
     light = random.random((19, 27, 4)).astype(np.float32)
     light[random.random((19, 27)) < 0.2] = 0
     radii = (7.3 * random.random((19, 27))).astype(np.float32)
-    shape = blur_shape(IRISES[iris], behind=behind)
+    shape = make_blur_shape(IRISES[iris], behind=behind)
     assert shape.is_symmetric == (iris != "five, turned")
     seen = blurred(ctx, light, radii, shape, 7.3)
     np.testing.assert_allclose(seen, blur_by_point(light, radii, shape, shape.areas(9)), atol=2e-5)
@@ -77,7 +77,7 @@ def test_rows_and_columns_shed_what_points_do(ctx: moderngl.Context, iris: str, 
 def test_a_point_keeps_its_light(ctx: moderngl.Context, radius: float) -> None:
     light = np.zeros((61, 61, 4), np.float32)
     light[30, 30] = 1
-    seen = blurred(ctx, light, np.full((61, 61), radius, np.float32), blur_shape(IrisShape(), behind=True), radius)
+    seen = blurred(ctx, light, np.full((61, 61), radius, np.float32), make_blur_shape(IrisShape(), behind=True), radius)
     assert seen[..., 0].sum() == pytest.approx(1.0, rel=4e-3)
     if radius > 2:
         y, x = np.nonzero(seen[..., 3] > 0.5 * seen[..., 3].max())
@@ -89,7 +89,7 @@ def test_wide_blurs_at_half_the_resolution_are_alike(ctx: moderngl.Context) -> N
     y, x = np.mgrid[0:80, 0:120].astype(np.float32)
     light = np.repeat((1.2 + np.sin(0.2 * x) * np.cos(0.15 * y))[..., None], 4, axis=2).astype(np.float32)
     radii = (2 + 12 * x / 120).astype(np.float32)
-    shape = blur_shape(IrisShape(), behind=True)
+    shape = make_blur_shape(IrisShape(), behind=True)
     whole = blurred(ctx, light, radii, shape, 14)
     split = blurred(ctx, light, radii, shape, 14, split_px=8.0)
     inner = (slice(16, -16), slice(16, -16))
@@ -113,7 +113,7 @@ def test_rows_that_are_held_in_turn_are_distinguished(ctx: moderngl.Context, mon
     random = np.random.default_rng(8)
     light = random.random((150, 40, 4)).astype(np.float32)
     radii = (5 * random.random((150, 40))).astype(np.float32)
-    shape = blur_shape(IRISES["five, turned"], behind=True)
+    shape = make_blur_shape(IRISES["five, turned"], behind=True)
     whole = blurred(ctx, light, radii, shape, 5)
     monkeypatch.setattr("render.postblur.flag.BAND_BYTES", 0)
     assert Ring.for_picture((40, 150), 6, two_sided=True).new == 16

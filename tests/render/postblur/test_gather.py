@@ -13,7 +13,7 @@ from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import posts_before_wall, spheres_over_checkerboard
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
-from render.postblur.blur_shape import blur_shape
+from render.postblur.blur_shape import make_blur_shape
 from render.postblur.flag import Flag
 from render.postblur.gather import Gather
 from render.postblur.point_spread import ALL_RADII, Field, RadiusWindow
@@ -40,7 +40,7 @@ class Stand:
         self._target = scope.keep(ctx.texture((width, height), 4, dtype="f4"))
 
     def blurred(self, by: Flag | Gather, iris: IrisShape, window: RadiusWindow = ALL_RADII) -> FloatArray:
-        by.blur(self.field, blur_shape(iris, behind=True), self.most_px, self._target, window)
+        by.blur(self.field, make_blur_shape(iris, behind=True), self.most_px, self._target, window)
         width, height = self._target.size
         return np.frombuffer(self._target.read(), np.float32).reshape(height, width, 4).copy()
 
@@ -55,7 +55,7 @@ def random_field(size: tuple[int, int], most_px: float) -> tuple[FloatArray, Flo
 @pytest.mark.parametrize("iris", IRISES)
 def test_each_pixel_finds_what_points_shed_on_it(ctx: moderngl.Context, iris: str) -> None:
     light, radii = random_field((17, 23), 6.4)
-    shape = blur_shape(IRISES[iris], behind=True)
+    shape = make_blur_shape(IRISES[iris], behind=True)
     with Resources() as scope:
         seen = Stand(ctx, scope, light, radii).blurred(Gather(ctx, ProgramCache(ctx)), IRISES[iris])
     np.testing.assert_allclose(seen, blur_by_point(light, radii, shape, shape.areas(8)), atol=2e-5)

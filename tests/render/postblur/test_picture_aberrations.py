@@ -18,7 +18,7 @@ from render.optics.photometry.illuminance import light_over_picture
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace, renders_in_image_space
 from render.postblur.aberrate_passes import aberrate_on_device
-from render.postblur.picture_errors import PictureErrors, picture_errors
+from render.postblur.picture_errors import PictureErrors, make_picture_errors
 from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, glowing_point, sheet_camera, spot_size
 
 PX_MM = 0.1
@@ -32,7 +32,7 @@ def view_of(width: int, height: int) -> PinholeView:
 
 def errors_of(sheet: DataSheet, view: PinholeView, **kinds: object) -> PictureErrors:
     last = float(np.hypot(view.width, view.height)) * PX_MM / 2 / 50
-    return picture_errors(sheet, AberrationScales(), focal_length_mm=50, f_stop=2.8, last_slope=last, **kinds)  # type: ignore[arg-type]
+    return make_picture_errors(sheet, AberrationScales(), focal_length_mm=50, f_stop=2.8, last_slope=last, **kinds)  # type: ignore[arg-type]
 
 
 def point_at(view: PinholeView, x: int, y: int) -> FloatArray:

@@ -19,10 +19,10 @@ from render.optics.iris import transmission
 from render.postblur import scatter_splats, spot_cache
 from render.postblur.focus_split import FocusSplit
 from render.postblur.scatter import ScatterBlur
-from render.postblur.scatter_axis import axis_spot
-from render.postblur.scatter_spot import SQUARE_SIDES, STEPS, Spot, SpotTables, camera_spot, make_spot_tables
+from render.postblur.scatter_axis import make_axis_spot
+from render.postblur.scatter_spot import SQUARE_SIDES, STEPS, Spot, SpotTables, make_camera_spot, make_spot_tables
 from render.trace.axis_rays import LensErrors
-from render.trace.seidel_table import seidel_table
+from render.trace.seidel_table import make_seidel_table
 
 IRISES = {
     "round": IrisShape(),
@@ -84,17 +84,20 @@ def soft_lens(edge_px: float) -> LensErrors:
     """Spherical aberration by which rays through the edge of the pupil land that far out, of what is in focus."""
     focal_px, pupil_m = 1000.0, 0.01
     scale = {"focal_length_mm": 50.0, "pupil_radius_m": pupil_m, "last_slope": 0.4, "wavelengths_nm": (510.0,)}
-    unit = seidel_table(SeidelErrors(w040=1.0), AberrationScales(), **scale)
+    unit = make_seidel_table(SeidelErrors(w040=1.0), AberrationScales(), **scale)
     slope = (
-        -float(camera_spot(IRISES["round"], 1.0, axis_spot(LensErrors(unit, pupil_m, 1e9))).error_px[:, 0].max()) / 1e9
+        -float(
+            make_camera_spot(IRISES["round"], 1.0, make_axis_spot(LensErrors(unit, pupil_m, 1e9))).error_px[:, 0].max()
+        )
+        / 1e9
     )
-    table = seidel_table(SeidelErrors(w040=-edge_px / focal_px / slope), AberrationScales(), **scale)
+    table = make_seidel_table(SeidelErrors(w040=-edge_px / focal_px / slope), AberrationScales(), **scale)
     return LensErrors(table, pupil_m, focal_px)
 
 
 def test_tables_keep_all_the_light() -> None:
     for iris in (IRISES["three blades"], IRISES["ring"]):
-        tables = make_spot_tables(camera_spot(iris, 1.0, axis_spot(soft_lens(4.0))), 12, behind=False)
+        tables = make_spot_tables(make_camera_spot(iris, 1.0, make_axis_spot(soft_lens(4.0))), 12, behind=False)
         np.testing.assert_allclose(tables.weights.sum(axis=(1, 2), dtype=np.float64), 1.0, atol=1e-6)
         assert len(tables.weights) == len(SQUARE_SIDES) * tables.steps
 
@@ -143,7 +146,9 @@ def test_a_disc_is_as_wide_as_its_circle_of_confusion(blur: ScatterBlur, radius:
 def test_spherical_aberration_moves_light_as_its_rays_do(edge_px: float, behind: bool) -> None:
     """Within the ring where rays of a zone land is what passes inside the zone: ``t = c·ρ + e·ρ³`` holds ρ² of the light."""
     coc = 20.0 if behind else -20.0
-    tables = make_spot_tables(camera_spot(IRISES["round"], 1.0, axis_spot(soft_lens(edge_px))), 20, behind=behind)
+    tables = make_spot_tables(
+        make_camera_spot(IRISES["round"], 1.0, make_axis_spot(soft_lens(edge_px))), 20, behind=behind
+    )
     light = tables.weights[20 * STEPS]
     off = np.hypot(*np.mgrid[-tables.middle : tables.middle + 1, -tables.middle : tables.middle + 1])
     for zone in (0.4, 0.6, 0.8):
@@ -299,7 +304,7 @@ def test_memory_is_given_back(blur: ScatterBlur) -> None:
 
 
 def test_a_spot_without_errors_is_a_point_in_focus() -> None:
-    spot = camera_spot(IRISES["round"], 1.0)
+    spot = make_camera_spot(IRISES["round"], 1.0)
     assert isinstance(spot, Spot)
     assert not spot.has_errors
     np.testing.assert_allclose(spot.moments, (1, 0, 0), atol=1e-3)

@@ -20,10 +20,10 @@ from render.optics.thin_lens import pupil_radius_m
 from render.optics.view import PinholeView
 from render.pictures.image_space import ImageSpace
 from render.postblur import spot_cache
-from render.postblur.scatter_axis import ROUNDED_PUPIL, ROUNDED_PX, ExactSpot, SymmetricSpot, axis_spot
+from render.postblur.scatter_axis import ROUNDED_PUPIL, ROUNDED_PX, ExactSpot, SymmetricSpot, make_axis_spot
 from render.trace.axis_rays import LensErrors
 from render.trace.bundles import BundleMaker
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 from tests.render.kits.lens_pictures import (
     SHEET_SETTINGS,
     SOFT_SHEET,
@@ -169,7 +169,7 @@ def test_a_pull_of_the_focus_keeps_its_spots(
     scene, _ = posts_before_wall()
     camera = camera_of(PLANAR) if glass else Camera(np.eye(4), 50.0, 16.0, 12.0, f_stop=1.0, near_m=0.1, lens=SEIDEL)
     settings = FrameSettings(240, 180, shading="unlit", engine="scatter", layers=2, supersample=1)
-    spots, tables = Made(monkeypatch, "camera_spot"), Made(monkeypatch, "make_spot_tables")
+    spots, tables = Made(monkeypatch, "make_camera_spot"), Made(monkeypatch, "make_spot_tables")
     for distance_m in np.geomspace(2.0, 5.0, 6):
         renderer.render(scene, replace(camera, focus_distance_m=float(distance_m)), settings)
     assert 0 < spots.count <= most
@@ -182,10 +182,10 @@ def test_rounding_moves_rays_by_no_more_than_it_says(renderer: FrameRenderer, kn
     focal_px = 960 * camera.focal_length_mm / 36
     view = PinholeView(960, 540, focal_px, focal_px, 480, 270, 0.1, 1000, np.eye(4))
     ctx = renderer.graphics.ctx
-    table = BundleMaker(ctx, ProgramCache(ctx)).make_bundle(camera, view, ray_pattern(1, IrisShape()), 1).table
+    table = BundleMaker(ctx, ProgramCache(ctx)).make_bundle(camera, view, make_ray_pattern(1, IrisShape()), 1).table
     assert table is not None
     errors = LensErrors(table, pupil_radius_m(camera), focal_px)
-    rounded, exact = axis_spot(errors), ExactSpot(errors)
+    rounded, exact = make_axis_spot(errors), ExactSpot(errors)
     assert isinstance(rounded, SymmetricSpot)
     stops = np.stack(np.meshgrid(*[np.linspace(-1, 1, 41)] * 2), axis=-1).reshape(-1, 2)
     stops = stops[np.hypot(*stops.T) < 0.98 * min(rounded.opened) / 256]

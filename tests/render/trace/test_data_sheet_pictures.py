@@ -13,7 +13,7 @@ from render.lab.reference.scenes import spheres_over_checkerboard
 from render.model.lens import DataSheet, IrisShape, Lens
 from render.optics.data_sheet import at_heights, open_pupil, sheet_errors
 from render.optics.view import PinholeView
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 from tests.render.kits.lens_pictures import SHEET_SETTINGS, SOFT_SHEET, WHITE, glowing_point, sheet_camera, spot_size
 
 PX_MM = 0.1
@@ -71,7 +71,13 @@ def test_both_ways_to_bound_a_footprint_give_the_same_picture(renderer: FrameRen
     renderer.render(scene, camera, FrameSettings(160, 120, rays=1))  # loads the scene
     pictures = [
         renderer.device.tracer.picture(
-            renderer.device.peeler, camera, view, ray_pattern(32, iris), layers=4, supersample=2, bound_by_rays=by_rays
+            renderer.device.peeler,
+            camera,
+            view,
+            make_ray_pattern(32, iris),
+            layers=4,
+            supersample=2,
+            bound_by_rays=by_rays,
         ).color
         for by_rays in (False, True)
     ]

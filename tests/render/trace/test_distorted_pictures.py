@@ -15,7 +15,7 @@ from render.model.camera import Camera
 from render.model.lens import IrisShape, Lens, SeidelErrors
 from render.optics.distortion import ChiefRays, chief_rays
 from render.optics.view import PinholeView
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 from tests.render.kits.lenses import FISHEYE
 
 BARREL = SeidelErrors(w311=400.0, reference_f_stop=1.4, reference_height_mm=15.0)
@@ -33,7 +33,7 @@ def test_rays_are_looked_for_where_an_anamorphic_lens_sends_them(renderer: Frame
             renderer.device.peeler,
             camera,
             view,
-            ray_pattern(32, IrisShape()),
+            make_ray_pattern(32, IrisShape()),
             layers=4,
             supersample=2,
             bound_by_rays=by_rays,

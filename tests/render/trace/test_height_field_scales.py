@@ -13,7 +13,7 @@ from render.model.arrays import DoubleArray
 from render.model.lens import AberrationScales, Glass, HeightField, Prescription, Surface
 from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.focusing import focus_lens
-from render.trace.grid_table import grid_table
+from render.trace.grid_table import make_grid_table
 from render.trace.lens_table import GridTable
 from render.trace.surface_tracer import SurfaceTracer
 
@@ -51,7 +51,7 @@ def make() -> Iterator[Make]:
         scales = AberrationScales(**factors)
         key = id(heights), scales
         if key not in made:
-            made[key] = grid_table(
+            made[key] = make_grid_table(
                 tracer,
                 lens,
                 heights,

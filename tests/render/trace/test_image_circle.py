@@ -14,10 +14,10 @@ from render.model.camera import Camera
 from render.model.lens import Lens
 from render.optics.view import PinholeView
 from render.trace.bundles import BundleMaker
-from render.trace.layer_view import ray_extent
+from render.trace.layer_view import bound_rays
 from render.trace.lens_table import LIGHT, SLOPE_T, WEIGHT, PolynomialTable
 from render.trace.picture_focus import picture_focus
-from render.trace.rays import RayBundle, ray_pattern
+from render.trace.rays import RayBundle, make_ray_pattern
 from tests.render.kits.lenses import FISHEYE
 
 pytestmark = pytest.mark.gl
@@ -37,7 +37,9 @@ VIEW = PinholeView.from_camera(CAMERA, 320, 180)
 def bundle() -> Iterator[RayBundle]:
     graphics = GraphicsContext()
     graphics.make_current()
-    yield BundleMaker(graphics.ctx, ProgramCache(graphics.ctx)).make_bundle(CAMERA, VIEW, ray_pattern(4, CAMERA.iris))
+    yield BundleMaker(graphics.ctx, ProgramCache(graphics.ctx)).make_bundle(
+        CAMERA, VIEW, make_ray_pattern(4, CAMERA.iris)
+    )
     graphics.close()
 
 
@@ -63,7 +65,7 @@ def test_the_layers_show_all_that_the_lens_sees(bundle: RayBundle) -> None:
     seen, light = seen_slopes(bundle.table)
     farthest = seen[light > 0].max()
     assert farthest > 3  # 72 degrees
-    extent = ray_extent(VIEW, bundle, picture_focus(CAMERA, VIEW), nearest_w=1.0)
+    extent = bound_rays(VIEW, bundle, picture_focus(CAMERA, VIEW), nearest_w=1.0)
     assert extent.right >= farthest
     assert extent.left <= -farthest
     upper = CAMERA.vertical_aperture_mm / 2 / CAMERA.focal_length_mm  # the circle is cut above and below

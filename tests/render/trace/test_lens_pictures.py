@@ -14,7 +14,7 @@ from render.lab.reference.scenes import spheres_over_checkerboard
 from render.model.camera import Camera
 from render.model.lens import AberrationScales, Glass, HeightField, IrisShape, Lens, Prescription, SeidelErrors, Surface
 from render.optics.view import PinholeView
-from render.trace.rays import ray_pattern
+from render.trace.rays import make_ray_pattern
 from tests.render.kits.lens_pictures import WHITE, camera_of, glowing_point, spot_size
 from tests.render.kits.lenses import DOUBLE_GAUSS, PLANAR, SIX_LENSES, KnownLens
 
@@ -62,7 +62,7 @@ def test_both_ways_to_bound_a_footprint_give_the_same_picture(renderer: FrameRen
                 renderer.device.peeler,
                 replace(camera, lens=glass),
                 view,
-                ray_pattern(32, IrisShape()),
+                make_ray_pattern(32, IrisShape()),
                 layers=4,
                 supersample=2,
                 bound_by_rays=by_rays,

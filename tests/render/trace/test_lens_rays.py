@@ -17,7 +17,7 @@ from render.optics.prescription.completion import complete_prescription
 from render.optics.prescription.focusing import FocusedLens, focus_lens
 from render.trace.lens_fit import even_basis, odd_basis
 from render.trace.lens_table import PUPIL_S, PUPIL_T, SLOPE_S, SLOPE_T, WEIGHT, PolynomialTable
-from render.trace.prescription_table import prescription_table
+from render.trace.prescription_table import make_prescription_table
 from render.trace.surface_tracer import SurfaceTracer
 from tests.render.kits.lenses import DOUBLE_GAUSS, SIX_LENSES, TELEPHOTO, WIDE, KnownLens
 
@@ -120,7 +120,7 @@ def test_the_fitted_table_holds_the_rays_between_its_nodes(tracer: SurfaceTracer
     """Wide open, the error on the film stays far below a pixel: 36 mm over 1920 pixels are 19 micrometres each."""
     lens = lens_of(known)
     last_slope, focus_w = 0.75 * known.field_mm / lens.image_scale_mm, 1 / FOCUS_M
-    table = prescription_table(tracer, lens, last_slope, focus_w, (D_LINE_NM,), AberrationScales())
+    table = make_prescription_table(tracer, lens, last_slope, focus_w, (D_LINE_NM,), AberrationScales())
     rng = np.random.default_rng(1)
     errors_um, pupil_errors_mm = [], []
     for height in rng.uniform(0, last_slope, 12):
@@ -151,7 +151,7 @@ def test_the_corner_darkens_by_the_fourth_power_of_the_cosine(tracer: SurfaceTra
     1945); and whatever the lens, as the cos⁴ law of its object side times the stretch of its image."""
     lens = focus_lens(complete_prescription(known.prescription, image_height_mm=known.field_mm), np.inf, 64.0)
     last_slope = 0.9 * known.field_mm / lens.image_scale_mm
-    table = prescription_table(tracer, lens, last_slope, 0.0, (D_LINE_NM,), AberrationScales())
+    table = make_prescription_table(tracer, lens, last_slope, 0.0, (D_LINE_NM,), AberrationScales())
     heights = np.linspace(0, last_slope, table.rows.shape[1])
     slope = heights + table.rows[0, :, SLOPE_T]
     # étendue: film area x projected solid angle = projected pupil area x object solid angle; the pupil's area from its rays

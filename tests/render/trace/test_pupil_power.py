@@ -21,7 +21,7 @@ from render.optics.pupil_power import drawn_defocus, is_drawn, own_scales, relat
 from render.trace.drawn_power import add_drawn_power
 from render.trace.lens_fit import even_basis, odd_basis, pupil_nodes
 from render.trace.lens_table import SLOPE_S, SLOPE_T, PolynomialTable
-from render.trace.seidel_table import seidel_table
+from render.trace.seidel_table import make_seidel_table
 from tests.render.kits.lenses import DOUBLE_GAUSS
 
 F_PX = 50 / 12.8 * 128
@@ -160,7 +160,7 @@ def test_drawn_pupil_power_replaces_the_lenss_spherical_aberration() -> None:
 
 def test_a_table_of_polynomials_shows_three_bends() -> None:
     lens = thin(RISING)
-    plain = seidel_table(
+    plain = make_seidel_table(
         SeidelErrors(),
         lens.scales,
         focal_length_mm=50.0,

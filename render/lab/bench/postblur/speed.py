@@ -19,7 +19,7 @@ from render.lab.bench.clock import Repeats, Spent, time_work
 from render.lab.bench.postblur.plan import PostBlurPlan
 from render.model.arrays import FloatArray
 from render.model.lens import IrisShape
-from render.postblur.blur_shape import blur_shape
+from render.postblur.blur_shape import make_blur_shape
 from render.postblur.flag import Flag, flag_bytes
 from render.postblur.gather import Gather
 from render.postblur.point_spread import Field
@@ -80,7 +80,7 @@ def _spent(
     ctx: moderngl.Context, blurs: tuple[Flag, Gather], plan: PostBlurPlan, radius_px: float, *, mixed: bool
 ) -> tuple[Spent, Spent]:
     """Time of FLAG and of the naive gather at one radius."""
-    shape = blur_shape(IrisShape(), behind=True)
+    shape = make_blur_shape(IrisShape(), behind=True)
     with Resources() as scope:
         field, target = _picture(ctx, scope, plan.side, radius_px, mixed=mixed)
         flag, gather = (partial(by.blur, field, shape, radius_px, target) for by in blurs)

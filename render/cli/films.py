@@ -83,9 +83,9 @@ def run_show(arguments: argparse.Namespace) -> None:
         print_result(film_table(report))
         print_result(wedge_table(report))
     if target is not None:
-        from render.drawing.film_sheet import film_sheet  # matplotlib takes a second to load
+        from render.drawing.film_sheet import draw_film_sheet  # matplotlib takes a second to load
 
-        write_atomic(target, film_sheet(report, target.suffix.lower().removeprefix(".")))
+        write_atomic(target, draw_film_sheet(report, target.suffix.lower().removeprefix(".")))
         print_message(f"drawn: {target}")
 
 

@@ -110,9 +110,9 @@ def run_show(arguments: argparse.Namespace) -> None:
         write_atomic(arguments.tables, data_sheet_text(measured_lens(lens, report)).encode())
         print_message(f"written: {arguments.tables}")
     if target is not None:
-        from render.drawing import lens_sheet  # matplotlib takes a second to load
+        from render.drawing import draw_lens_sheet  # matplotlib takes a second to load
 
-        write_atomic(target, lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
+        write_atomic(target, draw_lens_sheet(lens, report, target.suffix.lower().removeprefix(".")))
         print_message(f"drawn: {target}")
 
 

@@ -1,6 +1,6 @@
-"""Drawings of lenses, by matplotlib: a whole sheet about one lens, and its section alone. Import it late: it takes a second."""
+"""Drawings of lenses by matplotlib. Import it late: it takes a second."""
 
-from render.drawing.section import section_svg
-from render.drawing.sheet import lens_sheet
+from render.drawing.lens_sheet import draw_lens_sheet
+from render.drawing.section import draw_section_svg
 
-__all__ = ["lens_sheet", "section_svg"]
+__all__ = ["draw_lens_sheet", "draw_section_svg"]

@@ -1,4 +1,4 @@
-"""All about one film stock on one sheet: its curves, what greys and colours become on it, its grain, and a small scene."""
+"""Sheet of one film stock: its curves, greys, colours, grain, and a small scene."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from render.drawing.page import FAINT, HAIRLINE, INK, LIGHTS, SMALL, TINY, file_of, say_instead, style
+from render.drawing.page import FAINT, HAIRLINE, INK, LIGHTS, SMALL, TINY, draw_message, encode_figure, style
 from render.film import Grade, develop_on_film, print_space, project
 from render.film.grain import APERTURE_UM
 from render.film.process import STOP
@@ -25,19 +25,19 @@ _TOP, _TALL = 0.575, 0.315
 _RAMP = (_LEFT, 0.46, 0.94, 0.05)
 _CHART, _LOUPE, _SCENE = (_LEFT, 0.03, 0.3, 0.3457), (0.385, 0.03, 0.14, 0.3457), (0.555, 0.03, 0.43, 0.3457)
 _GATE_MM = (24.89, 14.0)
-"""Film that the small scene covers: Super 35 at 16:9."""
+"""Gate of the small scene: Super 35 at 16:9."""
 _SCENE_ROWS = 400
 _HALATION = HalationSettings(amount=0.01, radius_mm=0.15)
-_LOUPE_MM, _LOUPE_PX = 1.2, 240  # a piece of film under the loupe, and its pixels
+_LOUPE_MM, _LOUPE_PX = 1.2, 240  # width of the film under the loupe, and its pixels
 _LOUPE_STOPS = (-3, -1, 0, 1, 3)
 _DARK = "#1c1c1c"
 
 
-def film_sheet(report: FilmReport, suffix: str) -> bytes:
-    """Draw a stock.
+def draw_film_sheet(report: FilmReport, suffix: str) -> bytes:
+    """Draw the sheet of a film stock.
 
     Args:
-        report: of it.
+        report: of the stock.
         suffix: ``png`` or ``svg``.
 
     Returns:
@@ -53,29 +53,29 @@ def film_sheet(report: FilmReport, suffix: str) -> bytes:
         _draw_chart(figure.add_axes(_CHART), report.film)
         _draw_loupe(figure.add_axes(_LOUPE), report.film)
         _draw_scene(figure.add_axes(_SCENE), report.film)
-        return file_of(figure, suffix)
+        return encode_figure(figure, suffix)
 
 
 def _write_head(figure: Figure, report: FilmReport) -> None:
     entry = report.entry
-    told = [f"{entry.film.process}, for {'the camera' if entry.kind == 'camera' else 'prints'}"]
+    details = [f"{entry.film.process}, for {'the camera' if entry.kind == 'camera' else 'prints'}"]
     if entry.film.speed:
-        told.append(f"ISO {entry.film.speed:g}")
+        details.append(f"ISO {entry.film.speed:g}")
     if entry.balance_k:
-        told.append(f"{entry.balance_k:g} K")
-    told.append(f"densities {entry.densitometry}, {entry.year}")
+        details.append(f"{entry.balance_k:g} K")
+    details.append(f"densities {entry.densitometry}, {entry.year}")
     if report.film.push:
-        told.append(f"pushed {report.film.push:+g} stops")
+        details.append(f"pushed {report.film.push:+g} stops")
     if report.tried_with:
-        told.append(f"{'printed on' if entry.kind == 'camera' else 'printed from'} {report.tried_with}")
+        details.append(f"{'printed on' if entry.kind == 'camera' else 'printed from'} {report.tried_with}")
     figure.text(_LEFT, 0.965, entry.title, fontsize=15, weight="bold", va="center", color=INK)
-    figure.text(_LEFT, 0.938, "; ".join(told), fontsize=10, va="center", color=INK)
+    figure.text(_LEFT, 0.938, "; ".join(details), fontsize=10, va="center", color=INK)
     figure.text(0.985, 0.965, "Pullfocus", fontsize=9, va="center", ha="right", color=FAINT)
     figure.text(0.985, 0.938, entry.description, fontsize=SMALL, va="center", ha="right", color=FAINT, style="italic")
 
 
 def _draw_curves(axes: Axes, report: FilmReport) -> None:
-    """Density against log exposure, on the maker's own axis, with metered grey marked."""
+    """Draw density over log exposure, on the manufacturer's axis, with metered grey marked."""
     stock = report.stock
     push = report.film.push if report.entry.kind == "camera" else 0.0
     axes.set_title("Characteristic curves")
@@ -94,7 +94,7 @@ def _draw_curves(axes: Axes, report: FilmReport) -> None:
 
 
 def _draw_tones(axes: Axes, report: FilmReport) -> None:
-    """Light on the screen against light in the scene."""
+    """Draw light on the screen over light in the scene."""
     axes.set_title("From the scene to the screen")
     light = np.log2(report.light / report.light.max())
     for channel, color in enumerate(LIGHTS if len(report.stock.curves) == 3 else (INK,)):
@@ -106,10 +106,10 @@ def _draw_tones(axes: Axes, report: FilmReport) -> None:
 
 
 def _draw_granularity(axes: Axes, stock: Stock) -> None:
-    """Standard deviation of density against density."""
+    """Draw the standard deviation of density over density."""
     axes.set_title("Granularity")
     if not stock.granularity:
-        say_instead(axes, "No granularity of this stock is published.")
+        draw_message(axes, "No granularity of this stock is published.")
         return
     for curve, table, color in zip(stock.curves, stock.granularity, _inks(stock), strict=True):
         density = np.linspace(curve.base, curve.greatest, 200)
@@ -121,7 +121,7 @@ def _draw_granularity(axes: Axes, stock: Stock) -> None:
 
 
 def _draw_ramp(axes: Axes, report: FilmReport) -> None:
-    """Greys as they are shown, with the density of each below."""
+    """Draw greys as they are shown, with their densities below."""
     _show(axes, np.repeat(report.light[None].astype(np.float32), 2, axis=0), smooth=False)
     axes.set_title(
         "A wedge of 21 greys: stops from middle grey; density of the camera stock's green record; light on the screen"
@@ -134,11 +134,11 @@ def _draw_ramp(axes: Axes, report: FilmReport) -> None:
 
 
 def _draw_chart(axes: Axes, film: FilmSettings) -> None:
-    """The colour chart: on film, and in the middle of each patch as it was."""
+    """Draw the colour chart on film, with the scene's colour in the middle of each patch."""
     exposed = colour_chart()
-    _show(axes, np.kron(_seen(exposed, film), np.ones((20, 20, 1), np.float32)), smooth=False)
+    _show(axes, np.kron(_develop_without_grain(exposed, film), np.ones((20, 20, 1), np.float32)), smooth=False)
     axes.set_title("A colour chart; in the middle of each patch, the scene itself")
-    scene = _in_the_scene(exposed)
+    scene = _project_scene(exposed)
     for row in range(4):
         for column in range(6):
             middle = (20 * column + 9.5, 20 * row + 9.5)
@@ -147,11 +147,11 @@ def _draw_chart(axes: Axes, film: FilmSettings) -> None:
 
 
 def _draw_loupe(axes: Axes, film: FilmSettings) -> None:
-    """Grain of several greys, enlarged."""
+    """Draw the grain of several greys, enlarged."""
     axes.set_title(f"{_LOUPE_MM:g} mm of film")
     stock = film.stock
     if stock is None or not stock.granularity:
-        say_instead(axes, "No grain\nis known.")
+        draw_message(axes, "No grain\nis known.")
         return
     rows = round(_LOUPE_PX * _LOUPE[3] * _INCHES[1] / (_LOUPE[2] * _INCHES[0]))
     exposed = np.empty((rows, _LOUPE_PX, 3), np.float32)
@@ -161,12 +161,12 @@ def _draw_loupe(axes: Axes, film: FilmSettings) -> None:
     gate_mm = (_LOUPE_MM, _LOUPE_MM * rows / _LOUPE_PX)
     _show(axes, develop_on_film(exposed, grainy, frame=1, gate_mm=gate_mm), smooth=False)
     for i, stops in enumerate(_LOUPE_STOPS):
-        place = (i + 0.5) / len(_LOUPE_STOPS) * rows
-        axes.text(-6, place, f"{stops:+d}" if stops else "0", fontsize=TINY, ha="right", va="center", color=INK)
+        row = (i + 0.5) / len(_LOUPE_STOPS) * rows
+        axes.text(-6, row, f"{stops:+d}" if stops else "0", fontsize=TINY, ha="right", va="center", color=INK)
 
 
 def _draw_scene(axes: Axes, film: FilmSettings) -> None:
-    """The small scene, with grain where it is known, and halation."""
+    """Draw the small scene, with halation, and with grain where it is known."""
     grain = GrainSettings(amount=1.0 if film.stock is not None and film.stock.granularity else 0.0)
     shot = replace(film, grain=grain, halation=_HALATION)
     _show(axes, develop_on_film(small_scene(_SCENE_ROWS), shot, frame=1, gate_mm=_GATE_MM), smooth=True)
@@ -184,19 +184,19 @@ def _show(axes: Axes, light: FloatArray, *, smooth: bool) -> None:
     axes.set_axis_off()
 
 
-def _seen(exposed: FloatArray, film: FilmSettings) -> FloatArray:
+def _develop_without_grain(exposed: FloatArray, film: FilmSettings) -> FloatArray:
     plain = replace(film, grain=GrainSettings(), halation=HalationSettings())
     return develop_on_film(exposed, plain, frame=1, gate_mm=_GATE_MM)
 
 
-def _in_the_scene(exposed: FloatArray) -> FloatArray:
-    """The chart without film, its white as the screen's."""
+def _project_scene(exposed: FloatArray) -> FloatArray:
+    """Project the chart without film, its white at the screen's white."""
     grade = _grade()
     return project(exposed / exposed.max(), grade, print_space())
 
 
 def _grade() -> Grade:
-    """For the screens that sheets are looked at on: OpenColorIO's own configuration, whatever the user's is."""
+    """Grade for a usual screen: OpenColorIO's default configuration, independent of the user's."""
     return Grade(config="ocio://default")
 
 

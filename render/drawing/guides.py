@@ -1,7 +1,7 @@
-"""Framing guides over a graded picture, as a viewfinder's ground glass has them.
+"""Framing guides over a graded picture, as on the ground glass of a viewfinder.
 
-Frames of other shapes within the gate (`render.optics.framing`), the areas that are safe for action and for titles (SMPTE ST
-2046-1:2009: 93 % and 90 % of width and height), thirds, and a cross in the middle.
+Guides are frames of other shapes within the gate (`render.optics.framing`), the areas that are safe for action and for titles
+(SMPTE ST 2046-1:2009: 93 % and 90 % of width and height), thirds, and a cross in the middle.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from render.optics.framing import ASPECTS, Gate, framing_guide, shape
 
 SAFE = {"action": 0.93, "title": 0.90}
 MARKS = ("safe", "thirds", "center")
-"""Guides that are no frames of another shape."""
+"""Guides other than frames."""
 
 _DPI = 100
-_USUAL_HEIGHT_PX = 540.0  # of a picture on which lines are a pixel wide
+_REFERENCE_HEIGHT_PX = 540.0  # of a picture with lines of one pixel
 _SHADOW = "#000000"
 _COLOURS = ("#ffffff", "#ffd54a", "#7fd7ff", "#ff9a8a", "#a8f08c")
 Mark = Literal["frame", "safe", "thirds", "center"]
@@ -37,12 +37,12 @@ _Corner = Literal["top", "left", "right"]
 
 @dataclass(frozen=True)
 class Guide:
-    """One thing that is drawn.
+    """A framing guide.
 
     Attributes:
-        mark: what it is.
+        mark: kind of guide.
         name: of a frame.
-        aspect: width over height of a frame as it is seen; 0 for the other marks.
+        aspect: width over height of a frame as it is shown; 0 for the other marks.
     """
 
     mark: Mark
@@ -50,8 +50,8 @@ class Guide:
     aspect: float = 0.0
 
 
-def guides_of(names: tuple[str, ...]) -> tuple[Guide, ...]:
-    """The guides of these names, in their order.
+def parse_guides(names: tuple[str, ...]) -> tuple[Guide, ...]:
+    """Parse names of guides.
 
     Args:
         names: of `ASPECTS` or `MARKS`, or ratios such as ``2.2:1``.
@@ -59,16 +59,16 @@ def guides_of(names: tuple[str, ...]) -> tuple[Guide, ...]:
     Raises:
         SettingsError: there is no such guide; the message has the nearest names.
     """
-    return tuple(_guide(name) for name in names)
+    return tuple(_parse_guide(name) for name in names)
 
 
-def with_guides(graded: FloatArray, camera: Camera, guides: tuple[Guide, ...]) -> FloatArray:
-    """A graded picture with guides over it.
+def draw_guides(graded: FloatArray, camera: Camera, guides: tuple[Guide, ...]) -> FloatArray:
+    """Draw guides over a graded picture.
 
     Args:
         graded: ``(height, width, 3)`` encoded for a display, from 0 to 1.
         camera: whose gate the picture shows.
-        guides: what is drawn, in this order.
+        guides: drawn in this order.
 
     Returns:
         The same shape, another array.
@@ -90,7 +90,7 @@ def with_guides(graded: FloatArray, camera: Camera, guides: tuple[Guide, ...]) -
     return np.asarray(graded * (1 - alpha) + drawn[..., :3] * alpha, np.float32)
 
 
-def _guide(name: str) -> Guide:
+def _parse_guide(name: str) -> Guide:
     if name in MARKS:
         return Guide(cast(Mark, name), name)
     try:
@@ -129,7 +129,7 @@ def _frame(
 ) -> None:
     left, top, across, up = _box(size, shares)
     line = 72 / _DPI * _scale(size)
-    inset = 0.5 * _scale(size)  # what is as large as the picture is drawn within it
+    inset = 0.5 * _scale(size)  # keeps a frame of the picture's size within it
     axes.add_patch(
         Rectangle(
             (left + inset, top + inset),
@@ -147,7 +147,7 @@ def _frame(
 def _name(
     axes: Axes, size: tuple[int, int], shares: tuple[float, float], colour: str, name: str, corner: _Corner
 ) -> None:
-    """A frame's name within it: in its top left corner, or at its foot on the left or on the right."""
+    """Write a frame's name within it: in its top left corner, or at the bottom on the left or right."""
     (left, top, across, up), scale = _box(size, shares), _scale(size)
     axes.text(
         left + across - 6 * scale if corner == "right" else left + 6 * scale,
@@ -162,7 +162,7 @@ def _name(
 
 
 def _box(size: tuple[int, int], shares: tuple[float, float]) -> tuple[float, float, float, float]:
-    """Left, top, width and height in pixels of a share of the picture in its middle."""
+    """Left, top, width and height in pixels of a central share of the picture."""
     (width, height), (across, up) = size, shares
     return (1 - across) / 2 * width, (1 - up) / 2 * height, across * width, up * height
 
@@ -174,4 +174,4 @@ def _line(size: tuple[int, int], colour: str) -> dict[str, Any]:
 
 
 def _scale(size: tuple[int, int]) -> float:
-    return max(0.75, size[1] / _USUAL_HEIGHT_PX)
+    return max(0.75, size[1] / _REFERENCE_HEIGHT_PX)

@@ -1,4 +1,4 @@
-"""What all drawings share: colours, letters, and how a figure becomes a file."""
+"""Colours and styles that all drawings share, and the encoding of figures."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 
 INK, FAINT, HAIRLINE = "#222222", "#777777", "#cccccc"
 BEAMS = ("#1f5fa8", "#2f8f4e", "#c8442c")
-"""Of the beams in a section: axis, middle and edge of the picture."""
+"""Colours of the beams in a section: axis, middle and edge of the picture."""
 LIGHTS = ("#d62718", "#1f9d3a", "#2340d0")
-"""Of red, green and blue light."""
+"""Colours of red, green and blue light."""
 SMALL, TINY = 7.5, 6.5
 DPI = 120
-"""Of a PNG, and of pictures inside an SVG."""
-_LETTERS: dict[Any, Any] = {
+"""Resolution of a PNG, and of pictures inside an SVG."""
+_STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.edgecolor": FAINT,
@@ -39,17 +39,17 @@ _LETTERS: dict[Any, Any] = {
     "legend.fontsize": SMALL,
     "legend.frameon": False,
     "svg.hashsalt": "pullfocus",
-    "text.parse_math": False,  # a dollar sign in a lens's name is one
+    "text.parse_math": False,  # a dollar sign in a lens's name is no formula
 }
 
 
 def style() -> AbstractContextManager[None]:
-    """The context to make and save a figure in: whatever the user's own matplotlib says."""
-    return matplotlib.style.context(["default", _LETTERS])
+    """Return a context to make and save figures in, independent of the user's matplotlib settings."""
+    return matplotlib.style.context(["default", _STYLE])
 
 
-def file_of(figure: Figure, suffix: str) -> bytes:
-    """The figure as a file's bytes; the same figure always gives the same bytes.
+def encode_figure(figure: Figure, suffix: str) -> bytes:
+    """Encode a figure as a file; the same figure always gives the same bytes.
 
     Args:
         figure: the drawing.
@@ -59,12 +59,12 @@ def file_of(figure: Figure, suffix: str) -> bytes:
     sink = io.BytesIO()
     metadata = {"Date": None} if suffix == "svg" else {"Software": "Pullfocus"}
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing")  # in names that other scripts write: boxes stand for them
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # in names of other scripts: drawn as boxes
         figure.savefig(sink, format=suffix, dpi=DPI, metadata=metadata, facecolor="auto")
     return sink.getvalue()
 
 
-def say_instead(axes: Axes, text: str) -> None:
-    """Words where there is nothing to draw."""
+def draw_message(axes: Axes, text: str) -> None:
+    """Draw a text in place of a diagram."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, text, ha="center", va="center", color=FAINT, wrap=True, transform=axes.transAxes)

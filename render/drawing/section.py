@@ -1,4 +1,4 @@
-"""The section of a lens: glass, stop, film, and rays to three places of the picture."""
+"""Section of a lens: glass, stop, film, and rays to three places of the picture."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from render.drawing.page import BEAMS, FAINT, INK, SMALL, TINY, file_of, style
+from render.drawing.page import BEAMS, FAINT, INK, SMALL, TINY, encode_figure, style
 from render.model.camera import Camera
 from render.optics.prescription.focusing import FocusedLens
 from render.optics.report import LensReport
 from render.optics.report.section import LensSection, lens_section
 
 _LOW_INDEX, _HIGH_INDEX = 1.45, 1.9
-_ROOM = 0.04  # of the length, on both sides
-_HEADROOM = 1.22  # over the highest of glass and film
+_ROOM = 0.04  # margin on both sides, as a share of the length
+_HEADROOM = 1.22  # height of the drawing over the taller of glass and film
 _SMALL_INCHES = (3.6, 1.5)
-_ABOVE = 0.027  # of the sheet: rows of names
+_ABOVE = 0.027  # height of the rows of names, as a share of the sheet
 _ROWS = 3
-_LETTER_WIDTH = 0.6  # of its height
+_LETTER_WIDTH = 0.6  # as a share of its height
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Palette:
     """Colours of a section.
 
     Attributes:
-        paper: behind it.
+        paper: background.
         ink: of outlines, stop and film.
         glass: of glass of low index.
         dense_glass: of glass of high index.
@@ -71,11 +71,11 @@ def draw_section(axes: Axes, report: LensReport) -> None:
         axes.spines[side].set_visible(False)
 
 
-def section_svg(camera: Camera) -> bytes:
-    """A small picture of a camera's lens without words, for a dark page: SVG.
+def draw_section_svg(camera: Camera) -> bytes:
+    """Draw the section of a camera's lens as a small SVG without words, for a dark page.
 
     Raises:
-        InputError: the lens is none.
+        InputError: the lens has no focal length.
         SettingsError: it does not reach the focus distance.
     """
     section = lens_section(camera)
@@ -84,7 +84,7 @@ def section_svg(camera: Camera) -> bytes:
         axes = figure.add_axes((0, 0, 1, 1))
         _draw(axes, section, _ON_DARK, width=0.5)
         axes.set_axis_off()
-        return file_of(figure, "svg")
+        return encode_figure(figure, "svg")
 
 
 def _draw(axes: Axes, section: LensSection, colours: Palette, width: float) -> None:
@@ -113,7 +113,7 @@ def _draw(axes: Axes, section: LensSection, colours: Palette, width: float) -> N
 
 
 def _tint(index: float, colours: Palette) -> tuple[float, float, float]:
-    """Denser glass is darker."""
+    """Colour of a glass, darker for a higher index."""
     share = np.clip((index - _LOW_INDEX) / (_HIGH_INDEX - _LOW_INDEX), 0, 1)
     red, green, blue = (1 - share) * np.array(to_rgb(colours.glass)) + share * np.array(to_rgb(colours.dense_glass))
     return float(red), float(green), float(blue)
@@ -127,7 +127,7 @@ def _draw_thin_lens(axes: Axes, section: LensSection, ink: str, width: float) ->
 
 
 def _draw_stop(axes: Axes, section: LensSection, ink: str, tall: float, width: float) -> None:
-    """Two bars that leave the opening, with feet along the axis as drawings have them."""
+    """Draw the stop as two bars beside the opening, with feet along the axis as in technical drawings."""
     z, radius = section.stop_mm
     if not section.glasses and radius:
         return
@@ -157,7 +157,7 @@ def _label_beams(axes: Axes, section: LensSection) -> None:
 
 
 def _letter_mm(axes: Axes) -> float:
-    """Width of a letter, in the lens's millimetres."""
+    """Width of a letter in millimetres of the drawing."""
     room, sheet = axes.get_position(original=True), axes.get_figure(root=True)
     width, height = sheet.get_size_inches() if sheet is not None else (1.0, 1.0)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
@@ -166,7 +166,7 @@ def _letter_mm(axes: Axes) -> float:
 
 
 def _mark_points(axes: Axes, lens: FocusedLens) -> None:
-    """Principal planes and pupils where they fall into the drawing, their names above it in rows where they are close."""
+    """Mark principal planes and pupils within the drawing, with names above it, in rows where they are close."""
     left, right = axes.get_xlim()
     front = float(lens.vertices_mm[0])
     planes = {
@@ -175,7 +175,7 @@ def _mark_points(axes: Axes, lens: FocusedLens) -> None:
         "entrance pupil": lens.entrance_pupil_mm,
         "exit pupil": lens.exit_pupil_mm,
     }
-    ends = [-math.inf] * _ROWS  # of what is written in each row
+    ends = [-math.inf] * _ROWS  # of the last name in each row
     for z, name in sorted((z, name) for name, z in planes.items() if math.isfinite(z) and left < z < right):
         half = (0.5 + len(name) / 2) * _letter_mm(axes)
         row = next((row for row in range(_ROWS) if z - half > ends[row]), _ROWS - 1)

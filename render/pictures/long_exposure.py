@@ -29,9 +29,9 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 
     from render.frame import FrameRenderer, FrameSettings
 
-MOST_MOMENTS = 32
+MAX_MOMENTS = 32
 """Most moments of an interval whose number of moments is measured."""
-LEAST_RAYS = 4
+MIN_RAYS = 4
 """Fewest rays of such a moment: with fewer, a trail shows beads however close its moments are."""
 _SEEDS = 2**31
 
@@ -92,7 +92,7 @@ class LongExposure:
             camera_path: prim path; None for the shot's default camera.
             begin: USD time code. Film, grade and the exposure that others are measured against are those of this time.
             settings: engine, size and sampling of each interval. With a ``motion`` of 1 each interval has a moment for each pixel
-                that anything moves by, up to `MOST_MOMENTS`, with `LEAST_RAYS` or more each.
+                that anything moves by, up to `MAX_MOMENTS`, with `MIN_RAYS` or more each.
             nd_stops: neutral density in front of the lens; None for one that keeps the exposure.
             grade: in place of the shot's grade.
             stock: a film of the library, in place of the shot's film.
@@ -144,7 +144,7 @@ class LongExposure:
         opened = replace(camera, shutter_open=0.0, shutter_close=end - begin, shutter=GLOBAL_SHUTTER)
         if settings.motion == 1:
             count = self._count_moments(begin, end)
-            settings = replace(settings, motion=count, rays=min(max(settings.rays, LEAST_RAYS * count), MAX_RAYS))
+            settings = replace(settings, motion=count, rays=min(max(settings.rays, MIN_RAYS * count), MAX_RAYS))
         # A seed of its own for each interval: noise averages out, and the picture does not depend on where the exposure stopped.
         seed = (settings.seed + round(begin * 1000)) % _SEEDS
         frame = expose_frame(
@@ -203,7 +203,7 @@ class LongExposure:
         after = self._moment(end)
         self._last = (end, after)
         travel = measure_travel_px(before, after, self._settings.width, self._settings.height)
-        return min(max(math.ceil(travel), 2), MOST_MOMENTS)
+        return min(max(math.ceil(travel), 2), MAX_MOMENTS)
 
     def _moment(self, time: float) -> Moment:
         return make_moment(self.shot.scene_at(time), self._camera_at(time))

@@ -45,9 +45,9 @@ def draw_lens_section(opened: OpenedShots, name: str) -> bytes:
 
 @lru_cache(maxsize=64)
 def _section_svg(name: str) -> bytes:
-    from render.drawing import section_svg  # matplotlib takes a second to import
+    from render.drawing import draw_section_svg  # matplotlib takes a second to import
 
-    return section_svg(library_lens_alone(name).camera)
+    return draw_section_svg(library_lens_alone(name).camera)
 
 
 @stage_function
@@ -58,10 +58,10 @@ def draw_lens_sheet(opened: OpenedShots, name: str) -> bytes:
 
 @lru_cache(maxsize=16)
 def _sheet_png(name: str) -> bytes:
-    from render.drawing import lens_sheet  # matplotlib takes a second to import
+    from render.drawing import draw_lens_sheet  # matplotlib takes a second to import
 
     lens = library_lens_alone(name)
-    return lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png")
+    return draw_lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png")
 
 
 def lens_to_mount(name: str | None) -> LensChoice:

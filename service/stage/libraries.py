@@ -56,9 +56,9 @@ def draw_film_sheet(opened: OpenedShots, name: str) -> bytes:
 
 @lru_cache(maxsize=16)
 def _film_sheet_png(name: str) -> bytes:
-    from render.drawing.film_sheet import film_sheet  # matplotlib takes a second to import
+    from render.drawing.film_sheet import draw_film_sheet  # matplotlib takes a second to import
 
-    return film_sheet(film_report(film_entry(name).name), "png")
+    return draw_film_sheet(film_report(film_entry(name).name), "png")
 
 
 @stage_function

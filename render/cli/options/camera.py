@@ -135,9 +135,9 @@ class CameraOptions:
         """
         if not self.guides:
             return graded
-        from render.drawing.guides import with_guides  # imports matplotlib, which takes a second
+        from render.drawing.guides import draw_guides  # imports matplotlib, which takes a second
 
-        return with_guides(graded, camera, self.guides)
+        return draw_guides(graded, camera, self.guides)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -219,12 +219,12 @@ def _read_guides(arguments: argparse.Namespace) -> tuple[Guide, ...]:
         return ()
     if not arguments.contact_sheet and format_of(arguments.out) == "exr":
         raise SettingsError(f"--guides are drawn on graded pictures (.png, .jpg), got {arguments.out}")
-    from render.drawing.guides import guides_of  # imports matplotlib, which takes a second
+    from render.drawing.guides import parse_guides  # imports matplotlib, which takes a second
 
     names = shared.split_words(arguments.guides)
     if not names:
         raise SettingsError(f"--guides takes shapes such as 2.39:1, and safe, thirds, center, got {arguments.guides!r}")
-    return guides_of(names)
+    return parse_guides(names)
 
 
 def _read_shutter(typed: str) -> ShutterTime:

@@ -8,7 +8,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from render.drawing.guides import guides_of, with_guides
+from render.drawing.guides import draw_guides, parse_guides
 from render.errors import SettingsError
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -117,14 +117,14 @@ def test_guides_are_drawn_on_the_graded_picture_and_not_on_light(command: Comman
 def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
     camera = Camera(np.eye(4), horizontal_aperture_mm=36, vertical_aperture_mm=20.25)
     grey = np.full((540, 960, 3), 0.25, np.float32)
-    drawn = with_guides(grey, camera, guides_of(("2.39:1",)))
+    drawn = draw_guides(grey, camera, parse_guides(("2.39:1",)))
     rows = np.flatnonzero(np.abs(drawn[:, 480] - 0.25).max(axis=-1) > 0.2)
     height = 960 / 2.39
     assert rows.min() == pytest.approx((540 - height) / 2, abs=2)
     assert rows.max() == pytest.approx((540 + height) / 2, abs=2)
     assert (grey == 0.25).all()
     for name in (*ASPECTS, "2.2:1", "safe", "thirds", "center"):
-        assert np.abs(with_guides(grey, camera, guides_of((name,))) - grey).max() > 0.2, name
+        assert np.abs(draw_guides(grey, camera, parse_guides((name,))) - grey).max() > 0.2, name
 
 
 @pytest.mark.parametrize(
@@ -177,4 +177,4 @@ def test_guides_need_a_graded_frame(command: Command, tmp_path: Path) -> None:
     assert ended.status == 2
     assert "--guides are drawn on graded pictures (.png, .jpg)" in ended.err
     with pytest.raises(SettingsError, match="no framing guide named 'wide'"):
-        guides_of(("wide",))
+        parse_guides(("wide",))

@@ -11,11 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 
-from render.drawing import lens_sheet, section_svg
-from render.drawing.curves import draw_distortion, draw_field_curvature, draw_illumination
+from render.drawing import draw_lens_sheet, draw_section_svg
+from render.drawing.field_curves import draw_distortion, draw_field_curvature, draw_illumination
+from render.drawing.lens_sheet import _write_numbers
+from render.drawing.point_images import draw_bokeh, draw_spots
 from render.drawing.section import draw_section
-from render.drawing.sheet import _write_numbers
-from render.drawing.stamps import draw_bokeh, draw_spots
 from render.model.camera import Camera
 from render.model.lens import HeightField, Lens, SeidelErrors
 from render.optics.report import LensReport, lens_report
@@ -65,8 +65,8 @@ def words(axes: Axes) -> set[str]:
 def test_every_kind_of_lens_has_a_sheet_and_a_section(kind: str) -> None:
     camera = KINDS[kind]
     lens = LensAlone(kind, f"A {kind} lens for $5 — レンズ", "", camera.f_stop, camera)
-    assert lens_sheet(lens, lens_report(camera), "svg").startswith(b"<?xml")
-    svg = section_svg(camera).decode()
+    assert draw_lens_sheet(lens, lens_report(camera), "svg").startswith(b"<?xml")
+    svg = draw_section_svg(camera).decode()
     width, height = (float(number) for number in re.findall(r'(?:width|height)="([\d.]+)pt"', svg)[:2])
     assert width / height == pytest.approx(2.4, rel=0.01)
     assert "<script" not in svg

@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from render.drawing.contact_sheet import _data, _fitted_title, _layout, draw_contact_sheet
+from render.drawing.contact_sheet import _data, _layout, _shorten_title, draw_contact_sheet
 from render.frame import FrameRenderer, FrameSettings
 from render.pictures import contact_sheet
 from render.pictures.contact_axes import parse_axes
@@ -146,7 +146,7 @@ def test_small_pictures_have_room_for_all_their_words(shot: Path, renderer: Fram
     drawn = draw_contact_sheet(sheet, "svg").decode()
     assert "Kodak Vision3 500T 5219" in drawn
     assert "…" not in drawn.split("frame 1")[-1]
-    assert _fitted_title(["a" * 80, "pushed 2 stops"], 300, 11).endswith("pushed 2 stops")
+    assert _shorten_title(["a" * 80, "pushed 2 stops"], 300, 11).endswith("pushed 2 stops")
 
 
 def test_a_metered_picture_says_what_the_meter_made_of_it(shot: Path, renderer: FrameRenderer) -> None:

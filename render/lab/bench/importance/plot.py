@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from render.drawing.page import BEAMS, DPI, FAINT, HAIRLINE, TINY, file_of, style
+from render.drawing.page import BEAMS, DPI, FAINT, HAIRLINE, TINY, encode_figure, style
 from render.lab.bench.importance.results import ImportanceBench
 
 _ROOM_DB = 4.0
@@ -31,7 +31,7 @@ def draw_cutoff(bench: ImportanceBench, suffix: str = "png") -> bytes:
             axes.set_xlim(0, 104)
             axes.grid(color=HAIRLINE, linewidth=0.5)
             axes.spines[["top", "right"]].set_visible(False)
-        return file_of(figure, suffix)
+        return encode_figure(figure, suffix)
 
 
 def _draw_quality(axes: Axes, bench: ImportanceBench) -> None:

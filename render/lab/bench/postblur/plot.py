@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
-from render.drawing.page import BEAMS, HAIRLINE, INK, file_of, style
+from render.drawing.page import BEAMS, HAIRLINE, INK, encode_figure, style
 
 _SIZE_INCHES = (9.0, 3.6)
 _PLAIN = FuncFormatter(lambda value, _: f"{value:g}")  # powers would be set as formulas, which the page has off
@@ -56,7 +56,7 @@ def draw_blur_growth(
         right.set_title("Memory of FLAG")
         right.set_ylabel("MB")
         right.legend(loc="upper left")
-        return file_of(figure, suffix)
+        return encode_figure(figure, suffix)
 
 
 def _along_radii(axes: Axes, radii: Sequence[float]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from render.cli.main import main
-from render.drawing import lens_sheet
+from render.drawing import draw_lens_sheet
 from render.model.lens import DataSheet, IrisShape
 from render.optics.lens_files import read_measured_lens
 from render.optics.report import lens_report
@@ -89,10 +89,10 @@ def test_a_sheet_is_shown_drawn_and_written(tmp_path: Path, capsys: pytest.Captu
     assert main(["lenses", "show", "pinhole_35", "--tables", str(tmp_path / "x.lens")]) == 2
     assert main(["lenses", "show", "thin_50", "--tables", str(tmp_path / "x.txt")]) == 2
     lens = lens_alone(str(written))
-    assert lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png").startswith(b"\x89PNG")
+    assert draw_lens_sheet(lens, lens_report(lens.camera, lens.f_stop), "png").startswith(b"\x89PNG")
 
 
 def test_a_sheet_without_tables_is_drawn_too() -> None:
     lens = lens_alone("zeiss_planar_50")
     bare = replace(lens, camera=replace(lens.camera, lens=replace(lens.camera.lens, data_sheet=DataSheet((0.0,)))))
-    assert lens_sheet(bare, lens_report(bare.camera, 1.4), "svg").startswith(b"<?xml")
+    assert draw_lens_sheet(bare, lens_report(bare.camera, 1.4), "svg").startswith(b"<?xml")

@@ -1,4 +1,4 @@
-"""The tables of a lens's data sheet, against the image height: where a lens with surfaces has its section."""
+"""Curves of a lens's data sheet over the image height; they take the place of the section of a lens with surfaces."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SAMPLES = 200
 
 
 def draw_blur(axes: Axes, report: LensReport) -> None:
-    """Spread of light along the radius and across it, and coma's flare."""
+    """Draw the blur along the radius and across it, and the flare of coma."""
     sheet, heights = _tables(report)
     axes.set_title("Blur" + (f" at f/{sheet.f_stop:.3g}" if sheet.f_stop else ""))
     for name, label, colour, line in (
@@ -28,7 +28,7 @@ def draw_blur(axes: Axes, report: LensReport) -> None:
 
 
 def draw_colour(axes: Axes, report: LensReport) -> None:
-    """Lateral colour, and the focus of red and blue."""
+    """Draw lateral colour, and the focus of red and blue."""
     sheet, heights = _tables(report)
     axes.set_title("Colour")
     _draw(axes, sheet, "lateral_color_mm", heights, "red farther out than blue, µm", LIGHTS[0], "-", 1000)
@@ -37,7 +37,7 @@ def draw_colour(axes: Axes, report: LensReport) -> None:
 
 
 def draw_character(axes: Axes, report: LensReport) -> None:
-    """How uneven the disc behind the focus is."""
+    """Draw spherical aberration, which makes the disc behind the focus uneven."""
     sheet, heights = _tables(report)
     axes.set_title("Spherical aberration, share of the blur")
     _draw(axes, sheet, "spherical", heights, "+ bright edge behind the focus, − bright middle", INK, "-", 1)
@@ -59,8 +59,8 @@ def _draw(
     if not len(values):
         return
     axes.plot(heights, unit * at_heights(sheet, name, heights), color=colour, linestyle=line, label=label)
-    places, seen = np.array(sheet.heights_mm), np.array(sheet.heights_mm) <= heights[-1]
-    axes.plot(places[seen], unit * values[seen], color=colour, marker="o", markersize=2.5, linestyle="")
+    nodes, is_shown = np.array(sheet.heights_mm), np.array(sheet.heights_mm) <= heights[-1]
+    axes.plot(nodes[is_shown], unit * values[is_shown], color=colour, marker="o", markersize=2.5, linestyle="")
 
 
 def _finish(axes: Axes, report: LensReport, unit: str) -> None:

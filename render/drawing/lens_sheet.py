@@ -1,4 +1,4 @@
-"""All about one lens on one sheet: its section, its numbers, its errors over the field, and its bokeh."""
+"""Sheet of one lens: its section, numbers, aberrations over the field, and bokeh."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import textwrap
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from render.drawing.curves import draw_distortion, draw_field_curvature, draw_illumination
-from render.drawing.page import FAINT, INK, SMALL, file_of, say_instead, style
+from render.drawing.data_sheet_curves import draw_blur, draw_character, draw_colour
+from render.drawing.field_curves import draw_distortion, draw_field_curvature, draw_illumination
+from render.drawing.page import FAINT, INK, SMALL, draw_message, encode_figure, style
+from render.drawing.point_images import draw_bokeh, draw_no_bokeh, draw_spots
 from render.drawing.section import draw_section
-from render.drawing.stamps import draw_bokeh, draw_spots, say_no_bokeh
-from render.drawing.tables import draw_blur, draw_character, draw_colour
 from render.optics.report import LensReport, data_sheet
 from render.optics.report.data_sheet import metres
 from render.shot.lens.lens_alone import LensAlone
 
 _INCHES = (16.0, 11.2)
-_LINE = 0.0143  # of the sheet's height, from one line of text to the next
+_LINE = 0.0143  # line spacing, as a share of the sheet's height
 _CHARACTERS = 63
 _NAMES_LEFT, _VALUES_LEFT, _NUMBERS_TOP, _NUMBERS_END = 0.675, 0.748, 0.905, 0.462
 _SECTION = (0.045, 0.518, 0.605, 0.36)
 _STAMPS_LOW, _STAMPS_TITLE, _STAMP_INCHES, _STAMP_STEP = 0.302, 0.444, 1.33, 0.0905
 _SPOTS_LEFT, _BOKEH_LEFT = 0.045, 0.53
 _CURVES = ((0.045, draw_field_curvature), (0.375, draw_distortion), (0.705, draw_illumination))
-_TABLES = (
+_DATA_SHEET_CURVES = (
     ((0.045, 0.545, 0.28, 0.34), draw_blur),
     ((0.375, 0.745, 0.265, 0.14), draw_colour),
     ((0.375, 0.545, 0.265, 0.12), draw_character),
@@ -32,12 +32,12 @@ _TABLES = (
 _CURVES_LOW, _CURVE_SIZE = 0.085, (0.28, 0.165)
 
 
-def lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
-    """Draw a lens.
+def draw_lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
+    """Draw the sheet of a lens.
 
     Args:
-        lens: which one.
-        report: of it, as it is set.
+        lens: the lens.
+        report: of the lens as it is set.
         suffix: ``png`` or ``svg``.
 
     Returns:
@@ -48,16 +48,16 @@ def lens_sheet(lens: LensAlone, report: LensReport, suffix: str) -> bytes:
         _write_head(figure, lens, report)
         _write_numbers(figure, report)
         _draw_inside(figure, report)
-        _draw_stamps(figure, report)
+        _draw_point_images(figure, report)
         for left, draw in _CURVES:
             draw(figure.add_axes((left, _CURVES_LOW, *_CURVE_SIZE)), report)
-        return file_of(figure, suffix)
+        return encode_figure(figure, suffix)
 
 
 def _draw_inside(figure: Figure, report: LensReport) -> None:
-    """The lens's section; of a lens by its data sheet, its tables."""
+    """Draw the section of a lens with surfaces, or the curves of a data sheet."""
     if report.camera.lens.data_sheet is not None:
-        for place, draw in _TABLES:
+        for place, draw in _DATA_SHEET_CURVES:
             draw(figure.add_axes(place), report)
         return
     figure.text(_SECTION[0], _SECTION[1] + _SECTION[3] + 0.034, "Section", weight="bold", va="bottom", color=INK)
@@ -79,7 +79,7 @@ def _write_head(figure: Figure, lens: LensAlone, report: LensReport) -> None:
 
 
 def _write_numbers(figure: Figure, report: LensReport) -> None:
-    """As many as there is room for: what is cut off is told, since a lens file may bring many notes."""
+    """Write as many numbers as there is room for. A lens file may have many notes; a last line marks what is cut off."""
     y = _NUMBERS_TOP
     notes = [("note", note) for note in report.notes]
     for group in (*data_sheet(report), notes):
@@ -96,17 +96,17 @@ def _write_numbers(figure: Figure, report: LensReport) -> None:
         y -= _LINE / 2
 
 
-def _draw_stamps(figure: Figure, report: LensReport) -> None:
+def _draw_point_images(figure: Figure, report: LensReport) -> None:
     focus = metres(report.camera.focus_distance_m)
     words = f"of a point in focus at {focus}, by image height; up is outward, circle: diffraction's disc"
     _title(figure, _SPOTS_LEFT, "Spots", words if report.f_stop else "")
     if report.f_stop:
         draw_spots(_row(figure, _SPOTS_LEFT, len(report.spots)), report)
     else:
-        say_instead(_wide(figure, _SPOTS_LEFT), "A pinhole has no errors, and its diffraction is left out.")
+        draw_message(_wide(figure, _SPOTS_LEFT), "A pinhole has no errors, and its diffraction is left out.")
     if report.bokeh is None:
         _title(figure, _BOKEH_LEFT, "Bokeh", "")
-        say_no_bokeh(_wide(figure, _BOKEH_LEFT), report)
+        draw_no_bokeh(_wide(figure, _BOKEH_LEFT), report)
         return
     near = metres(report.bokeh.focus_distance_m)
     words = (

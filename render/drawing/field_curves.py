@@ -1,4 +1,4 @@
-"""What changes with the image height: where it is sharp, how it is bent, how bright it is."""
+"""Curves over the image height: field curvature, distortion and relative illumination."""
 
 from __future__ import annotations
 
@@ -7,35 +7,36 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, TINY, say_instead
+from render.drawing.page import BEAMS, FAINT, HAIRLINE, INK, TINY, draw_message
 from render.model.arrays import DoubleArray
 from render.optics.report import LensReport
 
-_LEAST_FOCUS_MM, _LEAST_DISTORTION = 0.05, 1.0  # spans: what is below is not worth a steep line
+_MIN_FOCUS_SPAN_MM, _MIN_DISTORTION_SPAN = 0.05, 1.0
+"""Least half-widths of the diagrams, so that negligible errors look small."""
 
 
 def draw_field_curvature(axes: Axes, report: LensReport) -> None:
-    """Sagittal and tangential focus against the image height."""
+    """Draw sagittal and tangential focus over the image height."""
     axes.set_title("Field curvature")
     if not report.f_stop:
-        say_instead(axes, "Through a pinhole all is sharp,\nwhatever the distance.")
+        draw_message(axes, "Through a pinhole all is sharp,\nwhatever the distance.")
         return
     curves = report.curves
     axes.plot(curves.sagittal_mm, curves.heights_mm, color=BEAMS[0], label="sagittal")
     axes.plot(curves.tangential_mm, curves.heights_mm, color=BEAMS[2], linestyle="--", label="tangential")
-    _around_zero(axes, np.concatenate([curves.sagittal_mm, curves.tangential_mm]), _LEAST_FOCUS_MM)
+    _center_on_zero(axes, np.concatenate([curves.sagittal_mm, curves.tangential_mm]), _MIN_FOCUS_SPAN_MM)
     _height_upward(axes, report)
     axes.set_xlabel("mm: − before the film, + behind it")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
 
 
 def draw_distortion(axes: Axes, report: LensReport) -> None:
-    """Distortion against the image height."""
+    """Draw distortion over the image height."""
     curves = report.curves
     axes.set_title("Distortion")
     percent, across = 100 * curves.distortion, 100 * curves.distortion_across
     axes.plot(percent, curves.heights_mm, color=INK, label="up")
-    _around_zero(axes, np.concatenate([percent, across]), _LEAST_DISTORTION)
+    _center_on_zero(axes, np.concatenate([percent, across]), _MIN_DISTORTION_SPAN)
     _height_upward(axes, report)
     axes.set_xlabel("%: − barrel, + pincushion")
     if report.camera.lens.squeeze != 1:
@@ -44,7 +45,7 @@ def draw_distortion(axes: Axes, report: LensReport) -> None:
 
 
 def draw_illumination(axes: Axes, report: LensReport) -> None:
-    """Relative illumination against the image height: of the lens, without its rims, and cos⁴."""
+    """Draw relative illumination over the image height: of the lens, without its rims, and cos⁴."""
     curves = report.curves
     axes.set_title("Relative illumination")
     axes.plot(curves.heights_mm, 100 * curves.cos4, color=FAINT, linestyle=":", label="cos⁴")
@@ -60,16 +61,16 @@ def draw_illumination(axes: Axes, report: LensReport) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
 
 
-def _around_zero(axes: Axes, values: DoubleArray, least: float) -> None:
-    seen = np.abs(values[np.isfinite(values)])
-    reach = max(least, 1.08 * float(seen.max(initial=0.0)))
+def _center_on_zero(axes: Axes, values: DoubleArray, least: float) -> None:
+    magnitudes = np.abs(values[np.isfinite(values)])
+    reach = max(least, 1.08 * float(magnitudes.max(initial=0.0)))
     axes.set_xlim(-reach, reach)
     axes.axvline(0, color=FAINT, linewidth=0.6, zorder=1)
     axes.locator_params(axis="x", nbins=6)
 
 
 def _height_upward(axes: Axes, report: LensReport) -> None:
-    """Image height, with the heights of the gate's edges."""
+    """Set up the axis of image height, with marks at the gate's edges."""
     camera = report.camera
     axes.set_ylim(0, report.corner_mm)
     axes.set_ylabel("image height, mm")

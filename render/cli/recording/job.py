@@ -1,4 +1,4 @@
-"""What all ways of recording share: the shot, its camera, and how its pictures are rendered and finished."""
+"""The data that all ways of recording share: the shot, its camera, and how its pictures are rendered and finished."""
 
 from __future__ import annotations
 

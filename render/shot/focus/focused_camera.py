@@ -64,7 +64,7 @@ class FocusedCamera:
 
     @cached_property
     def law(self) -> LensLaw:
-        """How focusing changes the lens."""
+        """Law by which focusing changes the lens."""
         return focus_law(self.camera).at_stops(self.camera.f_stop)
 
     @cached_property

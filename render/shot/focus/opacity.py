@@ -1,4 +1,4 @@
-"""How opaque surfaces are where a line meets them: numpy alone."""
+"""Opacity of surfaces where lines meet them, with numpy alone."""
 
 from __future__ import annotations
 

@@ -267,7 +267,7 @@ class ShotFocus:
             return pull_rack(self._stage, self._anchors, self._cameras.path(camera_path), rack)
 
     def settings(self, camera_path: str | None, time: float) -> tuple[FocusData, TiltShiftData]:
-        """How a camera's focus is found, and how its lens is tilted.
+        """Focus settings of a camera, and tilt and shift of its lens.
 
         Args:
             camera_path: of a camera.

@@ -6,6 +6,8 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from service.models.curve import MAX_CURVE_FRAMES
+
 MEBIBYTE = 1024 * 1024
 
 
@@ -47,7 +49,7 @@ class Settings:
     max_archive_entries: int = 10_000
     max_archive_ratio: int = 200
     max_picture_px: int = 4096 * 2304
-    max_curve_frames: int = 20_000
+    max_curve_frames: int = MAX_CURVE_FRAMES
     max_waiting: int = 32
     max_viewers: int = 32
     frame_timeout_s: float = 300.0

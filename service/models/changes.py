@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 
 from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, Ratio, TimeCode, shown_as
 from service.models.cameras import CameraEdit
+from service.models.curve import MAX_CURVE_FRAMES
 from service.models.exposure import ExposureKeyed, ExposureSettingsEdit
 from service.models.film_settings import FilmKeyed, FilmSettingsEdit
 from service.models.focus import (
@@ -222,7 +223,9 @@ class KeyExposure(Model):
     model_config = shown_as({"type": "keyExposure", "readings": [{"time": 24, "compensationStops": -1.0}]})
 
     type: Literal["keyExposure"] = "keyExposure"
-    readings: tuple[MeteredStops, ...] = Field(min_length=1, max_length=20_000, description="In order of time.")
+    readings: tuple[MeteredStops, ...] = Field(
+        min_length=1, max_length=MAX_CURVE_FRAMES, description="In order of time."
+    )
     held: bool = Field(default=False, description="One exposure for all of them, in place of keys.")
 
 

@@ -12,6 +12,9 @@ from service.models.cameras import CAMERA_EXAMPLE, CameraState
 
 CurveFileFormat = Literal["json", "csv", "usda", "otio", "opentrackio"]
 
+MAX_CURVE_FRAMES = 20_000
+"""Frames of one focus curve, unless the service is set up otherwise."""
+
 CURVE_EXAMPLE: JsonDict = {
     "format": "pullfocus.focusCurve",
     "version": 2,

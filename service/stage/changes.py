@@ -37,7 +37,7 @@ from service.models.changes import (
     UnkeyPoint,
     UnkeySetting,
 )
-from service.models.curve import CurveFinding, ImportedCurve
+from service.models.curve import MAX_CURVE_FRAMES, CurveFinding, ImportedCurve
 from service.models.exposure import ExposureSettingsEdit
 from service.models.film_settings import FilmSettingsEdit
 from service.models.focus import FocusPointEdit, KeyEdit, TangentsEdit
@@ -51,7 +51,6 @@ from service.stage.read_points import authored_point, free_name, point_fields, p
 from usd_schemas import Key, Tangents
 from usd_schemas.racks import WeightRack
 
-MAX_CURVE_FRAMES = 20_000
 SWITCHES = ("enabled", "solveStop", "drivenByPoints")
 _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]], ...] = (
     ("focus_distance_m", "focusDistance"),
@@ -176,14 +175,11 @@ def _set_camera(change: SetCamera, camera: EditedCamera) -> Outcome:
         shot.camera.mount_lens(camera.path, lens_to_mount(values.lens))
     if values.body is not None:
         shot.camera.mount_body(camera.path, body_to_mount(values.body))
-    shot.camera.set(
-        camera.path,
-        f_stop=values.f_stop,
-        focal_length_mm=values.focal_length_mm,
-        focus_distance_m=math.inf if values.focus_distance_m == 0 else values.focus_distance_m,
-        focus_mode=values.focus_mode,
-        time=values.time,
-    )
+    settings = values.model_dump(exclude={"lens", "body", "time"}, exclude_none=True)
+    if settings.get("focus_distance_m") == 0:
+        settings["focus_distance_m"] = math.inf
+    if settings:
+        shot.camera.set(camera.path, time=values.time, **settings)
     return None
 
 

@@ -17,7 +17,8 @@ from service.models.changes import (
     SetFocus,
     SetSettingTangents,
 )
-from service.stage.changes import MAX_CURVE_FRAMES, EditedCamera, Outcome, apply_changes
+from service.models.curve import MAX_CURVE_FRAMES
+from service.stage.changes import EditedCamera, Outcome, apply_changes
 from service.stage.read_cameras import camera_tag
 from service.stage.read_points import point_names, point_tag, points_tag
 

@@ -69,6 +69,8 @@ def test_a_list_of_changes_is_one_edit_of_the_history(client, shot):
 def test_without_a_label_an_edit_goes_by_its_changes(client, shot):
     answer = edited(client, shot, {"type": "setCamera", "values": {"fStop": 4}}, *TWO_POINTS)
     assert answer["history"]["undo"] == "set f-number of cam, add focus point near, add focus point far"
+    mounted = edited(client, shot, {"type": "setCamera", "values": {"lens": "planar_50"}})
+    assert mounted["history"]["undo"] == "mount a lens on cam"
 
 
 def test_edits_of_one_gesture_are_one_entry(client, shot):

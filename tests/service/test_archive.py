@@ -151,7 +151,7 @@ def test_no_damage_leads_to_anything_but_a_refusal(tmp_path_factory, at, value):
 
 
 @pytest.mark.parametrize(
-    ("paths", "wanted", "root"),
+    ("paths", "requested", "root"),
     [
         (["shot.usda", "a.png"], None, "shot.usda"),
         (["set/shot.usdc", "set/sub/prop.usda"], None, "set/shot.usdc"),
@@ -160,12 +160,12 @@ def test_no_damage_leads_to_anything_but_a_refusal(tmp_path_factory, at, value):
         (["Shot.USDZ"], "", "Shot.USDZ"),
     ],
 )
-def test_the_root_layer_is_found(paths, wanted, root):
-    assert choose_root(paths, wanted, "shot.zip") == root
+def test_the_root_layer_is_found(paths, requested, root):
+    assert choose_root(paths, requested, "shot.zip") == root
 
 
 @pytest.mark.parametrize(
-    ("paths", "wanted", "code"),
+    ("paths", "requested", "code"),
     [
         (["a.png"], None, "no_stage"),
         ([], None, "no_stage"),
@@ -175,9 +175,9 @@ def test_the_root_layer_is_found(paths, wanted, root):
         (["one.usda", "a.png"], "a.png", "bad_root"),
     ],
 )
-def test_a_root_layer_that_cannot_be_found_is_named(paths, wanted, code):
+def test_a_root_layer_that_cannot_be_found_is_named(paths, requested, code):
     with pytest.raises(ServiceError) as error:
-        choose_root(paths, wanted, "shot.zip")
+        choose_root(paths, requested, "shot.zip")
     assert (error.value.status, error.value.code) == (422, code)
 
 

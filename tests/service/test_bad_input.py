@@ -80,9 +80,9 @@ def test_a_truncated_usdc(client, tmp_path, keep):
 def test_a_missing_reference_is_named(client, arc):
     where = f'def "Set" (prepend {arc} = @./sets/gone.usda@) {{ }}'
     text = f"{HEADER}(subLayers = [@./sets/gone.usda@])\n" if arc == "subLayers" else f"{HEADER}{where}\n"
-    found = problem(send(client, "shot.usda", text.encode()))
-    assert "gone.usda" in found["detail"]
-    assert "/shots/" not in found["detail"] + str(found["path"])
+    refusal = problem(send(client, "shot.usda", text.encode()))
+    assert "gone.usda" in refusal["detail"]
+    assert "/shots/" not in refusal["detail"] + str(refusal["path"])
 
 
 @pytest.mark.parametrize("target", ["/etc/hostname", "../../../other/files/secret.usda", "file:///etc/hostname"])
@@ -93,8 +93,8 @@ def test_a_reference_to_outside_is_named(client, target, arc):
         "subLayers": f"{HEADER}(subLayers = [@{target}@])\n",
         "texture": f'{HEADER}def Shader "Tex" {{ asset inputs:file = @{target}@ }}\n',
     }[arc]
-    found = problem(send(client, "shot.usda", text.encode()))
-    assert target.removeprefix("file://").split("/")[-1] in found["detail"]
+    refusal = problem(send(client, "shot.usda", text.encode()))
+    assert target.removeprefix("file://").split("/")[-1] in refusal["detail"]
 
 
 def test_another_shots_files_are_outside(client, room, service):
@@ -105,14 +105,14 @@ def test_another_shots_files_are_outside(client, room, service):
 
 
 def test_a_zip_bomb(client):
-    found = problem(send(client, "bomb.zip", archive(("shot.usda", bytes(70_000_000)))), 413)
-    assert (found["code"], found["path"]) == ("archive_too_large", "shot.usda")
+    refusal = problem(send(client, "bomb.zip", archive(("shot.usda", bytes(70_000_000)))), 413)
+    assert (refusal["code"], refusal["path"]) == ("archive_too_large", "shot.usda")
 
 
 @pytest.mark.parametrize("name", ["../shot.usda", "a/../../shot.usda", "/elsewhere/shot.usda", "..\\shot.usda"])
 def test_a_zip_that_leaves_its_folder(client, name, service):
-    found = problem(send(client, "shot.zip", archive(("ok.usda", ROOM), (name, ROOM))))
-    assert found["code"] == "unsafe_archive"
+    refusal = problem(send(client, "shot.zip", archive(("ok.usda", ROOM), (name, ROOM))))
+    assert refusal["code"] == "unsafe_archive"
     assert not (service.settings.data / "shots" / "shot.usda").exists()
 
 
@@ -122,8 +122,8 @@ def test_a_zip_with_a_link(client):
     assert problem(send(client, "shot.zip", archive((link, "/etc/passwd"))))["code"] == "unsafe_archive"
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_more_than_is_taken(client, told):
+@pytest.mark.parametrize("has_length", [True, False])
+def test_more_than_is_taken(client, has_length):
     def chunks():
         yield b'--x\r\nContent-Disposition: form-data; name="file"; filename="shot.usda"\r\n\r\n'
         for _ in range(40):
@@ -131,7 +131,7 @@ def test_more_than_is_taken(client, told):
         yield b"\r\n--x--\r\n"
 
     kind = {"Content-Type": "multipart/form-data; boundary=x"}
-    content = b"".join(chunks()) if told else chunks()
+    content = b"".join(chunks()) if has_length else chunks()
     assert problem(client.post("/v1/shots", headers=kind, content=content), 413)["code"] == "too_large"
 
 
@@ -145,13 +145,15 @@ def test_no_file_at_all(client):
 # A shot that can be sent, of which a frame cannot be had.
 
 
-def refused_frame(client, text: str, **asked):
+def refused_frame(client, text: str, **parameters):
     sent = send(client, "shot.usda", text.encode())
     if sent.status_code != 201:
         return problem(sent)
     shot = sent.json()["id"]
     try:
-        answer = client.get(f"/v1/shots/{shot}/frame", params={"time": 1, "width": 32, "height": 18, "rays": 1} | asked)
+        answer = client.get(
+            f"/v1/shots/{shot}/frame", params={"time": 1, "width": 32, "height": 18, "rays": 1} | parameters
+        )
         return problem(answer)
     finally:
         assert client.delete(f"/v1/shots/{shot}").status_code == 204
@@ -162,20 +164,22 @@ def test_an_empty_stage(client):
 
 
 def test_a_negative_focal_length(client):
-    found = refused_frame(client, ROOM.replace("focalLength = 0.5", "focalLength = -0.5"))
-    assert "/World/cam" in found["detail"] + str(found["path"])
+    refusal = refused_frame(client, ROOM.replace("focalLength = 0.5", "focalLength = -0.5"))
+    assert "/World/cam" in refusal["detail"] + str(refusal["path"])
 
 
 @pytest.mark.parametrize("prim", ["cam", "near"])
 def test_transforms_that_are_no_numbers(client, prim):
     bad = '    {\n        double3 xformOp:translate = (nan, 0, 0)\n        uniform token[] xformOpOrder = ["xformOp:translate"]\n'
     kind = "Camera" if prim == "cam" else "Mesh"
-    found = refused_frame(client, ROOM.replace(f'    def {kind} "{prim}"\n    {{\n', f'    def {kind} "{prim}"\n{bad}'))
-    assert f"/World/{prim}" in found["detail"] + str(found["path"])
+    refusal = refused_frame(
+        client, ROOM.replace(f'    def {kind} "{prim}"\n    {{\n', f'    def {kind} "{prim}"\n{bad}')
+    )
+    assert f"/World/{prim}" in refusal["detail"] + str(refusal["path"])
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "parameters",
     [
         {"camera": "/World/near"},
         {"camera": "/Nowhere"},
@@ -206,8 +210,10 @@ def test_transforms_that_are_no_numbers(client, prim):
     ],
     ids=str,
 )
-def test_a_frame_that_cannot_be(client, room, asked):
-    answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 32, "height": 18, "rays": 1} | asked)
+def test_a_frame_that_cannot_be(client, room, parameters):
+    answer = client.get(
+        f"/v1/shots/{room}/frame", params={"time": 1, "width": 32, "height": 18, "rays": 1} | parameters
+    )
     problem(answer)
 
 

@@ -20,12 +20,12 @@ def shot(client, room) -> str:
 
 
 def pick(client, shot, x: float, y: float = 90):
-    asked = {"time": 1, "width": 320, "height": 180, "x": x, "y": y}
-    return client.post(f"{shot}/pick", json=asked).json()
+    body = {"time": 1, "width": 320, "height": 180, "x": x, "y": y}
+    return client.post(f"{shot}/pick", json=body).json()
 
 
-def place(client, shot, x: float, **wanted):
-    answer = client.post(f"{shot}/focus-points", params={"time": 1}, json=pick(client, shot, x)["anchor"] | wanted)
+def place(client, shot, x: float, **values):
+    answer = client.post(f"{shot}/focus-points", params={"time": 1}, json=pick(client, shot, x)["anchor"] | values)
     assert answer.status_code == 201, answer.text
     return answer.json()
 
@@ -35,11 +35,11 @@ def readout(client, shot, time: float = 1):
 
 
 def test_a_pick_says_what_is_where(client, shot):
-    found = pick(client, shot, 240)
-    assert found["hit"]
-    assert found["anchor"]["target"] == ["/World/far"]
-    assert found["depthM"] == pytest.approx(FAR_M, abs=1e-3)
-    assert found["positionM"][2] == pytest.approx(-FAR_M, abs=1e-3)
+    picked = pick(client, shot, 240)
+    assert picked["hit"]
+    assert picked["anchor"]["target"] == ["/World/far"]
+    assert picked["depthM"] == pytest.approx(FAR_M, abs=1e-3)
+    assert picked["positionM"][2] == pytest.approx(-FAR_M, abs=1e-3)
     assert pick(client, shot, 2, 2) == {"hit": False, "anchor": None, "depthM": None, "positionM": None}
 
 

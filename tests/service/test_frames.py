@@ -21,8 +21,8 @@ from tests.service.conftest import until
 SMALL = {"time": 1, "width": 96, "height": 54, "rays": 8}
 
 
-def frame(http, shot, **asked):
-    return http.get(f"/v1/shots/{shot}/frame", params=SMALL | asked)
+def frame(http, shot, **parameters):
+    return http.get(f"/v1/shots/{shot}/frame", params=SMALL | parameters)
 
 
 def pixels(answer) -> np.ndarray:
@@ -35,8 +35,8 @@ def test_rest_and_the_command_line_give_the_same_bytes(client, room, room_file, 
     out = tmp_path / f"out{suffix}"
     arguments = ["record", str(room_file), str(out), "--frames", "12", "--imageWidth", "96", "--rays", "8"]
     assert main([*arguments, "--supersample", "1", "--seed", "3"]) == 0
-    asked = {"time": 12, "width": 96, "rays": 8, "supersample": 1, "seed": 3, "format": file_format}
-    answer = client.get(f"/v1/shots/{room}/frame", params=asked)
+    parameters = {"time": 12, "width": 96, "rays": 8, "supersample": 1, "seed": 3, "format": file_format}
+    answer = client.get(f"/v1/shots/{room}/frame", params=parameters)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"] == MEDIA_TYPES[file_format]
     assert answer.content == out.read_bytes()
@@ -146,6 +146,6 @@ def test_the_query_knows_what_the_renderer_knows():
 @pytest.mark.parametrize("height", [{"height": 8192}, {}])
 def test_the_pixel_limit_holds_for_heights_from_the_film_gate(client, room, height):
     answer = client.get(f"/v1/shots/{room}/frame", params={"time": 1, "width": 8192, "rays": 1} | height)
-    told = answer.json()
-    assert (answer.status_code, told["code"], told["path"]) == (422, "too_many_pixels", "query.width")
-    assert "8192 × " in told["detail"]
+    refusal = answer.json()
+    assert (answer.status_code, refusal["code"], refusal["path"]) == (422, "too_many_pixels", "query.width")
+    assert "8192 × " in refusal["detail"]

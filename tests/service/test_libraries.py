@@ -40,10 +40,10 @@ def test_a_stock_is_described_down_to_its_curves(client):
 
 
 def test_the_bodies_are_listed_with_the_shapes_of_pictures(client):
-    told = client.get("/v1/bodies").json()
-    assert [body["name"] for body in told["bodies"]] == body_names()
-    assert {shape["name"]: shape["aspect"] for shape in told["shapes"]}["2.39:1"] == 2.39
-    assert all(body["resolution"] is None for body in told["bodies"] if body["kind"] == "film")
+    answer = client.get("/v1/bodies").json()
+    assert [body["name"] for body in answer["bodies"]] == body_names()
+    assert {shape["name"]: shape["aspect"] for shape in answer["shapes"]}["2.39:1"] == 2.39
+    assert all(body["resolution"] is None for body in answer["bodies"] if body["kind"] == "film")
 
 
 def test_a_body_says_what_it_shows(client):

@@ -38,22 +38,22 @@ class Picture:
         return np.asarray(Image.open(BytesIO(self.data)).convert("RGB"), np.int16)
 
 
-class Watching:
+class LiveClient:
     """A viewer's end of the socket, which says that a picture has come as soon as it has."""
 
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket
         self.acks = True
 
-    def ask(self, **asked: object) -> None:
-        self.socket.send(json.dumps(SMALL | asked))
+    def request(self, **fields: object) -> None:
+        self.socket.send(json.dumps(SMALL | fields))
 
-    def hear(self) -> Picture | dict[str, Any]:
-        said = self.socket.recv(WAIT_S)
-        if isinstance(said, str):
-            return json.loads(said)
-        (size,) = struct.unpack_from(">I", said)
-        picture = Picture(json.loads(said[4 : 4 + size]), said[4 + size :])
+    def receive(self) -> Picture | dict[str, Any]:
+        message = self.socket.recv(WAIT_S)
+        if isinstance(message, str):
+            return json.loads(message)
+        (size,) = struct.unpack_from(">I", message)
+        picture = Picture(json.loads(message[4 : 4 + size]), message[4 + size :])
         if self.acks:
             self.socket.send(json.dumps({"ack": picture.head["picture"]}))
         return picture
@@ -62,9 +62,9 @@ class Watching:
         """All pictures from here to the final one of a request."""
         pictures: list[Picture] = []
         while not pictures or not (pictures[-1].head["final"] and pictures[-1].head["id"] == request):
-            heard = self.hear()
-            assert isinstance(heard, Picture), heard
-            pictures.append(heard)
+            received = self.receive()
+            assert isinstance(received, Picture), received
+            pictures.append(received)
         return pictures
 
     def picture_and_readout(self, request: int) -> tuple[Picture, dict[str, Any]]:
@@ -72,39 +72,39 @@ class Watching:
         picture: Picture | None = None
         readout: dict[str, Any] | None = None
         while picture is None or readout is None:
-            heard = self.hear()
-            if isinstance(heard, Picture):
-                picture = heard if heard.head["id"] == request else picture
-            elif heard["id"] == request:
-                readout = heard["readout"]
+            received = self.receive()
+            if isinstance(received, Picture):
+                picture = received if received.head["id"] == request else picture
+            elif received["id"] == request:
+                readout = received["readout"]
         return picture, readout
 
     def problem(self) -> dict[str, Any]:
-        heard = self.hear()
-        assert isinstance(heard, dict)
-        assert heard["problem"]["detail"]
-        return heard
+        received = self.receive()
+        assert isinstance(received, dict)
+        assert received["problem"]["detail"]
+        return received
 
 
 @contextmanager
-def opened(client, shot: str, **headers: str) -> Iterator[Watching]:
+def opened(client, shot: str, **headers: str) -> Iterator[LiveClient]:
     address = f"ws://{client.base_url.host}:{client.base_url.port}/v1/shots/{shot}/live"
     with connect(address, additional_headers=headers, compression=None, max_size=None) as socket:
-        yield Watching(socket)
+        yield LiveClient(socket)
 
 
 @pytest.fixture
-def live(client, room) -> Iterator[Watching]:
+def live(client, room) -> Iterator[LiveClient]:
     with opened(client, room) as watching:
         yield watching
 
 
-def frame(client, shot, **asked):
-    return client.get(f"/v1/shots/{shot}/frame", params=SMALL | asked).content
+def frame(client, shot, **fields):
+    return client.get(f"/v1/shots/{shot}/frame", params=SMALL | fields).content
 
 
 def test_at_rest_pictures_get_better_until_the_one_that_http_gives(client, room, live):
-    live.ask(id=1, time=12)
+    live.request(id=1, time=12)
     pictures = live.until_final(1)
     stages = [picture.head["stage"] for picture in pictures]
     assert stages[0] == "preview"
@@ -119,10 +119,10 @@ def test_at_rest_pictures_get_better_until_the_one_that_http_gives(client, room,
 
 def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
     file = frame(client, room, time=5)
-    live.ask(id=1, time=5)
+    live.request(id=1, time=5)
     (picture,) = live.until_final(1)
     assert (picture.head["width"], picture.head["height"], picture.data == file) == (96, 54, True)
-    live.ask(id=2, time=6)
+    live.request(id=2, time=6)
     live.until_final(2)
     rendered = service.internal.metrics.frames.labels("rendered")._value.get()
     frame(client, room, time=6)
@@ -130,53 +130,53 @@ def test_a_final_picture_is_kept_and_comes_at_once(service, client, room, live):
 
 
 def test_a_drag_gets_one_picture_for_each_request_begun(live):
-    live.ask(id=1, moving=True)
-    first = live.hear()
+    live.request(id=1, moving=True)
+    first = live.receive()
     assert (first.head["id"], first.head["stage"], first.head["format"]) == (1, "preview", "jpeg")
-    live.ask(id=2, moving=True, time=2)
-    assert live.hear().head["id"] == 2
+    live.request(id=2, moving=True, time=2)
+    assert live.receive().head["id"] == 2
 
 
 def test_the_newest_request_wins_over_one_that_is_at_work(live):
-    live.ask(id=1, **SLOW)
-    assert live.hear().head["id"] == 1
+    live.request(id=1, **SLOW)
+    assert live.receive().head["id"] == 1
     began_s = time.monotonic()
     for number in range(2, 6):
-        live.ask(id=number, moving=True, time=number)
-    heard = [live.hear()]
-    while heard[-1].head["id"] != 5:
-        heard.append(live.hear())
+        live.request(id=number, moving=True, time=number)
+    received = [live.receive()]
+    while received[-1].head["id"] != 5:
+        received.append(live.receive())
     assert time.monotonic() - began_s < 20
-    assert not any(picture.head["final"] for picture in heard)
-    assert [picture.head["id"] for picture in heard] == sorted(picture.head["id"] for picture in heard)
+    assert not any(picture.head["final"] for picture in received)
+    assert [picture.head["id"] for picture in received] == sorted(picture.head["id"] for picture in received)
 
 
 def test_at_most_two_pictures_are_in_flight_and_the_newest_waits(live):
     live.acks = False
     for number in range(1, 6):
-        live.ask(id=number, moving=True, time=number)
+        live.request(id=number, moving=True, time=number)
         if number <= 2:
-            assert live.hear().head["picture"] == number
+            assert live.receive().head["picture"] == number
         else:
             with pytest.raises(TimeoutError):
                 live.socket.recv(1.0)
     live.socket.send('{"ack": 1}')
-    late = live.hear()
+    late = live.receive()
     assert (late.head["id"], late.head["picture"]) == (5, 3)
 
 
 def test_what_is_tried_is_seen_and_not_kept(client, room, live):
     before = client.get(f"/v1/shots/{room}").json()["revision"]
-    live.ask(id=1, changes=[{"type": "setCamera", "values": {"fStop": 1, "focusDistanceM": 8}}])
-    heard = [live.hear()]
-    while not (isinstance(heard[-1], Picture) and heard[-1].head["final"]):
-        heard.append(live.hear())
-    (said,) = (words for words in heard if isinstance(words, dict))
-    assert (said["id"], said["readout"]["focusDistanceM"], said["readout"]["fStop"]) == (1, 8, 1)
+    live.request(id=1, changes=[{"type": "setCamera", "values": {"fStop": 1, "focusDistanceM": 8}}])
+    received = [live.receive()]
+    while not (isinstance(received[-1], Picture) and received[-1].head["final"]):
+        received.append(live.receive())
+    (message,) = (item for item in received if isinstance(item, dict))
+    assert (message["id"], message["readout"]["focusDistanceM"], message["readout"]["fStop"]) == (1, 8, 1)
     assert client.get(f"/v1/shots/{room}").json()["revision"] == before
     saved = frame(client, room)
     client.patch(f"/v1/shots/{room}/camera", json={"fStop": 1, "focusDistanceM": 8})
-    assert heard[-1].data == frame(client, room) != saved
+    assert received[-1].data == frame(client, room) != saved
 
 
 def test_every_kind_of_edit_can_be_tried(client, room, live):
@@ -200,14 +200,14 @@ def test_every_kind_of_edit_can_be_tried(client, room, live):
         assert (live_picture(live, number, changes=[change]) != plain).any(), change
 
 
-def live_picture(live: Watching, number: int, **asked: object) -> np.ndarray:
+def live_picture(live: LiveClient, number: int, **fields: object) -> np.ndarray:
     """The final picture of a request."""
-    live.ask(id=number, **asked)
+    live.request(id=number, **fields)
     while True:
-        heard = live.hear()
-        if isinstance(heard, Picture) and heard.head["final"] and heard.head["id"] == number:
-            return heard.pixels
-        assert isinstance(heard, Picture) or "readout" in heard, heard
+        received = live.receive()
+        if isinstance(received, Picture) and received.head["final"] and received.head["id"] == number:
+            return received.pixels
+        assert isinstance(received, Picture) or "readout" in received, received
 
 
 def moved_to(x: float, y: float) -> dict[str, Any]:
@@ -220,26 +220,26 @@ def test_a_focus_point_is_tried_where_it_is_dragged_to(client, room, live):
     client.patch(f"/v1/shots/{room}/camera", json={"focusMode": "points"})
     focused = {}
     for number, x in enumerate((0.1, 0.9)):
-        live.ask(id=number, moving=True, changes=[moved_to(x, 0.5)])
+        live.request(id=number, moving=True, changes=[moved_to(x, 0.5)])
         focused[x] = live.picture_and_readout(number)[1]["focusDistanceM"]
     assert focused == {0.1: pytest.approx(3, abs=0.01), 0.9: pytest.approx(8, abs=0.01)}
-    live.ask(id=9, moving=True, changes=[moved_to(0.9, 0.02)])  # where there is nothing it stays
+    live.request(id=9, moving=True, changes=[moved_to(0.9, 0.02)])  # where there is nothing it stays
     assert live.picture_and_readout(9)[1]["focusDistanceM"] == pytest.approx(3, abs=0.01)
 
 
 def test_a_pick_does_not_wait_for_a_picture_that_takes_long(service, client, room, live):
-    live.ask(id=1, **SLOW)
-    assert live.hear().head["id"] == 1
+    live.request(id=1, **SLOW)
+    assert live.receive().head["id"] == 1
     picked = client.post(f"/v1/shots/{room}/pick", json={"time": 1, "width": 96, "height": 54, "x": 10, "y": 27})
     assert picked.json()["hit"] is True
-    live.ask(id=2)
+    live.request(id=2)
     pictures = live.until_final(2)
     assert not any(picture.head["final"] for picture in pictures if picture.head["id"] == 1)
 
 
 def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live):
-    live.ask(id=1, width=480, height=270, rays=64)
-    assert live.hear().head["stage"] == "preview"
+    live.request(id=1, width=480, height=270, rays=64)
+    assert live.receive().head["stage"] == "preview"
     for seed in range(3):
         frame(client, room, seed=seed, engine="pinhole")
     rest = live.until_final(1)
@@ -249,7 +249,7 @@ def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live)
 
 
 @pytest.mark.parametrize(
-    ("said", "status", "code", "path"),
+    ("message", "status", "code", "path"),
     [
         ("no json", 422, "invalid_request", None),
         ("[1]", 422, "invalid_request", None),
@@ -264,28 +264,28 @@ def test_made_again_after_others_a_picture_is_not_sent_twice(client, room, live)
         (json.dumps(SMALL | {"id": 3, "changes": [{"type": "removePoint", "name": "nobody"}]}), 404, "not_found", "/World/cam"),
     ],
 )  # fmt: skip
-def test_a_bad_request_gets_a_problem_and_the_next_is_answered(live, said, status, code, path):
-    live.socket.send(said)
-    told = live.problem()
-    assert told["status"] == status
-    assert set(told["problem"]) == {"code", "detail", "path", "errors"}
-    assert (told["problem"]["code"], told["problem"]["path"]) == (code, path)
-    assert told["id"] == (3 if isinstance(said, str) and '"id": 3' in said else None)
-    live.ask(id=4, moving=True)
-    assert live.hear().head["id"] == 4
+def test_a_bad_request_gets_a_problem_and_the_next_is_answered(live, message, status, code, path):
+    live.socket.send(message)
+    refusal = live.problem()
+    assert refusal["status"] == status
+    assert set(refusal["problem"]) == {"code", "detail", "path", "errors"}
+    assert (refusal["problem"]["code"], refusal["problem"]["path"]) == (code, path)
+    assert refusal["id"] == (3 if isinstance(message, str) and '"id": 3' in message else None)
+    live.request(id=4, moving=True)
+    assert live.receive().head["id"] == 4
 
 
 def test_a_missing_shot_is_reported(client):
     with opened(client, "none") as live:
-        live.ask(id=1)
-        told = live.problem()
-    assert (told["id"], told["status"], told["problem"]["code"]) == (1, 404, "shot_not_found")
+        live.request(id=1)
+        refusal = live.problem()
+    assert (refusal["id"], refusal["status"], refusal["problem"]["code"]) == (1, 404, "shot_not_found")
 
 
 def test_a_viewer_that_disconnects_leaves_no_work_behind(service, client, room):
     with opened(client, room) as live:
-        live.ask(id=1, **(SLOW | {"rays": 4000}))
-        live.hear()
+        live.request(id=1, **(SLOW | {"rays": 4000}))
+        live.receive()
         assert service.internal.picture_queue.busy
     began_s = time.monotonic()
     until(lambda: not service.internal.picture_queue.busy)
@@ -310,23 +310,23 @@ def test_a_page_of_another_site_may_not_watch(client, room, headers, status):
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:8000"])
 def test_live_pictures_refuse_a_foreign_host_name(client, room, host):
-    asked = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    headers = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
     key = {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Host": host, "Origin": f"http://{host}"}
-    answer = client.get(f"/v1/shots/{room}/live", headers=asked | key)
+    answer = client.get(f"/v1/shots/{room}/live", headers=headers | key)
     assert (answer.status_code, answer.json()["code"]) == (421, "unknown_host")
 
 
 def test_our_own_page_may(client, room):
     with opened(client, room, Origin=str(client.base_url).rstrip("/")) as live:
-        live.ask(id=1, moving=True)
-        assert live.hear().head["id"] == 1
+        live.request(id=1, moving=True)
+        assert live.receive().head["id"] == 1
 
 
 @pytest.mark.parametrize("look", ["x" * 2**20, "é" * 2**19])
 def test_more_bytes_than_are_taken_end_the_connection(live, look):
     live.socket.send(json.dumps({"id": 1, "time": 1, "look": look}, ensure_ascii=False))
     with pytest.raises(ConnectionClosed) as closed:
-        live.hear()
+        live.receive()
     assert closed.value.rcvd.code == 1009
 
 
@@ -338,17 +338,17 @@ def test_no_more_viewers_than_are_taken_may_watch(tmp_path):
             answer = refused.value.response
             assert (answer.status_code, json.loads(answer.body)["code"]) == (503, "busy")
             assert "Retry-After" in answer.headers
-            first.ask(id=1)
+            first.request(id=1)
             assert first.problem()["problem"]["code"] == "shot_not_found"
         until(lambda: not service.internal.live_sockets)
         with opened(service.client, "none") as next_one:
-            next_one.ask(id=1)
+            next_one.request(id=1)
             assert next_one.problem()["id"] == 1
 
 
 def test_a_viewer_that_stops_leaves_no_work_behind(service, live):
-    live.ask(id=1, **(SLOW | {"rays": 4000}))
-    live.hear()
+    live.request(id=1, **(SLOW | {"rays": 4000}))
+    live.receive()
     assert service.internal.picture_queue.busy
     live.socket.send('{"stop": true}')
     began_s = time.monotonic()
@@ -362,8 +362,8 @@ def test_a_plain_http_request_for_live_pictures_is_refused(client, room):
 
 
 def test_viewers_are_counted(client, room, live):
-    live.ask(id=1, moving=True)
-    live.hear()
+    live.request(id=1, moving=True)
+    live.receive()
     text = client.get("/metrics").text
     assert "pullfocus_live_viewers 1.0" in text
     assert 'pullfocus_live_pictures_total{stage="preview"}' in text

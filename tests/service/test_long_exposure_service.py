@@ -1,4 +1,4 @@
-"""A long exposure over HTTP: begun, looked at, closed, gone on with; other pictures come between; what is lost is told."""
+"""Long exposures over HTTP: begin, pause, continue, develop and lose them, with other pictures in between."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def address(shot: str) -> str:
     return f"/v1/shots/{shot}/long-exposure"
 
 
-def begin(client, shot, **asked):
-    answer = client.post(address(shot), json=SMALL | asked)
+def begin(client, shot, **fields):
+    answer = client.post(address(shot), json=SMALL | fields)
     assert answer.status_code == 201, answer.text
     return answer.json()
 
@@ -39,9 +39,9 @@ def test_it_goes_on_to_its_end_and_is_what_the_command_line_writes(client, room,
     begun = begin(client, room)
     assert (begun["shutter"], begun["intervalCount"]) == ("open", 4)
     until(lambda: state(client, room)["shutter"] == "done")
-    told = state(client, room)
-    assert (told["intervals"], told["time"], told["openFrames"], told["problem"]) == (4, 5, 4, None)
-    assert told["openSeconds"] == pytest.approx(4 / 24)
+    progress = state(client, room)
+    assert (progress["intervals"], progress["time"], progress["openFrames"], progress["problem"]) == (4, 5, 4, None)
+    assert progress["openSeconds"] == pytest.approx(4 / 24)
     out = tmp_path / "out.png"
     arguments = ["--long-exposure", "1:5", "--imageWidth", "96", "--rays", "4", "--supersample", "1"]
     assert main(["record", str(room_file), str(out), *arguments]) == 0
@@ -106,7 +106,7 @@ def test_a_shot_that_is_removed_takes_its_exposure_along(service, client, room_f
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("fields", "progress"),
     [
         ({"last": 1}, "cannot close before it opens"),
         ({"last": -5}, "it opens at 1 and closes at -5"),
@@ -121,10 +121,10 @@ def test_a_shot_that_is_removed_takes_its_exposure_along(service, client, room_f
         ({"unknown": 1}, "unknown"),
     ],
 )
-def test_what_cannot_be_exposed_is_refused_at_once(client, room, asked, told):
-    answer = client.post(address(room), json=SMALL | asked)
+def test_what_cannot_be_exposed_is_refused_at_once(client, room, fields, progress):
+    answer = client.post(address(room), json=SMALL | fields)
     assert answer.status_code == 422, answer.text
-    assert told in answer.json()["detail"]
+    assert progress in answer.json()["detail"]
     assert client.get(address(room)).status_code == 404
 
 

@@ -25,8 +25,8 @@ def readout(client, shot):
     return answer.json()
 
 
-def meter(client, shot, **asked):
-    answer = client.get(f"{shot}/meter", params={"time": 1} | asked)
+def meter(client, shot, **parameters):
+    answer = client.get(f"{shot}/meter", params={"time": 1} | parameters)
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -38,13 +38,15 @@ def test_examples_are_true_to_their_models():
 
 def test_an_exposure_is_read_off_in_ev_stops_and_equivalents(client, shot):
     expose(client, shot, exposureTimeS=1 / 50, iso=400, exposureFStop=4, neutralDensity=0.6, transmittance=0.81)
-    told = readout(client, shot)
-    assert told["ev100"] == pytest.approx(math.log2(100 * 16 * 50 / 400), abs=1e-5)
-    assert told["tStop"] == pytest.approx(4 / 0.9, rel=1e-6)
-    assert told["ndStops"] == pytest.approx(0.6 * math.log2(10))
-    worth = {same["exposureTimeS"] / same["fStop"] ** 2 for same in told["equivalents"]}
+    reading = readout(client, shot)
+    assert reading["ev100"] == pytest.approx(math.log2(100 * 16 * 50 / 400), abs=1e-5)
+    assert reading["tStop"] == pytest.approx(4 / 0.9, rel=1e-6)
+    assert reading["ndStops"] == pytest.approx(0.6 * math.log2(10))
+    worth = {same["exposureTimeS"] / same["fStop"] ** 2 for same in reading["equivalents"]}
     assert max(worth) == pytest.approx(min(worth))
-    assert [same["fStop"] for same in told["equivalents"]] == sorted(same["fStop"] for same in told["equivalents"])
+    assert [same["fStop"] for same in reading["equivalents"]] == sorted(
+        same["fStop"] for same in reading["equivalents"]
+    )
 
 
 def test_the_iris_exposes_when_set_to(client, shot):
@@ -52,9 +54,9 @@ def test_the_iris_exposes_when_set_to(client, shot):
     client.patch(f"{shot}/camera", json={"fStop": 2})
     wide = readout(client, shot)
     client.patch(f"{shot}/camera", json={"fStop": 4})
-    told = readout(client, shot)
-    assert (told["stop"], told["fStop"]) == ("iris", 4)
-    assert wide["exposureScale"] / told["exposureScale"] == pytest.approx(4)
+    reading = readout(client, shot)
+    assert (reading["stop"], reading["fStop"]) == ("iris", 4)
+    assert wide["exposureScale"] / reading["exposureScale"] == pytest.approx(4)
 
 
 def test_a_meter_says_how_far_off_the_exposure_is(client, shot):
@@ -75,19 +77,19 @@ def test_a_spot_is_on_a_place_or_a_focus_point(client, shot):
     assert (dark["luminanceNits"], dark["stops"], dark["ev100"], dark["compensationStops"]) == (0, None, None, None)
     point = {"target": ["/World/near"], "face": 0, "barycentric": [0.5, 0, 0.5], "name": "near"}
     client.post(f"{shot}/focus-points", params={"time": 1}, json=point)
-    told = meter(client, shot, point="near")
-    assert (told["mode"], told["luminanceNits"]) == ("spot", pytest.approx(card["luminanceNits"], rel=0.02))
+    reading = meter(client, shot, point="near")
+    assert (reading["mode"], reading["luminanceNits"]) == ("spot", pytest.approx(card["luminanceNits"], rel=0.02))
 
 
 def test_a_deciding_meter_is_reported(client, shot):
     expose(client, shot, meteringMode="average", meteringCompensationStops=1)
-    told = meter(client, shot)
-    assert (told["decides"], told["mode"]) == (True, "average")
-    assert told["compensationStops"] == pytest.approx(1 - told["stops"], abs=1e-3)
+    reading = meter(client, shot)
+    assert (reading["decides"], reading["mode"]) == (True, "average")
+    assert reading["compensationStops"] == pytest.approx(1 - reading["stops"], abs=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("parameters", "words"),
     [
         ({"mode": "matrix"}, "mode"),
         ({"x": 0.5}, "x and y"),
@@ -97,7 +99,7 @@ def test_a_deciding_meter_is_reported(client, shot):
     ],
     ids=str,
 )
-def test_impossible_metering_is_reported(client, shot, asked, words):
-    answer = client.get(f"{shot}/meter", params={"time": 1} | asked)
+def test_impossible_metering_is_reported(client, shot, parameters, words):
+    answer = client.get(f"{shot}/meter", params={"time": 1} | parameters)
     assert answer.status_code == 422, answer.text
     assert words in answer.json()["detail"] + str(answer.json()["path"])

@@ -39,8 +39,8 @@ def refused(answer, status, words):
     assert words in answer.json()["detail"] + str(answer.json()["path"])
 
 
-def pixels(client, shot, **asked) -> np.ndarray:
-    answer = client.get(f"{shot}/frame", params=SMALL | asked)
+def pixels(client, shot, **parameters) -> np.ndarray:
+    answer = client.get(f"{shot}/frame", params=SMALL | parameters)
     assert answer.status_code == 200, answer.text
     return np.asarray(Image.open(BytesIO(answer.content)), np.int16)
 
@@ -51,9 +51,14 @@ def test_examples_are_true_to_their_models():
 
 
 def test_a_shot_that_says_nothing_exposes_as_usd_does(client, shot):
-    told = read(client, shot, "exposure")
-    assert (told["exposureTimeS"], told["iso"], told["exposureFStop"], told["compensationStops"]) == (1, 100, 1, 0)
-    assert (told["exposureStop"], told["stopMarking"], told["meteringMode"], told["keys"]) == (
+    settings = read(client, shot, "exposure")
+    assert (settings["exposureTimeS"], settings["iso"], settings["exposureFStop"], settings["compensationStops"]) == (
+        1,
+        100,
+        1,
+        0,
+    )
+    assert (settings["exposureStop"], settings["stopMarking"], settings["meteringMode"], settings["keys"]) == (
         "exposure",
         "f",
         "manual",
@@ -149,16 +154,20 @@ def test_everything_that_can_be_read_can_be_set(client, shot):
 
 
 def test_a_shutter_is_set_by_its_angle(client, shot):
-    told = edit(client, shot, "exposure", {"shutterAngleDeg": 172.8, "shutterOpen": -0.1}).json()
-    assert (told["shutterOpen"], told["shutterClose"]) == pytest.approx((-0.1, 0.38))
-    assert told["shutterAngleDeg"] == pytest.approx(172.8)
+    settings = edit(client, shot, "exposure", {"shutterAngleDeg": 172.8, "shutterOpen": -0.1}).json()
+    assert (settings["shutterOpen"], settings["shutterClose"]) == pytest.approx((-0.1, 0.38))
+    assert settings["shutterAngleDeg"] == pytest.approx(172.8)
     refused(edit(client, shot, "exposure", {"shutterAngleDeg": 90, "shutterClose": 1}), 422, "shutterAngleDeg")
 
 
 def test_a_stock_brings_its_process_and_is_taken_out_again(client, shot):
-    told = edit(client, shot, "film", {"stock": "5219", "push": 1}).json()
-    assert (told["stock"], told["process"], told["printStock"]) == ("vision3_500t_5219", "negative", "vision_2383")
-    assert (told["push"], told["grainAmount"]) == (1, 1)
+    settings = edit(client, shot, "film", {"stock": "5219", "push": 1}).json()
+    assert (settings["stock"], settings["process"], settings["printStock"]) == (
+        "vision3_500t_5219",
+        "negative",
+        "vision_2383",
+    )
+    assert (settings["push"], settings["grainAmount"]) == (1, 1)
     assert edit(client, shot, "film", {"whiteBalanceK": 3200}).json()["stock"] == "vision3_500t_5219"
     assert edit(client, shot, "film", {"stock": None}).json()["process"] == "none"
     client.post(f"{shot}/edits/undo")
@@ -169,9 +178,9 @@ def test_a_body_brings_its_gate(client, shot):
     answer = client.patch(f"{shot}/camera", json={"body": "super16"})
     assert answer.status_code == 200, answer.text
     [film] = [body for body in client.get("/v1/bodies").json()["bodies"] if body["name"] == "super16"]
-    told = read(client, shot, "film")
-    assert told["body"] == film["title"]
-    assert told["gateMm"] == pytest.approx(film["gateMm"], rel=1e-4)
+    settings = read(client, shot, "film")
+    assert settings["body"] == film["title"]
+    assert settings["gateMm"] == pytest.approx(film["gateMm"], rel=1e-4)
     assert answer.json()["focalLengthMm"] == pytest.approx(50)
     refused(client.patch(f"{shot}/camera", json={"body": "super61"}), 422, "super16")
 
@@ -192,19 +201,19 @@ def test_what_is_set_is_seen_as_the_command_line_has_it(client, shot, room_file,
 
 
 def test_a_frame_can_have_another_film_and_another_display(client, shot, room_file, tmp_path):
-    asked = {"film": "velvia_50", "display": "Rec.1886 Rec.709 - Display", "motion": 2, "motionBy": "velocities"}
+    parameters = {"film": "velvia_50", "display": "Rec.1886 Rec.709 - Display", "motion": 2, "motionBy": "velocities"}
     out = tmp_path / "out.png"
     arguments = ["record", str(room_file), str(out), "--imageWidth", "64", "--rays", "4", "--supersample", "1"]
-    said = ["--film", "velvia_50", "--display", "Rec.1886 Rec.709 - Display", "--motion", "2", "--layers", "2"]
-    said += ["--motion-by", "velocities"]
-    assert main([*arguments, *said]) == 0
-    assert (np.asarray(Image.open(out)) == pixels(client, shot, **asked)).all()
+    options = ["--film", "velvia_50", "--display", "Rec.1886 Rec.709 - Display", "--motion", "2", "--layers", "2"]
+    options += ["--motion-by", "velocities"]
+    assert main([*arguments, *options]) == 0
+    assert (np.asarray(Image.open(out)) == pixels(client, shot, **parameters)).all()
     raw = pixels(client, shot, display="sRGB - Display", view="Raw")
     assert np.abs(raw - pixels(client, shot)).max() > 20
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("parameters", "words"),
     [
         ({"film": "velvia_5"}, "velvia_50"),
         ({"display": "sRGB - Displya"}, "sRGB - Display"),
@@ -216,17 +225,17 @@ def test_a_frame_can_have_another_film_and_another_display(client, shot, room_fi
     ],
     ids=str,
 )
-def test_a_frame_that_cannot_be_finished_so_says_why(client, shot, asked, words):
-    refused(client.get(f"{shot}/frame", params=SMALL | asked), 422, words)
+def test_a_frame_that_cannot_be_finished_so_says_why(client, shot, parameters, words):
+    refused(client.get(f"{shot}/frame", params=SMALL | parameters), 422, words)
 
 
 def test_grades_are_those_of_the_configuration(client, shot):
-    told = client.get(f"{shot}/camera/grades", params={"time": 1}).json()
-    displays = {display["name"]: display for display in told["displays"]}
-    assert told["defaultDisplay"] in displays
+    settings = client.get(f"{shot}/camera/grades", params={"time": 1}).json()
+    displays = {display["name"]: display for display in settings["displays"]}
+    assert settings["defaultDisplay"] in displays
     for display in displays.values():
         assert display["defaultView"] in display["views"]
-    name, view = next((n, d["views"][-1]) for n, d in displays.items() if n != told["defaultDisplay"])
+    name, view = next((n, d["views"][-1]) for n, d in displays.items() if n != settings["defaultDisplay"])
     assert edit(client, shot, "film", {"display": name, "view": view}).status_code == 200
 
 
@@ -280,8 +289,8 @@ def test_settings_are_keyed(client, shot):
         client.put(f"{shot}/camera/film/keys/push", json={"time": time, "value": value / 2})
     assert [read(client, shot, "exposure", time)["compensationStops"] for time in (1, 6, 11)] == [0, 1, 2]
     assert read(client, shot, "film", 6)["push"] == pytest.approx(0.5)
-    told = read(client, shot, "exposure")["keys"]
-    assert [(key["time"], key["value"]) for key in told["compensationStops"]] == [(1, 0), (11, 2)]
+    settings = read(client, shot, "exposure")["keys"]
+    assert [(key["time"], key["value"]) for key in settings["compensationStops"]] == [(1, 0), (11, 2)]
     removed = client.delete(f"{shot}/camera/film/keys/push", params={"time": 1})
     assert [key["time"] for key in removed.json()["keys"]["push"]] == [11]
     refused(client.delete(f"{shot}/camera/film/keys/push", params={"time": 1}), 404, "11")
@@ -289,24 +298,24 @@ def test_settings_are_keyed(client, shot):
 
 
 def test_numbers_that_are_not_finite_are_refused_and_it_lives_on(client):
-    said = """float exposure:time = nan
+    authored = """float exposure:time = nan
         float fStop.timeSamples = { 1: nan, 2: 2 }
         float exposure:iso.timeSamples = { 1: 100, 24: inf }
         double focus:lag.timeSamples = { 1: nan, 2: 0.1 }
         double film:push = nan
     """
     applied = 'def Camera "cam" (\n        prepend apiSchemas = ["FocusAPI", "FilmAPI"]\n    )'
-    stage = ROOM.replace("float fStop = 1.4", said).replace('def Camera "cam"', applied)
+    stage = ROOM.replace("float fStop = 1.4", authored).replace('def Camera "cam"', applied)
     sent = send(client, "room.usda", stage.encode())
     assert sent.status_code == 201, sent.text
     shot = f"/v1/shots/{sent.json()['id']}"
-    asked = {what: client.get(f"{shot}/{what}", params={"time": 1}) for what in (
+    parameters = {what: client.get(f"{shot}/{what}", params={"time": 1}) for what in (
         "camera", "cameras", "camera/exposure", "camera/film", "camera/focus", "camera/grades", "readout", "focus-points", "frame"
     )}  # fmt: skip
-    assert {what: answer.status_code for what, answer in asked.items() if answer.status_code >= 500} == {}
-    assert "lag_s" in asked["camera/focus"].json()["detail"]
+    assert {what: answer.status_code for what, answer in parameters.items() if answer.status_code >= 500} == {}
+    assert "lag_s" in parameters["camera/focus"].json()["detail"]
     assert client.get(f"{shot}/camera/focus", params={"time": 2}).json()["keys"]["lagS"][0]["value"] is None
-    assert "push" in asked["camera/film"].json()["detail"]
+    assert "push" in parameters["camera/film"].json()["detail"]
     mended = edit(client, shot, "film", {"push": 0})
     assert mended.status_code == 200, mended.text
     client.delete(shot)

@@ -17,18 +17,18 @@ from service.storage.store import ShotStore
 
 
 def test_the_command_is_found_by_its_entry_point():
-    (found,) = entry_points(group="pullfocus.commands", name="serve")
-    assert found.value == "service.http.command:serve"
+    (entry_point,) = entry_points(group="pullfocus.commands", name="serve")
+    assert entry_point.value == "service.http.command:serve"
 
 
 def test_it_serves_until_it_is_stopped(tmp_path):
     command = [sys.executable, "-m", "render.cli", "serve", "--port", "0", "--no-demo", "--data", str(tmp_path)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         try:
-            said = next(line for line in process.stderr if "http://" in line)
-            address = re.search(r"http://\S+/", said)[0]
+            message = next(line for line in process.stderr if "http://" in line)
+            address = re.search(r"http://\S+/", message)[0]
             assert address.startswith("http://127.0.0.1:")
-            assert str(tmp_path) in said
+            assert str(tmp_path) in message
             assert httpx.get(f"{address}livez", timeout=60).json() == {"status": "ok"}
         finally:
             process.send_signal(signal.SIGINT)
@@ -39,7 +39,7 @@ def test_it_serves_until_it_is_stopped(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "said"),
+    ("arguments", "status", "message"),
     [
         (["--port", "70000"], 2, "port"),
         (["--port", "x"], 2, "port"),
@@ -49,14 +49,14 @@ def test_it_serves_until_it_is_stopped(tmp_path):
         (["--magic"], 2, "--magic"),
     ],
 )
-def test_wrong_arguments_are_one_sentence(capfd, arguments, status, said):
+def test_wrong_arguments_are_one_sentence(capfd, arguments, status, message):
     try:
         got = main(["serve", "--port", "0", *arguments])
     except SystemExit as end:  # as argparse ends
         got = end.code
     assert got == status
     printed = capfd.readouterr().err
-    assert said in printed
+    assert message in printed
     assert "Traceback" not in printed
 
 

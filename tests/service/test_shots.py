@@ -70,10 +70,15 @@ def test_inspect_says_what_is_there_and_what_is_not_honoured(client, room_file):
         'def DistantLight "sun"', 'def GeometryLight "glow"\n{\n}\ndef DistantLight "sun"'
     )
     shot = send(client, "room.usda", text.encode()).json()["id"]
-    found = client.get(f"/v1/shots/{shot}/inspect").json()
-    assert (found["triangleCount"], found["primCount"], found["upAxis"], found["metersPerUnit"]) == (4, 2, "Y", 1)
-    assert found["readouts"][0]["focalLengthMm"] == pytest.approx(50)
-    assert "/World/glow" in {note["path"] for note in found["notes"]}
+    inspection = client.get(f"/v1/shots/{shot}/inspect").json()
+    assert (
+        inspection["triangleCount"],
+        inspection["primCount"],
+        inspection["upAxis"],
+        inspection["metersPerUnit"],
+    ) == (4, 2, "Y", 1)
+    assert inspection["readouts"][0]["focalLengthMm"] == pytest.approx(50)
+    assert "/World/glow" in {note["path"] for note in inspection["notes"]}
     client.delete(f"/v1/shots/{shot}")
 
 

@@ -26,8 +26,8 @@ def distance(client, shot, time):
     return client.get(f"{shot}/readout", params={"time": time}).json()["focusDistanceM"]
 
 
-def place(client, shot, name, target, **wanted):
-    point = {"target": [target], "face": 0, "barycentric": [0.5, 0, 0.5], "name": name} | wanted
+def place(client, shot, name, target, **values):
+    point = {"target": [target], "face": 0, "barycentric": [0.5, 0, 0.5], "name": name} | values
     answer = client.post(f"{shot}/focus-points", params={"time": 1}, json=point)
     assert answer.status_code == 201, answer.text
     return answer
@@ -45,10 +45,10 @@ def test_examples_are_true_to_their_models():
 
 
 def test_settings_are_what_the_schema_says_until_they_are_set(client, shot):
-    told = settings_of(client, shot)
-    assert (told["mode"], told["offScreen"], told["occluded"]) == ("manual", "ignore", "keep")
-    assert (told["surfaceExponent"], told["expressive"], told["maxAngleDeg"]) == (3, 1, 15)
-    assert (told["drivenByPoints"], told["keys"], told["camera"]) == (True, {}, "/World/cam")
+    settings = settings_of(client, shot)
+    assert (settings["mode"], settings["offScreen"], settings["occluded"]) == ("manual", "ignore", "keep")
+    assert (settings["surfaceExponent"], settings["expressive"], settings["maxAngleDeg"]) == (3, 1, 15)
+    assert (settings["drivenByPoints"], settings["keys"], settings["camera"]) == (True, {}, "/World/cam")
 
 
 def test_everything_that_can_be_read_can_be_set(client, shot):
@@ -130,8 +130,8 @@ def test_settings_are_keyed(client, shot):
     for time, value in ((1, 0), (11, 1)):
         edit(client, shot, {"expressive": value, "time": time})
     assert [settings_of(client, shot, time)["expressive"] for time in (1, 6, 11)] == [0, 0.5, 1]
-    told = settings_of(client, shot)["keys"]
-    assert [(key["time"], key["value"]) for key in told["expressive"]] == [(1, 0), (11, 1)]
+    settings = settings_of(client, shot)["keys"]
+    assert [(key["time"], key["value"]) for key in settings["expressive"]] == [(1, 0), (11, 1)]
     assert edit(client, shot, {"expressive": 0.25}).json()["keys"] == {}
 
 
@@ -158,8 +158,8 @@ def test_the_lens_is_keyed_with_tangents_that_shape_the_way(client, shot):
 def test_switches_are_keyed_by_0_and_1(client, shot):
     at = f"{shot}/camera/keys/solveStop"
     client.put(at, json={"time": 1, "value": 0})
-    told = client.put(at, json={"time": 5, "value": 1}).json()
-    assert told["solveStop"] is True
+    settings = client.put(at, json={"time": 5, "value": 1}).json()
+    assert settings["solveStop"] is True
     assert settings_of(client, shot, 4)["solveStop"] is False
     refused(client.put(at, json={"time": 1, "value": 0.5}), 422, "0 or 1")
 
@@ -187,8 +187,8 @@ def test_points_take_tangents_too(client, shot):
     level = {"inSlope": 0.0, "inWidth": 2.0, "outSlope": 0.0, "outWidth": 2.0}
     at = f"{shot}/focus-points/near/keys/weight"
     for time, value in ((1, 1), (9, 0)):
-        told = client.put(at, json={"time": time, "value": value, "interpolation": "bezier", "tangents": level})
-    assert told.json()["keys"]["weight"][0]["tangents"] == level
+        settings = client.put(at, json={"time": time, "value": value, "interpolation": "bezier", "tangents": level})
+    assert settings.json()["keys"]["weight"][0]["tangents"] == level
 
 
 def test_a_rack_takes_the_focus_from_one_point_to_the_other(client, shot):
@@ -196,9 +196,9 @@ def test_a_rack_takes_the_focus_from_one_point_to_the_other(client, shot):
     place(client, shot, "far", "/World/far", weight=0)
     made = client.post(f"{shot}/racks", json={"from": "near", "to": "far", "start": 5, "end": 15, "ease": "linear"})
     assert made.status_code == 201, made.text
-    told = made.json()
-    assert (told["from"], told["to"], told["end"], told["stretched"]) == ("near", "far", 15, False)
-    assert (told["startDistanceM"], told["endDistanceM"]) == (pytest.approx(NEAR_M), pytest.approx(FAR_M))
+    settings = made.json()
+    assert (settings["from"], settings["to"], settings["end"], settings["stretched"]) == ("near", "far", 15, False)
+    assert (settings["startDistanceM"], settings["endDistanceM"]) == (pytest.approx(NEAR_M), pytest.approx(FAR_M))
     assert made.headers["etag"] == client.get(f"{shot}/focus-points", params={"time": 1}).headers["etag"]
     assert [distance(client, shot, time) for time in (1, 5, 15, 24)] == pytest.approx([3, 3, 8, 8], rel=1e-3)
     assert 1 / distance(client, shot, 10) == pytest.approx((1 / 3 + 1 / 8) / 2, rel=1e-3)
@@ -222,8 +222,8 @@ def test_racks_that_cannot_be(client, shot, change, status, words):
     place(client, shot, "near", "/World/near")
     place(client, shot, "far", "/World/far")
     before = client.get(f"{shot}/edits").text
-    asked = {"from": "near", "to": "far", "start": 5, "end": 15} | change
-    refused(client.post(f"{shot}/racks", json=asked), status, words)
+    body = {"from": "near", "to": "far", "start": 5, "end": 15} | change
+    refused(client.post(f"{shot}/racks", json=body), status, words)
     assert client.get(f"{shot}/edits").text == before
 
 

@@ -192,10 +192,10 @@ def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp
         for f_stop in (4, 8, 16):
             set_stop(first.client, shot, f_stop)
         first.client.post(f"{shot}/edits/undo")
-        told = first.client.get(f"{shot}/edits/history").json()
+        history = first.client.get(f"{shot}/edits/history").json()
     folder = tmp_path / "shots" / shot_id / "history"
     with running(settings) as second:
-        assert second.client.get(f"{shot}/edits/history").json() == told
+        assert second.client.get(f"{shot}/edits/history").json() == history
         second.client.post(f"{shot}/edits/undo")
         assert stop_of(second.client, shot) == 4
         second.client.post(f"{shot}/edits/redo")
@@ -213,7 +213,7 @@ def test_history_outlives_the_service_and_its_damage_spares_edits(room_file, tmp
 
 def test_an_edit_that_cannot_be_saved_never_was(service, client, room, shot):
     set_stop(client, shot, 4)
-    told = client.get(f"{shot}/edits/history").json()
+    history = client.get(f"{shot}/edits/history").json()
     edits = service.settings.data / "shots" / room / "edits.usda"
     kept = edits.read_bytes()
     edits.unlink()
@@ -223,7 +223,7 @@ def test_an_edit_that_cannot_be_saved_never_was(service, client, room, shot):
     finally:
         edits.rmdir()
         edits.write_bytes(kept)
-    assert client.get(f"{shot}/edits/history").json() == told
+    assert client.get(f"{shot}/edits/history").json() == history
     assert stop_of(client, shot) == 4
     set_stop(client, shot, 8)
     client.post(f"{shot}/edits/undo")

@@ -72,7 +72,7 @@ def grain_scale(pixel_um: tuple[float, float], size_um: float) -> float:
 
 
 def add_grain(density: FloatArray, granularity: tuple[Knots, ...], field: FloatArray, amount: float) -> FloatArray:
-    """Density with grain.
+    """Add grain to density.
 
     Args:
         density: ``(height, width, records)``.
@@ -111,7 +111,7 @@ def _power_um2(size_um: float) -> float:
 
 @cache
 def _kernel(sigma_px: float) -> DoubleArray:
-    """A Gaussian's share in each pixel, of sum 1 and odd length; 1 alone where the grain is far smaller than a pixel."""
+    """Gaussian's share in each pixel, of sum 1 and odd length; 1 alone where the grain is far smaller than a pixel."""
     reach = math.ceil(_REACH * sigma_px - 0.5)
     if reach < 1:
         return np.ones(1)
@@ -122,7 +122,7 @@ def _kernel(sigma_px: float) -> DoubleArray:
 
 
 def _convolve(field: FloatArray, kernel: DoubleArray, axis: int) -> FloatArray:
-    """The field without the kernel's reach at both ends of an axis."""
+    """Convolve a field along an axis; it loses the kernel's reach at both ends."""
     size = field.shape[axis] - len(kernel) + 1
     if len(kernel) == 1:
         return field

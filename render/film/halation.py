@@ -1,7 +1,7 @@
-"""Halation: light that goes through the emulsion, is thrown back by the far side of the base, and exposes the film again.
+"""Halation: light that passes the emulsion, is reflected by the far side of the base, and exposes the film again.
 
 A point of light is scattered in the emulsion and shines into the base in all directions. Seen from the far side at an angle θ, a
-base of thickness t throws it back at the distance ρ = 2t·tan θ, and spreads it there by cos⁴θ = (1 + (ρ/2t)²)⁻². Beyond the
+base of thickness t reflects it at the distance ρ = 2t·tan θ, and spreads it there by cos⁴θ = (1 + (ρ/2t)²)⁻². Beyond the
 critical angle all of it is reflected, within it about 4 %: so it comes back as a ring with a sharp inner edge, of the radius
 2t·tan θc, and a skirt (Mees and James 1966, The Theory of the Photographic Process, ch. 20).
 """
@@ -62,7 +62,7 @@ def add_halation(
 
 
 def halation_shares(amount: float, radius_mm: float, color: tuple[float, float, float]) -> tuple[float, float, float]:
-    """The part of each channel that is thrown back; arguments and errors as for `add_halation`."""
+    """Reflected share of each channel; arguments and errors as in `add_halation`."""
     red, green, blue = color
     shares = (amount * red, amount * green, amount * blue)
     if not (0 <= radius_mm <= MAX_RADIUS_MM and all(0 <= share <= 1 for share in shares)):
@@ -104,7 +104,7 @@ def _pixels(radius_px: float, finer: int) -> DoubleArray:
 
 
 def _convolve(channel: FloatArray, kernel: DoubleArray) -> FloatArray:
-    """A channel, mirrored at its edges, under the kernel, by way of its Fourier transform."""
+    """Convolve a channel, mirrored at its edges, with the kernel, by its Fourier transform."""
     reach = [n // 2 for n in kernel.shape]
     padded = np.pad(channel, [(r, r) for r in reach], mode="symmetric")
     shape = [_fast_size(n + 2 * r) for n, r in zip(padded.shape, reach, strict=True)]
@@ -117,7 +117,7 @@ def _convolve(channel: FloatArray, kernel: DoubleArray) -> FloatArray:
 
 
 def _fast_size(size: int) -> int:
-    """The least length from ``size`` up that has no prime factor above 5: those transform fast."""
+    """Smallest length of at least ``size`` without a prime factor above 5, which transforms fast."""
     while True:
         rest = size
         for prime in (2, 3, 5):

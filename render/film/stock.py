@@ -1,4 +1,4 @@
-"""A film stock: its curves, the exposure that anchors them, and how grainy it is."""
+"""Film stocks: characteristic curves, the exposure that anchors them, and granularity."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NET_DENSITIES = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 16), np.geomspac
 
 @dataclass(frozen=True)
 class Stock:
-    """A camera or print stock: three records, or one for black and white.
+    """Camera or print stock: three records, or one for black and white.
 
     Attributes:
         name: for messages and metadata.
@@ -76,7 +76,7 @@ class Stock:
 
 
 def camera_stock(name: str, speed: float = 0.0, rms: Sequence[float] = (0.0, 0.0, 0.0)) -> Stock:
-    """A stock of the library, anchored by its speed.
+    """Stock of the library, anchored by its speed.
 
     A reversal stock is anchored by its green record, and filtered (as a photographer does, with the filters that the maker
     prints on the box) so that the grey of red and blue lies equally far above the base: there is no print to set it right.
@@ -105,7 +105,7 @@ def camera_stock(name: str, speed: float = 0.0, rms: Sequence[float] = (0.0, 0.0
 
 
 def custom_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, rms: Sequence[float]) -> Stock:
-    """A stock that the shot itself draws, by knots or by toe, line and shoulder.
+    """Stock whose curve the shot itself gives, by knots or by toe, line and shoulder.
 
     Args:
         curve: FilmAPI's curve, its source ``knots`` or ``parametric``.
@@ -152,7 +152,7 @@ def print_stock(name_or_curve: str | PrintCurve) -> Stock:
 
 
 def library_stock(name: str) -> LibraryFilm:
-    """A stock of the library, whose error is a setting's.
+    """Stock of the library; an unknown name raises a setting's error.
 
     Args:
         name: of the library, or a part of it.
@@ -167,7 +167,7 @@ def library_stock(name: str) -> LibraryFilm:
 
 
 def _curves(drawn: CharacteristicCurve | PrintCurve, name: str, monochrome: bool = False) -> tuple[Curve, ...]:
-    """The curves that are there: the green one alone, or all three."""
+    """Curves of the stock: the green one alone, or all three."""
     knots = [drawn.green] if monochrome or not (drawn.red or drawn.blue) else [drawn.red, drawn.green, drawn.blue]
     channels = _CHANNELS if len(knots) == 3 else ("green",)
     return tuple(Curve(k, f"the {channel} curve of {name}") for k, channel in zip(knots, channels, strict=True))

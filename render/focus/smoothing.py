@@ -1,11 +1,11 @@
-"""Smoothing over time that is exact where it must be and never overshoots, and fading in place of switching.
+"""Smoothing over time that is exact at keys and never overshoots, and fades in place of switches.
 
 A value is replaced by its mean over a window around its time, weighted by Hann's bell. The window has the requested width, but
 never reaches beyond a key or an end of the shot: toward one it narrows, and there it closes. Three things follow.
 
 - At keys and at both ends the result is the value itself.
 - Between two keys the result lies between the least and the greatest value there.
-- The places ``t + h(t)·u`` at which a window looks never run backwards in t, as ``|h'| ≤ 1``: where the values rise between
+- The times ``t + h(t)·u`` in a window never run backwards in t, as ``|h'| ≤ 1``: where the values rise between
   two keys, so does the result. Nothing rings.
 
 A window reaches half its width ahead and back, so a frame depends on no more of the shot than that.
@@ -25,7 +25,7 @@ _LEAST_NODES, _MOST_NODES = 16, 512
 
 
 def smooth(times_s: ArrayLike, values: ArrayLike, time_s: ArrayLike, *, exact_at_s: ArrayLike = ()) -> DoubleArray:
-    """Values smoothed over time (see the head of this module).
+    """Smooth values over time (see the head of this module).
 
     Args:
         times_s: ``(n,)`` rising.
@@ -111,7 +111,7 @@ def check_samples(times_s: ArrayLike, values: ArrayLike) -> tuple[DoubleArray, D
 
 
 def over_time(what: str, value: ArrayLike, times_s: DoubleArray) -> DoubleArray:
-    """``(n,)`` of a setting that is one number or ``(n,)`` of them.
+    """Column ``(n,)`` of a setting that is one number or one per time.
 
     Raises:
         SettingsError: there are not as many as times, or one is negative or not finite.
@@ -137,7 +137,7 @@ def _half_widths(t: DoubleArray, time_s: ArrayLike, stops: DoubleArray) -> Doubl
 
 
 def _mean_around(t: DoubleArray, v: DoubleArray, half: DoubleArray) -> DoubleArray:
-    """Means of ``(n, ...)`` over windows of half widths ``(n,)``; beyond the ends their values go on."""
+    """Means of ``(n, ...)`` over windows of half widths ``(n,)``; beyond the ends the values are constant."""
     if len(t) == 1 or half.max() <= 0:
         return v.copy()
     count = int(np.clip(4 * math.ceil(half.max() / np.diff(t).min()), _LEAST_NODES, _MOST_NODES))
@@ -151,14 +151,14 @@ def _mean_around(t: DoubleArray, v: DoubleArray, half: DoubleArray) -> DoubleArr
 
 
 def _between(t: DoubleArray, v: DoubleArray, at: DoubleArray) -> DoubleArray:
-    """Values at times ``(m,)``, joined by straight lines."""
+    """Interpolate linearly at times ``(m,)``."""
     left = np.searchsorted(t, at, side="right").clip(1, len(t) - 1) - 1
     share = ((at - t[left]) / (t[left + 1] - t[left])).clip(0.0, 1.0).reshape(-1, *[1] * (v.ndim - 1))
     return np.asarray(v[left] + share * (v[left + 1] - v[left]))
 
 
 def _away_from(marked: NDArray[np.bool_], t: DoubleArray) -> DoubleArray:
-    """``(n, k)`` seconds to the nearest marked time of each column; infinite where there is none."""
+    """Seconds ``(n, k)`` to the nearest marked time of each column; infinite without marked times."""
     times = t[:, None]
     last = np.maximum.accumulate(np.where(marked, times, -np.inf), axis=0)
     following = np.minimum.accumulate(np.where(marked, times, np.inf)[::-1], axis=0)[::-1]

@@ -1,13 +1,13 @@
 """From focus points to focus distances, frame by frame.
 
-The circle of confusion grows in proportion to the difference in *inverse* depth (DESIGN section 2), so the distance
-that blurs all points least is sought there: it minimises
+The circle of confusion grows in proportion to the difference in *inverse* depth (DESIGN section 2), so the focus
+is solved for there: it minimises
 
     E(w_f) = Σ a_i · (s(w_f)·|w_i − w_f| − c_i)²        w = 1 / depth, a_i the weight
 
 where s is the growth of the circle of confusion and ``c_i`` is 0 for a point that must be sharp and, for one that must be soft by
-a circle of confusion, that circle. (A point that must be soft by a distance asks for focus that far behind it, and ``w_i`` is
-there.) With sharp points alone and a thin lens this is their weighted mean inverse depth: one point gets the focus whole, and a
+a circle of confusion, that circle. (A point that must be soft by a distance requests a focus that far behind it, which is its
+``w_i``.) With sharp points alone and a thin lens this is their weighted mean inverse depth: one point gets the focus whole, and a
 cross-fade of weights racks from one to the other at the pace at which an eye sees blur change.
 
 All is done for all frames at once, on arrays of frames by points (`render.focus.least_squares`).
@@ -53,7 +53,7 @@ FocusLimit = Literal["", "close_focus", "infinity"]
 
 @dataclass(frozen=True)
 class FocusSolution:
-    """The focus distance at one time, and whose it is.
+    """Focus distance at one time, and the source that decides it.
 
     Attributes:
         focus_distance_m: depth of the plane of focus; infinite for infinity.
@@ -95,12 +95,12 @@ class FocusSolutions:
 
     @property
     def focus_w(self) -> DoubleArray:
-        """``(n,)`` inverse depth of the focus, 1/m; 0 is infinity."""
+        """Inverse depths ``(n,)`` of the focus, 1/m; 0 is infinity."""
         return np.asarray(1 / self.focus_distance_m)
 
     @property
     def states(self) -> NDArray[np.str_]:
-        """``(n, k)`` what became of the points."""
+        """States ``(n, k)`` of the points."""
         return np.array(STATES)[self.state_codes]
 
     def at(self, frame: int) -> FocusSolution:
@@ -130,7 +130,7 @@ def solve_distances(
     near_priority: ArrayLike = 0.0,
     occluded: Occluded = "keep",
 ) -> FocusSolutions:
-    """The focus distances that serve the points best: weighted least squares of circles of confusion.
+    """Solve for the focus distances of least error: weighted least squares of circles of confusion.
 
     Points that are disabled, of no weight, without a place, behind the camera or outside the picture do not count. Soft points
     that overlap sharp ones on the screen count less (`render.focus.overlap`).
@@ -185,7 +185,7 @@ def solve_distances(
 def kept_within(
     solutions: FocusSolutions, wished_w: DoubleArray, frames: BoolArray, names: Sequence[str], law: LensLaw
 ) -> FocusSolutions:
-    """The same solutions, focused elsewhere in some frames, as near there as the lens reaches.
+    """Solutions refocused in some frames, as near there as the lens reaches.
 
     Args:
         solutions: for n frames.
@@ -220,7 +220,7 @@ def solve_focus(
     near_priority: float = 0.0,
     occluded: Occluded = "keep",
 ) -> FocusSolution:
-    """The focus distance that serves the points best at one time (`solve_distances`).
+    """Solve for the focus distance of least error at one time (`solve_distances`).
 
     Args:
         points: the focus points.
@@ -259,7 +259,7 @@ def _reasons(
     limits: Sequence[FocusLimit],
     law: LensLaw,
 ) -> tuple[str, ...]:
-    """A sentence for every frame. Frames that fared alike share it: it is written once."""
+    """Reason of every frame in a sentence; equal frames share it."""
     near_w, far_w = (np.broadcast_to(ends, len(codes)).tolist() for ends in (law.near_w, law.far_w))
     told: dict[tuple[bytes, bool], str] = {}
     reasons = []
@@ -272,7 +272,7 @@ def _reasons(
 
 
 def why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
-    """One sentence on who decided the focus at one time, or why no point did.
+    """Reason in one sentence: the points that decide the focus at one time, or why none does.
 
     Args:
         names: of the k points.

@@ -3,7 +3,7 @@
 `render/shaders/trace/focal_surface.comp` is the same for the tracer; a test compares the two. The interpolation is
 Shepard's
 (1968), which is moving least squares with constants (Lancaster & Salkauskas 1981): it never leaves the range of its values, so
-that no focus is asked for that nobody asked for, as a fit of higher order would between and beyond the places.
+that it never requests a focus outside the points' range, as a fit of higher order would between and beyond them.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ NEAREST_SLOPE = 1e-7
 
 
 def on_plane(plane: FocalPlane, slopes: DoubleArray) -> DoubleArray:
-    """``(...)`` w of a plane at slopes ``(..., 2)``."""
+    """Inverse depth ``(...)`` of a plane at slopes ``(..., 2)``."""
     return np.asarray(plane.w0 + plane.slope_x * slopes[..., 0] + plane.slope_y * slopes[..., 1])
 
 
 def focused_at(surface: FocalSurface, slopes: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
-    """Where places are focused.
+    """Inverse depth in focus and relative pupil radius at slopes.
 
     Args:
         surface: the surface.

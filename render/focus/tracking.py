@@ -57,7 +57,7 @@ class FocusRing:
 def track(
     times_s: ArrayLike, w_target: ArrayLike, *, lag_s: ArrayLike = 0.0, dead_zone_w: ArrayLike = 0.0
 ) -> DoubleArray:
-    """The focus of a hand that follows a target: an eye that sees blur, then a hand that is late.
+    """Focus of a hand that follows a target: a dead zone in which blur is not seen, then a delay.
 
     The eye lets the target go by up to the dead zone and then takes the focus along, so that the target is never farther
     off than that ("play", Krasnosel'skii & Pokrovskii 1983): while the target stays within it, the focus stands still. The
@@ -128,7 +128,7 @@ def _seen(target: DoubleArray, zone: DoubleArray) -> DoubleArray:
 
 
 def _follow(t: DoubleArray, target: DoubleArray, lag_s: DoubleArray) -> DoubleArray:
-    """Two delays of first order in a row, solved exactly for a target that runs straight from one time to the next."""
+    """Two first-order delays in a row, solved exactly for a target that is linear between times."""
     first = second = float(target[0])
     hand = [second]
     steps = zip(np.diff(t).tolist(), target[:-1].tolist(), target[1:].tolist(), lag_s[1:].tolist(), strict=True)

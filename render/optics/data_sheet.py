@@ -1,7 +1,7 @@
 """Rays of a lens described by its data sheet: measured errors as the aberration of light through a point of the pupil.
 
 Kyaw (2013, section 7.2) gives a lens's errors as tables over the distance from the axis and draws them on the finished picture.
-Here each becomes the error of rays, so that it grows and shrinks with the iris and is right out of focus too. With ρ = (x, y) a
+Here each becomes an error of rays, so that it scales with the iris and is correct out of focus too. With ρ = (x, y) a
 point of the pupil over its radius at the sheet's f-number, x along the radius of the picture and y across it, light lands off by
 
     curvature    z/(2N)·(x, y)                      z before the film (Welford 1986, chapter 7)
@@ -9,14 +9,14 @@ point of the pupil over its radius at the sheet's f-number, x along the radius o
     spherical    S·(ρ² − 2/3)·(x, y)
     blur         (1 − ρ²)·(1 − 2ρ²)·(B_t·x, B_s·y)
 
-The last is what is left of the measured blur: spherical aberration of higher orders that leaves a disc out of focus as large as
+The last is the remainder of the measured blur: spherical aberration of higher orders that leaves a disc out of focus as large as
 it is, round, and its inner half as bright as its outer one. It and spherical aberration are balanced: they spread light in focus
-but do not move the focus. S and B are such that light lands with the spread that was measured, over the open part of the pupil.
+but do not move the focus. S and B give light the measured spread over the open part of the pupil.
 As the iris closes both shrink with the third power of the pupil (Kyaw 2013, eq. 6.3) and stay balanced, as if each stop were
 focused for itself; coma shrinks with the second power and curvature's blur with the first.
 
-A sheet's light is split into what falls off by itself, at most as cos⁴, and what rims take. The rims are two circles as large as
-the pupil, moved apart along the radius: what is open is a cat's eye, and grows round again as the iris closes.
+A sheet's light is split into natural falloff, at most cos⁴, and the part that rims block. The rims are two circles as large as
+the pupil, moved apart along the radius: the opening is a cat's eye, and becomes round again as the iris closes.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ _NO_SCALES = AberrationScales()
 
 @dataclass(frozen=True, eq=False)
 class SheetErrors:
-    """A data sheet's lens at a focal length and f-number, at heights ``(h,)`` in the picture; lengths are mm on the film.
+    """Errors of a data sheet's lens at a focal length and f-number, at heights ``(h,)`` in the picture; lengths are mm
+    on the film.
 
     Attributes:
         heights_mm: ``(h,)``.
@@ -103,13 +104,13 @@ class SheetErrors:
 
     @property
     def open_share(self) -> DoubleArray:
-        """``(h,)`` share of the pupil that no rim blocks."""
+        """Share ``(h,)`` of the pupil that no rim blocks."""
         _, weights = open_pupil(self.edge, self.rim_offset, self.rim_radius)
         return np.asarray(weights.sum(axis=1) / (np.pi * self.edge**2))
 
     @property
     def light(self) -> DoubleArray:
-        """``(h,)`` illumination of the film over that on the axis."""
+        """Illumination ``(h,)`` of the film relative to the axis."""
         return self.natural * self.open_share
 
     def spread_mm(self, wavelength_nm: float | None = None, *, coma: bool = True) -> DoubleArray:
@@ -174,7 +175,7 @@ def sheet_errors(
 def seen_slopes(
     sheet: DataSheet, heights_mm: DoubleArray, focal_length_mm: float, distortion: float = 1.0
 ) -> DoubleArray:
-    """``(h,)`` slope in object space of the chief rays to heights in the picture.
+    """Slopes ``(h,)`` in object space of the chief rays to heights in the picture.
 
     Args:
         sheet: the tables.
@@ -194,7 +195,7 @@ def _stretch(sheet: DataSheet, heights_mm: DoubleArray, focal_length_mm: float, 
 
 
 def at_heights(sheet: DataSheet, name: str, heights_mm: DoubleArray) -> DoubleArray:
-    """``(h,)`` one of the sheet's tables at heights in the picture: through its entries, and between two never beyond them.
+    """Interpolate one of the sheet's tables at heights ``(h,)``: through its entries, and monotone between two of them.
 
     Piecewise cubic with the slopes of Fritsch & Butland (1984), level on the axis but for what changes its sign there. Beyond the
     last height it stays. A table that is empty is 0, but light is 1.
@@ -259,7 +260,9 @@ def _light(sheet: DataSheet, heights_mm: DoubleArray, seen: DoubleArray) -> tupl
 def _rest_of_blur(
     sheet: DataSheet, heights_mm: DoubleArray, rim: DoubleArray, defocus: DoubleArray, coma: DoubleArray
 ) -> tuple[DoubleArray, DoubleArray]:
-    """``(h,)`` S and ``(h, 2)`` B that make the measured blur, beside curvature and coma; where these say more, they stand."""
+    """Coefficients S ``(h,)`` and B ``(h, 2)`` that give the measured blur beside curvature and coma, which are kept
+    where larger.
+    """
     points, weights = open_pupil(1.0, rim, 1.0)
     squared = (points**2).sum(-1, keepdims=True)
     known = defocus[:, None, None] * points + _coma(coma, points)
@@ -288,14 +291,14 @@ def _variance(values: DoubleArray, weights: DoubleArray) -> DoubleArray:
 
 
 def _covariance(a: DoubleArray, b: DoubleArray, weights: DoubleArray) -> DoubleArray:
-    """``(h, 2)`` of values ``(h, n, 2)``, component by component."""
+    """Covariances ``(h, 2)`` of values ``(h, n, 2)``, component by component."""
     share = (weights / weights.sum(axis=1, keepdims=True))[..., None]
     mean_a, mean_b = (np.sum(share * value, axis=1, keepdims=True) for value in (a, b))
     return np.asarray(np.sum(share * (a - mean_a) * (b - mean_b), axis=1))
 
 
 def _slopes(steps: DoubleArray, secants: DoubleArray, *, level: bool) -> DoubleArray:
-    """``(n + 1,)`` at uneven nodes with ``(n,)`` steps between them."""
+    """Slopes ``(n + 1,)`` at uneven nodes with ``(n,)`` steps between them."""
     before, after = secants[:-1], secants[1:]
     agree = before * after > 0
     near, far = 2 * steps[1:] + steps[:-1], steps[1:] + 2 * steps[:-1]

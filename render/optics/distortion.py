@@ -1,7 +1,7 @@
 """Distortion along chief rays: the slope seen at a place of the picture, and the place where a point of the world appears.
 
-Places are slopes of the ideal lens, ``(x - cx) / fx``; a lens with distortion shows there what stands at another slope. Both grow
-together, so either follows from the other.
+Places are slopes of the ideal lens, ``(x - cx) / fx``; a lens with distortion shows another slope there. Both grow together, so
+either follows from the other.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _BISECTIONS = 50
 
 @dataclass(frozen=True, eq=False)
 class ChiefRays:
-    """A lens's chief rays, in the plane of focus.
+    """Chief rays of a lens, in the plane of focus.
 
     Attributes:
         ideal: ``(n,)`` slopes from 0 that the picture's places stand for, growing.
@@ -45,7 +45,7 @@ class ChiefRays:
         return np.asarray(slopes * self._stretch(np.linalg.norm(slopes, axis=-1)))
 
     def shown_at(self, slopes: DoubleArray) -> DoubleArray:
-        """Where things at the slopes ``(..., 2)`` in object space are shown."""
+        """Picture slopes at which objects at the slopes ``(..., 2)`` in object space appear."""
         low = np.zeros(np.shape(slopes)[:-1])
         # where the distortion stays, the height follows at once; else it lies before the last chief ray
         high = np.linalg.norm(slopes / self._stretch(low + self.ideal[-1]), axis=-1)

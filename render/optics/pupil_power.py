@@ -43,7 +43,7 @@ def drawn_defocus(lens: Lens, focal_length_mm: float, radius: DoubleArray) -> Do
 
 
 def relative_power(powers: tuple[float, ...], radius: DoubleArray) -> DoubleArray:
-    """Power over the pupil relative to its centre's: through the given ones, smooth, and between two never beyond them.
+    """Power over the pupil relative to its centre's: smooth through the given values, and monotone between two of them.
 
     Piecewise cubic with the slopes of Fritsch & Butland (1984). It is even: at the centre it is level.
 
@@ -64,7 +64,7 @@ def relative_power(powers: tuple[float, ...], radius: DoubleArray) -> DoubleArra
 
 
 def _level_slopes(steps: DoubleArray) -> DoubleArray:
-    """``(n + 1,)`` slopes at even nodes with ``(n,)`` steps between them; level at the first and at every extreme."""
+    """Slopes ``(n + 1,)`` at even nodes with ``(n,)`` steps between them; 0 at the first and at every extreme."""
     before, after = steps[:-1], steps[1:]
     agree = before * after > 0
     total = np.where(agree, before + after, 1.0)

@@ -241,7 +241,7 @@ def _open_region(rays: NodeRays, nodes: DoubleArray) -> Region:
 def _rays(
     lens: FocusedLens, heights: DoubleArray, regions: list[Region], nodes: DoubleArray, w: float, wavelength_nm: float
 ) -> list[NodeRays]:
-    """By field height; all of the same weight."""
+    """Rays by field height, all of equal weight."""
     upright = np.sign(lens.first.entrance_pupil_magnification)
     film = np.repeat(np.stack([-heights * lens.image_scale_mm, 0 * heights], axis=1), len(nodes), axis=0)
     on_stop = np.concatenate([region.on_stop(nodes) for region in regions])

@@ -1,9 +1,9 @@
-"""Where the ghosts of bright sources lie in the picture and how bright they are, as grids of rays.
+"""Ghosts of bright sources: their positions in the picture and their brightness, as grids of rays.
 
-For each source and each path a grid of rays covers what of the front lens matters, and lands on the film as a sheet, folded where
-the light has a caustic. Between its rays everything is joined linearly (Hullin et al. 2011, section 3.2): where the light lies,
-where it crossed the iris, how near it came to a rim. A corner's light is that of the triangles around it over their area, so that
-the whole sheet holds exactly the light that entered it.
+For each source and path a grid of rays covers the part of the front lens that contributes, and lands on the film as a sheet, which
+is folded where the light has a caustic. Positions on the film, crossings of the iris and distances from rims are interpolated
+linearly between the rays (Hullin et al. 2011, section 3.2). A corner's light is that of the triangles around it over their area,
+so that the whole sheet holds exactly the light that entered it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ CROSSINGS = 3
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """Something bright, seen from the centre of the entrance pupil.
+    """Bright source, seen from the centre of the entrance pupil.
 
     Attributes:
         slope: right and up over depth.
@@ -49,7 +49,7 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class GhostSheets:
-    """Sheets of one path: one for each source and wavelength that matters.
+    """Sheets of one path: one for each source and wavelength that contributes.
 
     Attributes:
         slopes: ``(m, rows, columns, 2)`` right and up, where the light lies in the picture of the ideal lens.
@@ -70,7 +70,7 @@ class GhostSheets:
 def ghost_sheets(
     lens: FocusedLens, sources: Sequence[Source], light: Spectrum, iris_share: float = 1.0, *, faintest: float = 0.0
 ) -> Iterator[GhostSheets]:
-    """The ghosts of sources, path by path.
+    """Compute the ghosts of sources, path by path.
 
     Args:
         lens: as focused.
@@ -117,7 +117,7 @@ def _boxes(
 def _mean_radiance(
     lens: FocusedLens, rays: GhostRays, may_pass: NDArray[np.bool_], grids: DoubleArray, iris_share: float
 ) -> DoubleArray:
-    """``(m,)`` of an irradiance of 1, by a coarse sheet; infinite where no mesh of it arrives whole."""
+    """Mean radiance ``(m,)`` for an irradiance of 1, from a coarse sheet; infinite where no whole mesh arrives."""
     shape = grids.shape[:3]
     counted = _corners(rays.arrives.reshape(shape)).all(axis=0) & may_pass
     area = np.where(counted, mesh_areas((rays.film_mm / lens.image_scale_mm).reshape(*shape, 2)), 0.0).sum(axis=(1, 2))
@@ -127,7 +127,7 @@ def _mean_radiance(
 
 
 def _may_pass(rays: GhostRays, shape: tuple[int, int, int]) -> NDArray[np.bool_]:
-    """``(m, rows - 1, columns - 1)`` meshes that iris and rims may let something through of."""
+    """Meshes ``(m, rows - 1, columns - 1)`` that iris and rims may pass light of."""
     arrives = rays.arrives.reshape(shape)
     rim = np.where(rays.arrives, rays.rim, np.inf).reshape(shape)
     passes = _corners(rim).min(axis=0) < _REACH
@@ -171,7 +171,7 @@ def _sheets(
 
 
 def _grid(box: _Box, shape: tuple[int, int]) -> DoubleArray:
-    """``(rows, columns, 2)`` points of the front plane, mm; x is toward the source and y across, from 0."""
+    """Points ``(rows, columns, 2)`` of the front plane, mm; x is toward the source and y across, from 0."""
     x, y = np.linspace(box[0], box[1], shape[0]), np.linspace(0.0, box[2], shape[1])
     return np.stack(np.meshgrid(x, y), axis=-1)
 
@@ -219,12 +219,12 @@ def _trace(
 
 
 def _mirror(half: NDArray[Any]) -> NDArray[Any]:
-    """The whole sheet of a value that is the same on both sides of the source's plane."""
+    """Mirror half a sheet of a value that is equal on both sides of the source's plane."""
     return np.concatenate([half[:, :0:-1], half], axis=1)
 
 
 def _whole_sheet(half: DoubleArray) -> DoubleArray:
-    """The whole sheet of places, whose last axis is toward the source and across."""
+    """Mirror half a sheet of points, whose last axis is toward the source and across."""
     return np.concatenate([half[:, :0:-1] * [1.0, -1.0], half], axis=1)
 
 
@@ -236,18 +236,20 @@ def _rotate(places: DoubleArray, turns_rad: DoubleArray) -> DoubleArray:
 
 
 def _corners(values: NDArray[Any]) -> NDArray[Any]:
-    """``(4, m, rows - 1, columns - 1)`` a mesh's corners: at it, beside, above, across."""
+    """Corners ``(4, m, rows - 1, columns - 1)`` of the meshes: at it, beside, above, across."""
     return np.stack([values[:, :-1, :-1], values[:, :-1, 1:], values[:, 1:, :-1], values[:, 1:, 1:]])
 
 
 def _triangles(places: DoubleArray) -> DoubleArray:
-    """``(2, m, rows - 1, columns - 1)`` signed areas of a mesh's triangles: of its first three corners, and of its last three."""
+    """Signed areas ``(2, m, rows - 1, columns - 1)`` of a mesh's triangles: of its first three corners, and of its last
+    three.
+    """
     at, beside, above, across = _corners(places)
     return np.stack([_area(at, beside, above), _area(beside, across, above)])
 
 
 def mesh_areas(places: DoubleArray) -> DoubleArray:
-    """``(m, rows - 1, columns - 1)`` area that each mesh of a sheet ``(m, rows, columns, 2)`` covers."""
+    """Areas ``(m, rows - 1, columns - 1)`` that the meshes of a sheet ``(m, rows, columns, 2)`` cover."""
     return np.asarray(np.abs(_triangles(places)).sum(axis=0))
 
 
@@ -257,7 +259,7 @@ def _area(a: DoubleArray, b: DoubleArray, c: DoubleArray) -> DoubleArray:
 
 
 def _over_area(places: DoubleArray, whole: NDArray[np.bool_], entered: DoubleArray) -> DoubleArray:
-    """``(m, rows, columns)`` light of the triangles around each corner over their area; ``entered`` is what enters a mesh."""
+    """Light ``(m, rows, columns)`` of the triangles around each corner over their area; ``entered`` is the light into a mesh."""
     light, area = np.zeros(places.shape[:3]), np.zeros(places.shape[:3])
     first, second = np.where(whole, np.abs(_triangles(places)), 0.0)
     half = np.where(whole, entered[:, None, None] / 2, 0.0)

@@ -2,8 +2,8 @@
 Lens Flare Rendering", section 3).
 
 Light that one surface sends back toward the scene, and another in front of it forward again, arrives on the film as an image of
-the iris, out of focus. Light is counted over what the lens passes to the image itself: losses of the surfaces that both ways
-share do not show, as they do not in the picture.
+the iris, out of focus. Light is relative to that of the image itself: losses at the surfaces that both paths
+share are left out, as in the picture.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SAME_INDEX = 1e-9
 
 
 class GhostPath(NamedTuple):
-    """Two surfaces that reflect, by their indices.
+    """Path of a ghost: the indices of the two reflecting surfaces.
 
     Attributes:
         rear: the first that light meets of the two ways back: it sends the light back toward the scene.
@@ -39,7 +39,7 @@ class GhostPath(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class GhostRays:
-    """Rays that came through a lens with two reflections.
+    """Rays through a lens with two reflections.
 
     Attributes:
         film_mm: ``(n, 2)`` landing points on the film.
@@ -62,7 +62,7 @@ class _Step(NamedTuple):
 
 
 def ghost_paths(prescription: Prescription) -> tuple[GhostPath, ...]:
-    """Every pair of surfaces that reflect: those at which the refractive index changes."""
+    """Pairs of reflecting surfaces: those at which the refractive index changes."""
     mirrors = [i for i in range(len(prescription.surfaces)) if _reflects(prescription, i)]
     return tuple(GhostPath(rear, front) for rear in mirrors for front in mirrors if front < rear)
 
@@ -110,7 +110,7 @@ def trace_ghost(
 
 
 def _steps(prescription: Prescription, path: GhostPath) -> list[_Step]:
-    """The surfaces as a ghost's light meets them."""
+    """Surfaces in the order in which a ghost's light meets them."""
     before = [_Step(i, "in") for i in range(path.rear)]
     back = [_Step(i, "back") for i in range(path.rear - 1, path.front, -1)]
     behind = [_Step(i, "out") for i in range(path.front + 1, len(prescription.surfaces))]
@@ -126,7 +126,7 @@ def _met(
     wavelength_nm: float | DoubleArray,
     colours_nm: DoubleArray,
 ) -> tuple[DoubleArray, DoubleArray]:
-    """Rays behind a surface or off it: their directions, and the share of light that they keep, by colour or for all alike."""
+    """Rays refracted or reflected at a surface: their directions, and their share of light, by colour or for all."""
     surface = prescription.surfaces[step.surface]
     front, behind = _indices(prescription, step.surface, wavelength_nm)
     before, after = (front, behind) if step.way in ("in", "off rear", "out") else (behind, front)

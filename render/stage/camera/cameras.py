@@ -1,4 +1,4 @@
-"""Cameras of a stage as the renderer has them: metres, millimetres, Y-up."""
+"""Cameras of a stage in the renderer's units: metres, millimetres, Y-up."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NEAREST_M = 1e-4
 
 @dataclass(frozen=True)
 class CameraChoice:
-    """Which camera to look through.
+    """Choice of the camera, with its reason.
 
     Attributes:
         path: of a camera on the stage, or None where there is none to prefer.
@@ -79,7 +79,7 @@ def default_camera(stage: Usd.Stage, *, time: float | None = None, aspect: float
 def read_camera(
     stage: Usd.Stage, path: str, time: float, *, aspect: float | None = None, conform: str | None = None
 ) -> Camera:
-    """The camera at a prim path, at a time.
+    """Read the camera at a prim path and time.
 
     Args:
         stage: the stage.
@@ -112,7 +112,7 @@ def _read(usd: UsdGeom.Camera, stage: Usd.Stage, code: Usd.TimeCode) -> Camera:
 
 
 def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandAperture") -> Camera:
-    """A camera whose film gate has the picture's shape, by one of UsdRenderSettings' policies.
+    """Conform a camera's film gate to the picture's shape, by one of UsdRenderSettings' policies.
 
     ``expandAperture`` shows more than the gate, ``cropAperture`` less; the width or the height alone may be adjusted; with
     ``adjustPixelAspectRatio`` the gate stays and pixels are not square.
@@ -140,7 +140,7 @@ def conform_camera(camera: Camera, aspect: float | None, conform: str = "expandA
 
 
 def framing_camera(stage: Usd.Stage, time: float) -> Camera:
-    """A camera that has the whole stage in view, placed as usdrecord (UsdAppUtils' frame recorder) places it.
+    """Camera with the whole stage in view, placed as by usdrecord (UsdAppUtils' frame recorder).
 
     Raises:
         StageError: there is nothing to frame; code ``empty_stage``.
@@ -208,7 +208,7 @@ def _gate(usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
 
 
 def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
-    """The nearest and the farthest depth, in stage units."""
+    """Near and far clipping distance, in stage units."""
     value = usd.GetClippingRangeAttr().Get(time)
     if not isinstance(value, Gf.Vec2f | Gf.Vec2d | Gf.Vec2h | Gf.Vec2i):
         path = str(usd.GetPath())
@@ -217,7 +217,7 @@ def _clipping(usd: UsdGeom.Camera, time: Usd.TimeCode) -> tuple[float, float]:
 
 
 def _add_lens(camera: Camera, usd: UsdGeom.Camera, stage: Usd.Stage, time: Usd.TimeCode) -> Camera:
-    """The camera with its focus, iris, shutter and exposure, its lens moved up and aside against the film."""
+    """Add focus, iris, shutter and exposure to a camera, with its lens shifted against the film."""
     lens = LensCamera(usd.GetPrim())
     focus = camera_number(usd.GetFocusDistanceAttr(), time)
     at = time.GetValue()
@@ -255,7 +255,7 @@ def _shutter(shutter: ShutterData, stage: Usd.Stage, path: str) -> Shutter:
 
 
 def _check(camera: Camera) -> None:
-    """Raise CameraError for numbers that no camera can have."""
+    """Raise CameraError for invalid numbers of a camera."""
     lengths = {
         "focalLength": camera.focal_length_mm,
         "horizontalAperture": camera.horizontal_aperture_mm,

@@ -1,6 +1,4 @@
-"""The lens and the iris that a camera's schemas say, as the renderer has them. The way back is
-`render.stage.camera.lens_data`.
-"""
+"""Lens and iris of a camera, from its schemas. The inverse is in `render.stage.camera.lens_data`."""
 
 from __future__ import annotations
 
@@ -40,7 +38,7 @@ _SQUEEZES = 0.1, 10.0  # the schema's range; real lenses squeeze by 1.25 to 2
 
 
 def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> Lens:
-    """The lens in front of the film.
+    """Make the lens of a camera.
 
     Args:
         data: LensAPI's values.
@@ -93,7 +91,7 @@ def make_lens(data: LensData, camera: str, confined_to: Path | None = None) -> L
 
 
 def make_iris(data: ApertureData, camera: str, confined_to: Path | None = None) -> IrisShape:
-    """The opening of the iris; the same numbers and files give the same object.
+    """Make the iris of a camera; the same numbers and files give the same object.
 
     Args:
         data: ApertureAPI's values.
@@ -165,7 +163,7 @@ _COLUMNS = ("radius", "thickness", "abbe", "clear_diameter", "conic", "coating_w
 
 
 def _column(rows: PrescriptionData, field: str, count: int, camera: str) -> Sequence[Any]:
-    """One value for each surface; an array that is left out has none to say."""
+    """Column with one value for each surface, or none where the array is missing."""
     values: Sequence[Any] = getattr(rows, field)
     if values and len(values) != count:
         name = rows.__dataclass_fields__[field].metadata["usd"]
@@ -183,7 +181,7 @@ def _glass(columns: dict[str, Sequence[Any]], i: int) -> Glass:
 
 
 def _terms(values: list[float]) -> tuple[float, ...]:
-    """Without zeros behind the last term."""
+    """Terms without trailing zeros."""
     while values and values[-1] == 0:
         values.pop()
     return tuple(values)
@@ -273,7 +271,7 @@ def _plane(asset: Asset, name: str, camera: str, confined_to: Path | None) -> Do
 
 
 def _numbers(data: Any) -> Iterator[tuple[str, float]]:
-    """Each number of a schema and of its groups, with its property's name."""
+    """Numbers of a schema and of its groups, with their property's names."""
     for item in fields(data):
         value = getattr(data, item.name)
         if "group" in item.metadata:

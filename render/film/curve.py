@@ -82,12 +82,12 @@ class Curve:
 
     @property
     def base(self) -> float:
-        """The least density: of the base and its fog, or of a reversal stock's clear film."""
+        """Least density: of the base and its fog, or of a reversal stock's clear film."""
         return min(self.knots[0][1], self.knots[-1][1])
 
     @property
     def greatest(self) -> float:
-        """The greatest density."""
+        """Greatest density."""
         return max(self.knots[0][1], self.knots[-1][1])
 
     def density(self, log_exposure: ArrayLike) -> DoubleArray:
@@ -112,7 +112,7 @@ class Curve:
         return cubic
 
     def densities(self, log_exposure: FloatArray) -> FloatArray:
-        """Density of a whole picture, looked up: as `density`, to single precision.
+        """Density of a whole picture by table look-up, in single precision.
 
         Args:
             log_exposure: log10 exposure, any shape; infinities are the ends.
@@ -151,7 +151,7 @@ class Curve:
 
     @cached_property
     def table(self) -> tuple[DoubleArray, DoubleArray]:
-        """Log10 exposure at even steps, ``(n,)``, and density there: what pictures are looked up in."""
+        """Log10 exposure at even steps, ``(n,)``, and density there, for look-ups of pictures."""
         x = np.linspace(self._exposures[0], self._exposures[-1], _TABLE_STEPS)
         return x, self.density(x)
 
@@ -176,7 +176,8 @@ class Curve:
 def parametric_knots(
     least: float, greatest: float, gamma: float, toe: float, shoulder: float, aim: float, name: str = "the curve"
 ) -> Knots:
-    """A curve of toe, straight line and shoulder: each bend a parabola that joins level film and line without a kink.
+    """Knots of a curve of toe, straight line and shoulder: each bend a parabola that joins level film and line without
+    a kink.
 
     The line passes ``aim`` above the least density at log exposure 0. The toe is the bend at the least density, the
     shoulder that at the greatest, so on a reversal stock the toe is at great exposure.

@@ -62,7 +62,7 @@ def develop_on_film(
 
 
 def balance_sensor(film: FilmSettings) -> SensorSettings:
-    """A film's sensor as it sees balanced light: a channel that is turned up had less light to count.
+    """Sensor settings for balanced light: a channel with a higher gain has had less light.
 
     Args:
         film: digital.
@@ -115,7 +115,7 @@ def densities(exposed: FloatArray, film: FilmSettings, *, gate_mm: tuple[float, 
 def apply_grain(
     density: FloatArray, film: FilmSettings, *, frame: int, gate_mm: tuple[float, float], seed: int = 0
 ) -> FloatArray:
-    """Density of the camera stock with its grain.
+    """Add grain to the camera stock's density.
 
     Args:
         density: as `densities` gives it.

@@ -52,7 +52,7 @@ class Split:
 
     @property
     def holds(self) -> BoolArray:
-        """``(n,)`` whether every point keeps to its circle."""
+        """Mask ``(n,)`` of frames in which every point keeps to its circle."""
         return np.asarray(self.excess <= _HELD)
 
 

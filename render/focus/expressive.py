@@ -224,7 +224,7 @@ def soft_sides(w: DoubleArray, base_w: DoubleArray, off: DoubleArray) -> DoubleA
 
 
 def _overlap_shares(points: SurfacePoints, fades: DoubleArray, frame_width: float) -> DoubleArray:
-    """``(k,)`` what soft points keep of their influence beside sharp ones, as where one distance is solved for."""
+    """Shares ``(k,)`` of their influence that soft points keep beside sharp ones, as in solving for one distance."""
     reaches = np.full((1, len(fades)), OVERLAP_FRAME_WIDTHS * frame_width)
     strengths = (points.weights * fades)[None]
     sharp = (strengths > 0) & ~points.soft
@@ -232,7 +232,7 @@ def _overlap_shares(points: SurfacePoints, fades: DoubleArray, frame_width: floa
 
 
 def _fading_falloffs(falloffs: DoubleArray, fades: DoubleArray, half_faded: float) -> DoubleArray:
-    """``(k,)`` falloffs of points that fade, from near 0 to their own; those of 0 reach ``half_faded`` for a fade of a half."""
+    """Falloffs ``(k,)`` of fading points, from near 0 to their own; those of 0 reach ``half_faded`` at a fade of a half."""
     everywhere = np.divide(fades * half_faded, 1 - fades, out=np.zeros_like(fades), where=fades < 1)
     return np.where(falloffs > 0, falloffs * fades, everywhere)
 

@@ -70,7 +70,7 @@ class PlaneFits:
 
 
 def fit_planes(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike = 1.0) -> PlaneFits:
-    """The planes that leave the points the least blur: weighted least squares in w, of least tilt where that leaves a choice.
+    """Fit the planes of least blur: weighted least squares in w, with the least tilt where several fit equally.
 
     Args:
         slopes: ``(n, k, 2)`` places of k points in n frames; positions of weight 0 are ignored.
@@ -96,7 +96,7 @@ def fit_planes(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike = 1.0) -> Pla
 
 
 def plane_through(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike = 1.0) -> PlaneFit:
-    """The plane of focus through points at one time (`fit_planes`).
+    """Fit the plane of focus through points at one time (`fit_planes`).
 
     Args:
         slopes: ``(k, 2)``.
@@ -213,7 +213,7 @@ def limit_plane(
 def _least_blur(
     along: DoubleArray, w: DoubleArray, weights: DoubleArray, steepest: DoubleArray
 ) -> tuple[DoubleArray, DoubleArray]:
-    """w0 ≥ 0 and a tilt from 0 to the steepest that minimise ``Σ a (w0 + tilt·along − w)²``: ``(n,)`` each.
+    """Minimise ``Σ a (w0 + tilt·along − w)²`` over w0 ≥ 0 and a tilt from 0 to the steepest: ``(n,)`` each.
 
     The sum is convex, so its least lies inside, or is the least of its least places on the four edges.
     """
@@ -234,7 +234,7 @@ def _least_blur(
 
 
 def _points(slopes: ArrayLike, w: ArrayLike, weights: ArrayLike) -> tuple[DoubleArray, DoubleArray, DoubleArray]:
-    """Places, w and weights with nothing in them that does not count."""
+    """Positions, w and weights of the points that count."""
     s, w = np.asarray(slopes, np.float64), np.asarray(w, np.float64)
     weights = np.broadcast_to(np.asarray(weights, np.float64), w.shape)
     if not (np.isfinite(weights).all() and (weights >= 0).all()):
@@ -256,7 +256,7 @@ def column_of(values: ArrayLike, frames: int) -> DoubleArray:
 
 
 def as_row(plane: FocalPlane) -> DoubleArray:
-    """``(1, 3)`` planes over one frame."""
+    """Planes ``(1, 3)`` over one frame."""
     return np.array([[plane.w0, plane.slope_x, plane.slope_y]])
 
 

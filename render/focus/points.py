@@ -24,7 +24,7 @@ LEAST_EXTENT = 1e-3
 
 @dataclass(frozen=True)
 class FocusTarget:
-    """One focus point as the lens sees it at one time.
+    """Focus point at one time, as seen by the lens.
 
     Attributes:
         name: the focus point's name.
@@ -141,7 +141,7 @@ class FocusTargets:
         frame_widths: ArrayLike = 1.0,
         field_shifts_w: ArrayLike = 0.0,
     ) -> FocusTargets:
-        """Points over time from whatever broadcasts to frames by points.
+        """Make points over time from columns that broadcast to frames by points.
 
         Args:
             names: k names.
@@ -190,7 +190,7 @@ class FocusTargets:
 
     @classmethod
     def at_one_time(cls, points: Sequence[FocusTarget], frame_width: float = 1.0) -> FocusTargets:
-        """One frame of points.
+        """Make one frame of points.
 
         Args:
             points: the points.
@@ -222,12 +222,12 @@ class FocusTargets:
 
     @property
     def is_soft(self) -> BoolArray:
-        """``(k,)`` which points must be soft."""
+        """Mask ``(k,)`` of the points that must be soft."""
         return np.array([kind == "soft" for kind in self.kinds], np.bool_)
 
     @property
     def is_blurred(self) -> BoolArray:
-        """``(n, k)`` which must be soft by a circle of confusion."""
+        """Mask ``(n, k)`` of the points that must be soft by a circle of confusion."""
         return self.is_soft & (self.blurs_mm > 0)
 
     @property
@@ -245,7 +245,7 @@ class FocusTargets:
         return np.where(ahead, 1 / np.where(ahead, aims, 1.0) - self.field_shifts_w, 0.0)
 
     def axis_w(self, tilts: ArrayLike = 0.0) -> DoubleArray:
-        """``(n, k)`` inverse depth at which a lens must be focused on the view axis to have its focus where each point would.
+        """Inverse depths ``(n, k)`` on the view axis at which the lens's focus meets each point's request.
 
         Of an upright lens that is `aims_w`; of a tilted one it is more or less by what its plane of focus rises from the axis to
         the point; where it is below 0, the plane meets the axis behind the camera.

@@ -44,7 +44,7 @@ def fill_iris(square: DoubleArray, iris: IrisShape) -> DoubleArray:
 
 
 def transmission(iris: IrisShape, side: int = 256) -> DoubleArray:
-    """The iris as an image ``(side, side)`` over the square around the unit circle, row 0 at the top: 0 blocks, 1 passes."""
+    """Image ``(side, side)`` of the iris over the square around the unit circle, row 0 at the top: 0 blocks, 1 passes."""
     sub = 4
     line = (np.arange(side * sub) + 0.5) / (side * sub) * 2 - 1
     x, y = np.meshgrid(line, -line)
@@ -93,7 +93,7 @@ def _clip_to_blades(radius: DoubleArray, angle: DoubleArray, iris: IrisShape) ->
 
 
 def _fill_image(square: DoubleArray, light: DoubleArray) -> DoubleArray:
-    """Invert the image's distribution: the second coordinate picks the row, the first the place in it."""
+    """Invert the image's distribution: the second coordinate selects the row, the first the position in it."""
     if not np.isfinite(light).all() or (light < 0).any() or light.max(initial=0.0) <= 0:
         raise SettingsError(
             "an iris mask must hold numbers of 0 or more, and let light through somewhere within the iris"

@@ -48,7 +48,7 @@ class LensSamples:
 
 
 def lens_samples(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = True) -> LensSamples:
-    """The patterns of ``rays`` rays.
+    """Make the patterns of ``rays`` rays.
 
     Args:
         rays: 1 to `MAX_RAYS`. A single ray passes the centre of pupil and pixel.
@@ -75,7 +75,7 @@ def lens_samples(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = Tru
 
 
 def base_points(rays: int, seed: int) -> DoubleArray:
-    """``(rays, 4)`` in the unit hypercube before a pattern shifts them: squared radius, turn, sensor x and y."""
+    """Points ``(rays, 4)`` in the unit hypercube before a pattern shifts them: squared radius, turn, sensor x and y."""
     index = np.arange(rays, dtype=np.int32)
     halton = np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], -1)
     start = np.mod(0.5 + seed * _R4[::-1], 1.0)
@@ -83,7 +83,7 @@ def base_points(rays: int, seed: int) -> DoubleArray:
 
 
 def pattern_shifts(patterns: int) -> DoubleArray:
-    """``(patterns, 4)`` shift of each pattern in the unit hypercube; the turn grows evenly, so that blue noise stays blue."""
+    """Shifts ``(patterns, 4)`` of the patterns in the unit hypercube; the turn grows evenly, so that blue noise stays blue."""
     index = np.arange(patterns)[:, None]
     shifts = np.mod(index * _R4, 1.0)
     shifts[:, _TURN] = index[:, 0] / PATTERNS
@@ -91,12 +91,12 @@ def pattern_shifts(patterns: int) -> DoubleArray:
 
 
 def pattern_mask() -> IntArray:
-    """``(64, 64)`` int32: which pattern a pixel has, at ``[y % 64, x % 64]``."""
+    """Pattern index ``(64, 64)`` int32 of a pixel, at ``[y % 64, x % 64]``."""
     return np.asarray(blue_noise_ranks() * PATTERNS // SIDE**2, np.int32)
 
 
 def _radical_inverse(index: IntArray, base: int) -> DoubleArray:
-    """The digits of ``index`` mirrored at the point: ``(n,)`` in [0, 1)."""
+    """Radical inverse ``(n,)`` in [0, 1): the digits of ``index`` mirrored at the point."""
     left, inverse, place = np.array(index), np.zeros(len(index)), 1.0
     while left.any():
         place /= base

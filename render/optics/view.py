@@ -88,7 +88,7 @@ class PinholeView:
         return self.width, self.height
 
     def resize(self, width: int, height: int) -> PinholeView:
-        """The same picture in other pixels."""
+        """The same view at another resolution."""
         x, y = width / self.width, height / self.height
         return replace(self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y)
 
@@ -133,7 +133,7 @@ class PinholeView:
     def through(
         self, x_m: float, y_m: float, plane: FocalPlane, jitter_px: tuple[float, float] = (0, 0)
     ) -> PinholeView:
-        """The view through another point of the pupil that keeps a plane of focus in place.
+        """View through another point of the pupil that keeps a plane of focus in place.
 
         It is the shear of Haeberli & Akeley 1990 (section 5): what stands in the plane lands where the central view has it. With
         ``e`` the point, ``s`` a slope from the centre and ``w_f = w0 + g·σ``, the picture shows at σ what lies at
@@ -153,12 +153,12 @@ class PinholeView:
         )
 
     def across(self, plane: FocalPlane) -> tuple[float, float, float]:
-        """w of a plane at the picture's top left corner, 1/m, and its change from pixel to pixel to the right and down."""
+        """Inverse depth of a plane at the picture's top left corner, 1/m, and its change per pixel right and down."""
         right, down = plane.slope_x / self.fx, -plane.slope_y / self.fy
         return plane.w0 - right * self.cx - down * self.cy, right, down
 
     def projection_matrix(self) -> DoubleArray:
-        """``(4, 4)`` clip from camera space, for OpenGL with a zero-to-one depth range.
+        """Projection matrix ``(4, 4)``, clip from camera space, for OpenGL with a zero-to-one depth range.
 
         Row 0 of the picture is the first row of the framebuffer (y points down), and the depth is affine in inverse
         depth: 1 at ``near_m`` and 0 at ``far_m``, so a float depth buffer keeps its relative precision to infinity.

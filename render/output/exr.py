@@ -49,7 +49,7 @@ _AOV_CHANNELS = {
 
 
 def encode_exr(color: FloatArray, aovs: Mapping[str, NDArray[Any]], metadata: FrameMetadata) -> bytes:
-    """A frame as the bytes of an EXR file (see the head of this module). Compression is lossless (zip).
+    """Encode a frame as an EXR file (see the head of this module). Compression is lossless (zip).
 
     Args:
         color: ``(height, width, 4)`` scene-linear radiance, not exposed, times coverage; coverage in alpha. NaN

@@ -78,7 +78,7 @@ class StageReader:
         return self._changes
 
     def read(self, time: float) -> Scene:
-        """The scene at a time.
+        """Read the scene at a time.
 
         Args:
             time: USD time code.

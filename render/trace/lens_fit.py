@@ -61,7 +61,7 @@ class Region:
     clipped: bool = False
 
     def on_stop(self, disc: DoubleArray) -> DoubleArray:
-        """``(n, 2)`` points of the stop for points of the unit disc."""
+        """Points ``(n, 2)`` of the stop for points of the unit disc."""
         return np.stack([self.centre + self.along * disc[:, 0], self.across * disc[:, 1]], axis=1)
 
     @property
@@ -95,7 +95,7 @@ class PupilFit:
     """Fits rows to rays at fixed nodes of the unit disc."""
 
     def __init__(self, nodes: DoubleArray, degrees: Degrees = FULL) -> None:
-        """``nodes``: ``(n, 2)`` on the half disc y >= 0; ``degrees`` of the polynomials."""
+        """Prepare the bases at ``nodes`` ``(n, 2)`` on the half disc y >= 0, with ``degrees`` of the polynomials."""
         self.nodes, self.degrees = nodes, degrees
         even, odd = even_basis, odd_basis
         self._parts = {
@@ -109,7 +109,7 @@ class PupilFit:
         self._parts[REAR_RIM] = self._parts[FRONT_RIM]
 
     def row(self, rays: NodeRays, region: Region) -> DoubleArray:
-        """``(ROW_LENGTH,)`` of a field height; dark where too few rays get through to say anything."""
+        """Fit the row ``(ROW_LENGTH,)`` of a field height; dark where too few rays pass for a fit."""
         row = np.zeros(ROW_LENGTH)
         if not self.is_lit(rays):
             return row
@@ -160,14 +160,14 @@ class PupilFit:
 
 
 def mean_light(rows: DoubleArray) -> DoubleArray:
-    """``(heights,)`` mean weight of each row's rays over its whole disc, blocked ones as 0."""
+    """Mean weight ``(heights,)`` of each row's rays over its whole disc, blocked ones as 0."""
     nodes = pupil_nodes(_LIGHT_NODES, rim=0)
     weight = rows[:, WEIGHT : WEIGHT + 4] @ even_basis(nodes, _WEIGHT_DEGREE).T
     return np.asarray(np.where(open_rays(rows, nodes), np.maximum(weight, 0.0), 0.0).mean(axis=1))
 
 
 def open_rays(rows: DoubleArray, nodes: DoubleArray) -> NDArray[np.bool_]:
-    """``(heights, n)`` whether rays of rows are blocked neither by a rim nor by the stop, at nodes ``(n, 2)`` of their discs."""
+    """Mask ``(heights, n)`` of rays that neither a rim nor the stop blocks, at nodes ``(n, 2)`` of their discs."""
     rims = even_basis(nodes, _RIM_DEGREE).T
     clearance = np.maximum(rows[:, FRONT_RIM:REAR_RIM] @ rims, rows[:, REAR_RIM:WEIGHT] @ rims)
     along = rows[:, REGION, None] + rows[:, REGION + 1, None] * nodes[:, 0]
@@ -176,7 +176,7 @@ def open_rays(rows: DoubleArray, nodes: DoubleArray) -> NDArray[np.bool_]:
 
 
 class _Part:
-    """One quantity's polynomial: its basis at the nodes, and where its coefficients stand in the row."""
+    """Polynomial of one quantity: its basis at the nodes, and the positions of its coefficients in the row."""
 
     def __init__(self, basis: DoubleArray, places: IntArray) -> None:
         self.basis, self.places = basis, places
@@ -196,7 +196,7 @@ def _term_positions(degree: int, full: int) -> IntArray:
 
 
 def even_basis(points: DoubleArray, degree: int) -> DoubleArray:
-    """``(n, terms)``: x⁰ to x^degree, then those times y² of a total degree no higher, then y⁴, ..."""
+    """Basis ``(n, terms)``: x⁰ to x^degree, then those times y² of a total degree no higher, then y⁴, ..."""
     x, y = points.T
     return np.stack([x**i * y**j for i, j in even_powers(degree)], axis=1)
 
@@ -207,12 +207,12 @@ def even_powers(degree: int) -> list[tuple[int, int]]:
 
 
 def odd_basis(points: DoubleArray, degree: int) -> DoubleArray:
-    """``(n, terms)``: y times the even terms of a degree less."""
+    """Basis ``(n, terms)``: y times the even terms of a degree less."""
     return np.asarray(points[:, 1:] * even_basis(points, degree - 1))
 
 
 def pupil_nodes(count: int = 112, rim: int = 24) -> DoubleArray:
-    """``(count + rim, 2)`` on the half disc y >= 0: a spiral that fills it evenly (Vogel 1979), and points on the rim."""
+    """Nodes ``(count + rim, 2)`` on the half disc y >= 0: an even spiral (Vogel 1979), and points on the rim."""
     index = np.arange(count) + 0.5
     radius, angle = np.sqrt(index / count), np.mod(index * np.pi * (3 - np.sqrt(5)), np.pi)
     radius, angle = np.append(radius, np.ones(rim)), np.append(angle, np.linspace(0, np.pi, rim))

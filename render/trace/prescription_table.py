@@ -73,7 +73,7 @@ def make_prescription_table(
 
 
 def _normalize_light(rows: DoubleArray, vignetting: float) -> DoubleArray:
-    """The rows with their weights relative to the light on the axis; ``vignetting`` is the share of its loss that is kept.
+    """Normalize the rows' weights to the light on the axis; ``vignetting`` is the share of its loss that is kept.
 
     All wavelengths get the light of the middle one, so that white stays neutral.
     """
@@ -87,7 +87,7 @@ def _normalize_light(rows: DoubleArray, vignetting: float) -> DoubleArray:
 
 
 def extend_dark_rows(rows: DoubleArray) -> DoubleArray:
-    """The rows, where those without light have the shape of the last lit one before them.
+    """Extend the shape of the last lit row into the dark rows behind it.
 
     So light alone fades where a picture's rays stand between the two, at the edge of the image circle; their directions do not
     turn back toward those of an empty row, nor to those of rays that find a way far outside of it.
@@ -177,7 +177,9 @@ def _trace_nodes(
 def _trace(
     tracer: SurfaceTracer, lens: FocusedLens, slopes: DoubleArray, stops: DoubleArray, wavelengths_nm: Sequence[float]
 ) -> TracedLens:
-    """Rays of field heights ``(n,)`` through stop points ``(n, 2)`` in units of its radius; the film's image is inverted."""
+    """Trace rays of field heights ``(n,)`` through stop points ``(n, 2)`` in units of its radius; the film's image is
+    inverted.
+    """
     film = np.stack([-slopes * lens.image_scale_mm, np.zeros(len(slopes))], axis=1)
     upright = np.sign(lens.first.entrance_pupil_magnification)
     return tracer.trace(lens, film, upright * stops * lens.stop_radius_mm, wavelengths_nm)
@@ -186,7 +188,7 @@ def _trace(
 def _node_rays(
     traced: TracedLens, slopes: DoubleArray, regions: list[Region], focus_w: float, stop_mm2: float
 ) -> list[list[NodeRays]]:
-    """By wavelength and field height; a weight is that of ``stop_mm2`` of the stop, spread over the region's disc."""
+    """Node rays by wavelength and field height; a weight is that of ``stop_mm2`` of the stop, spread over the region's disc."""
     wavelengths = len(traced.slope)
     pupil_m = traced.pupil_mm / 1000
     at_focus = traced.slope + pupil_m * focus_w

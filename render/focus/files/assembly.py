@@ -62,7 +62,7 @@ class CurveFinding:
 
 @dataclass(frozen=True, eq=False)
 class ReadCurve:
-    """A focus curve from a file.
+    """Focus curve from a file.
 
     Attributes:
         curve: the curve, NaN where the file gives no value.
@@ -127,7 +127,7 @@ def _check_rows(rows: Sequence[Row], given: frozenset[str]) -> list[Row]:
 
 
 def _problem(row: Row, given: frozenset[str]) -> str:
-    """Why a row cannot be used, or nothing."""
+    """Fault of a row; empty for a usable row."""
     if not abs(row.time_code) <= MOST_TIME_CODE:
         return f"it has no time code within {MOST_TIME_CODE:g}" if math.isfinite(row.time_code) else "it has no time"
     for column in COLUMNS:
@@ -159,7 +159,7 @@ def _expected_range(name: str, value: float) -> str:
 
 
 def _every_time(good: Sequence[Row], bad: Sequence[Row]) -> tuple[DoubleArray, list[DoubleArray]]:
-    """The times of the curve, and those that no row has, gap by gap.
+    """Times of the curve, and the missing ones, gap by gap.
 
     Raises:
         InputError: they are too many.
@@ -236,7 +236,7 @@ class _CurveFill:
 
     @classmethod
     def from_rows(cls, rows: Sequence[Row], times: DoubleArray, gaps: Gaps) -> _CurveFill:
-        """Spread rows."""
+        """Spread the rows over all times."""
         own = np.array([row.time_code for row in rows])
         nearest = np.clip(np.searchsorted(own, times, side="right") - 1, 0, None)
         return cls(rows, own, times, nearest, own[nearest] == times, gaps)
@@ -263,7 +263,7 @@ class _CurveFill:
         )
 
     def _column(self, name: str, *, follows: bool) -> DoubleArray:
-        """One column of numbers; one that follows from others is not known between rows."""
+        """One column of numbers; a column that follows from others is NaN between rows."""
         own = np.array([row.numbers.get(name, _DEFAULTS.get(name, math.nan)) for row in self.rows])
         if self.gaps != "interpolate":
             return np.asarray(own[self.nearest])
@@ -286,7 +286,7 @@ class _CurveFill:
         )
 
     def _track(self, name: str) -> PointTrack:
-        """One focus point; where its row does not say, and in gaps, it is lost."""
+        """Track of one focus point; its state is ``lost`` where its row gives none, and in gaps."""
         lost = PointCell("lost", math.nan, math.nan, 0.0, math.nan)
         cells = [
             row.points.get(name, lost) if own else replace(lost, weight=row.points.get(name, lost).weight)

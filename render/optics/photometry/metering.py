@@ -50,7 +50,7 @@ class Reading:
 
     @property
     def incident_lux(self) -> float:
-        """The illuminance in which a matt grey of 18 % is so bright."""
+        """Illuminance at which a matt grey of 18 % has this luminance."""
         return math.pi * self.luminance_nits / MIDDLE_GREY
 
     @property
@@ -156,7 +156,7 @@ def spot_radius_px(f_px: float, angle_rad: float = SPOT_ANGLE_RAD) -> float:
 
 
 def one_key(compensations: ArrayLike) -> float:
-    """The one compensation for a shot: the mean of what its frames want.
+    """One compensation for a shot: the mean over its frames.
 
     Args:
         compensations: ``(n,)`` stops; NaN for frames that are black, which want nothing.

@@ -57,7 +57,7 @@ def complete_prescription(prescription: Prescription, *, image_height_mm: float 
 
 
 def scale_prescription(prescription: Prescription, factor: float) -> Prescription:
-    """The same lens larger or smaller: every length times ``factor``; the f-number stays.
+    """Scale a lens: every length times ``factor``; the f-number stays.
 
     Notes with lengths in them are joined by one that says which lengths they are.
 
@@ -91,7 +91,7 @@ def _with_surface(prescription: Prescription, index: int, note: str, **changes: 
 
 
 def _with_aperture(prescription: Prescription) -> Prescription:
-    """Stop diameter and f-number, which the paraxial pupil joins; where both are given, the diameter counts."""
+    """Complete stop diameter and f-number, which the paraxial pupil relates; where both are given, the diameter counts."""
     first, stop = _pupil(prescription), stop_index(prescription)
     full_aperture = first.focal_length_mm / (2 * abs(first.entrance_pupil_magnification))
     radius, stated = prescription.surfaces[stop].semi_diameter_mm, prescription.f_stop
@@ -172,7 +172,9 @@ def _check_light(prescription: Prescription) -> Prescription:
 
 
 def _with_back_focus(prescription: Prescription) -> Prescription:
-    """The film at the paraxial focus of parallel light, where the file does not say; a note where it says another place."""
+    """Place the film at the paraxial focus of parallel light where the file gives none; add a note where it gives
+    another place.
+    """
     focal, back, _ = focal_points(paraxial_system(prescription))
     stated, last = prescription.surfaces[-1].thickness_mm, len(prescription.surfaces) - 1
     if stated == 0:

@@ -69,7 +69,7 @@ class FilmThroughLens:
 
 @dataclass(frozen=True, eq=False)
 class FocusMechanism:
-    """A lens and its focusing mount.
+    """Focusing mechanism of a lens.
 
     Attributes:
         prescription: focused at infinity.
@@ -87,7 +87,7 @@ class FocusMechanism:
 
     @classmethod
     def from_prescription(cls, prescription: Prescription) -> FocusMechanism:
-        """The mount of a complete prescription."""
+        """Mechanism of a complete prescription."""
         last = len(prescription.surfaces) - 1
         film_mm = float(vertices(prescription)[-1]) + prescription.surfaces[-1].thickness_mm
         moving = prescription.focus_group or (0, last)
@@ -99,7 +99,7 @@ class FocusMechanism:
         return self.moving == (0, len(self.system.powers) - 1)
 
     def shifted_vertices(self, shift_mm: float) -> DoubleArray:
-        """``(n,)`` z of the vertices."""
+        """z of the vertices ``(n,)``, mm, with the moving glass shifted."""
         moved = self.system.vertices_mm.copy()
         moved[self.moving[0] : self.moving[1] + 1] += shift_mm
         return moved

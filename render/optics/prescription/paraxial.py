@@ -49,7 +49,7 @@ class FirstOrder:
 
 @dataclass(frozen=True, eq=False)
 class ParaxialSystem:
-    """A prescription at one wavelength, as far as light near the axis sees it.
+    """Paraxial system of a prescription at one wavelength.
 
     Attributes:
         curvatures: ``(n,)`` at the vertices, 1/mm.
@@ -63,13 +63,13 @@ class ParaxialSystem:
 
     @property
     def powers(self) -> DoubleArray:
-        """``(n,)`` power of each surface, ``(n' − n)·c``, in 1/mm."""
+        """Power of each surface ``(n,)``, ``(n' − n)·c``, in 1/mm."""
         return np.diff(self.indices) * self.curvatures
 
 
 @dataclass(frozen=True, eq=False)
 class ParaxialRay:
-    """A ray near the axis.
+    """Paraxial ray.
 
     Attributes:
         heights_mm: ``(n,)`` at each surface.
@@ -81,7 +81,7 @@ class ParaxialRay:
 
 
 def vertices(prescription: Prescription) -> DoubleArray:
-    """``(n,)`` z of each surface's vertex in mm, 0 at the front."""
+    """z of each surface's vertex ``(n,)``, mm, 0 at the front."""
     thicknesses = [surface.thickness_mm for surface in prescription.surfaces]
     return np.concatenate([[0.0], np.cumsum(thicknesses[:-1])])
 
@@ -89,7 +89,7 @@ def vertices(prescription: Prescription) -> DoubleArray:
 def paraxial_system(
     prescription: Prescription, wavelength_nm: float = D_LINE_NM, vertices_mm: DoubleArray | None = None
 ) -> ParaxialSystem:
-    """The prescription as light near the axis sees it.
+    """Make the paraxial system of a prescription.
 
     Args:
         prescription: need not be complete.

@@ -42,7 +42,7 @@ _FARTHEST = 2.5  # corners of the gate: light farther out is of no use
 
 @dataclass(frozen=True, eq=False)
 class LensReport:
-    """A lens as it is set.
+    """Report of a lens at its setting.
 
     Attributes:
         camera: the lens, its f-number and focus, and the gate behind it.
@@ -91,7 +91,7 @@ class LensReport:
 
 
 def lens_report(camera: Camera, wide_open: float = 0.0) -> LensReport:
-    """Look at a camera's lens from all sides.
+    """Measure a camera's lens.
 
     Args:
         camera: with its lens, f-number, focus and gate. The factors on a lens's errors are left at 1: it is shown as it is made.
@@ -144,7 +144,7 @@ def _field_of_view_deg(rays: FilmRays, camera: Camera, circle_mm: float) -> tupl
 
 
 def film_rays(camera: Camera) -> FilmRays:
-    """The camera's lens on its film, at its focus and f-number."""
+    """Rays of the camera's lens on its film, at its focus and f-number."""
     lens, nearness = camera.lens, focus_w(camera)
     rays: FilmRays
     if has_surfaces(camera):
@@ -171,7 +171,7 @@ def _third_order(camera: Camera, lens: FocusedLens | None) -> ThirdOrder | None:
 
 
 def lens_bokeh(camera: Camera) -> BokehSheet | None:
-    """The bokeh of a camera's lens, focused as it is, or instead of infinity at the portrait distance of its focal length.
+    """Bokeh of a camera's lens at its focus, or, focused at infinity, at the portrait distance of its focal length.
 
     None for a pinhole, and for a lens of fixed focus, which has infinity in focus.
     """
@@ -192,7 +192,7 @@ def lens_bokeh(camera: Camera) -> BokehSheet | None:
 
 
 def _round(distance_m: float) -> float:
-    """To one significant digit, as people say distances."""
+    """Round a distance to one significant digit."""
     return float(f"{distance_m:.1g}")
 
 

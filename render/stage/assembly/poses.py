@@ -19,7 +19,7 @@ from render.stage.world import column_matrix
 
 
 def world_pose(prim: Usd.Prim, transforms: UsdGeom.XformCache, world: DoubleArray) -> DoubleArray:
-    """``(4, 4)`` world (metres, Y-up) from the prim's own space in stage units.
+    """Pose ``(4, 4)`` of a prim: world (metres, Y-up) from its own space in stage units.
 
     Raises:
         StageError: the transform is not finite; names the prim.
@@ -94,7 +94,7 @@ class InstanceReader:
         return self._read[path]
 
     def _usable(self, instancer: UsdGeom.PointInstancer) -> _Instances:
-        """The instances of an instancer; none, and a finding, where its values cannot be read."""
+        """Instances of an instancer; none, with a finding, where its values cannot be read."""
         path = instancer.GetPath()
         try:
             return self._instances(instancer)
@@ -214,7 +214,7 @@ def is_hidden(hiders: Sequence[Usd.Prim], time: Usd.TimeCode) -> bool:
 
 
 def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformCache) -> DoubleArray:
-    """``(4, 4)`` from a prim's own space to that of one of its ancestors, or of itself.
+    """Transform ``(4, 4)`` from a prim's own space to that of one of its ancestors, or of itself.
 
     Raises:
         StageError: the transform is not finite.
@@ -229,7 +229,7 @@ def relative_pose(prim: Usd.Prim, ancestor: Usd.Prim, transforms: UsdGeom.XformC
 
 
 def _culprit(prim: Usd.Prim, transforms: UsdGeom.XformCache) -> Usd.Prim:
-    """The outermost prim whose own transform is not finite."""
+    """Outermost prim whose own transform is not finite."""
     line = [prim]
     while line[-1].GetParent():
         line.append(line[-1].GetParent())

@@ -29,7 +29,7 @@ class TextureError(ValueError):
 
 
 class TextureCache:
-    """Reads each texture once for each way that it is used.
+    """Texture cache: each texture is read once for each use.
 
     Args:
         max_size: width and height that no image exceeds; larger ones are averaged down by a whole factor.
@@ -48,7 +48,7 @@ class TextureCache:
         scale: tuple[float, ...] = (1, 1, 1, 1),
         bias: tuple[float, ...] = (0, 0, 0, 0),
     ) -> Image:
-        """The image of a resolved asset path.
+        """Read the image of a resolved asset path.
 
         Args:
             resolved_path: as Ar resolves it; may be inside a package.
@@ -89,7 +89,7 @@ class TextureCache:
 
 
 class _Linear:
-    """Makes rows of a file linear ``(h, w, 4)`` float32, scaled and biased; 8-bit files go through a table."""
+    """Converter of a file's rows to linear ``(h, w, 4)`` float32, scaled and biased; 8-bit files use a table."""
 
     def __init__(
         self, dtype: np.dtype[np.generic], channels: int, source: str, scale: FloatArray, bias: FloatArray
@@ -132,7 +132,7 @@ class _Linear:
 
 
 def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
-    """``(height, width, channels)`` pixels in the file's own type, and the colour space that ``auto`` stands for."""
+    """Read pixels ``(height, width, channels)`` in the file's own type, and the colour space that ``auto`` stands for."""
     request = oiio.ImageSpec()
     request.attribute("oiio:UnassociatedAlpha", 1)
     handle = oiio.ImageInput.open(file, request)
@@ -154,7 +154,7 @@ def read_pixels(file: str, source: str) -> tuple[NDArray[np.generic], str]:
 
 
 def _rgba(pixels: NDArray[np.generic]) -> FloatArray:
-    """``(h, w, 4)`` float32; integers become 0 to 1, grey is spread over the colours, missing alpha is 1."""
+    """Convert pixels to ``(h, w, 4)`` float32: integers become 0 to 1, grey is copied to the colours, missing alpha is 1."""
     values = pixels.astype(np.float32)
     if pixels.dtype.kind == "u":
         values /= np.float32(2 ** (8 * pixels.dtype.itemsize) - 1)

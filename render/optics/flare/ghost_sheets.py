@@ -2,8 +2,8 @@
 
 For each source and path a grid of rays covers the part of the front lens that contributes, and lands on the film as a sheet,
 which is folded where the light has a caustic. Positions on the film, crossings of the iris and distances from rims are
-interpolated linearly between the rays (Hullin et al. 2011, section 3.2). A corner's light is that of the triangles around it over their area,
-so that the whole sheet holds exactly the light that entered it.
+interpolated linearly between the rays (Hullin et al. 2011, section 3.2). A corner's light is that of the triangles around it
+over their area, so that the whole sheet holds exactly the light that entered it.
 """
 
 from __future__ import annotations

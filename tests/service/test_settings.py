@@ -15,11 +15,16 @@ from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS
 from service.http.page_settings import RESOURCES
 from service.models.exposure import ExposureSettings, ExposureSettingsEdit
 from service.models.film_settings import FilmSettings, FilmSettingsEdit
+from service.models.solving import FocusSettings, FocusSettingsEdit
 from usd_schemas.settings.tables import SETTINGS, rest_settings
 
 PANELS = Path(__file__).parents[2] / "web" / "src" / "view" / "panels"
 NO_SETTINGS = {"camera", "time", "keys", "etag", "gateMm"}
-MODELS = {"exposure": (ExposureSettings, ExposureSettingsEdit), "film": (FilmSettings, FilmSettingsEdit)}
+MODELS = {
+    "exposure": (ExposureSettings, ExposureSettingsEdit),
+    "film": (FilmSettings, FilmSettingsEdit),
+    "focus": (FocusSettings, FocusSettingsEdit),
+}
 
 
 def fields(model):
@@ -61,8 +66,8 @@ def test_the_command_line_has_the_declared_options_and_ranges():
     assert declared <= {flag for action in commands.choices["record"]._actions for flag in action.option_strings}
 
 
-def test_panels_of_film_and_exposure_write_no_range():
-    for name in ("FilmPanel", "ExposurePanel", "GlassPanel", "LightMeter"):
+def test_panels_of_film_exposure_and_focus_write_no_range():
+    for name in ("FilmPanel", "ExposurePanel", "GlassPanel", "LightMeter", "FocusSettings", "FocusAmount"):
         text = (PANELS / f"{name}.tsx").read_text(encoding="utf-8")
         assert not re.search(r"\b(linear|log|focus)Scale\(", text), name
 

@@ -2,6 +2,7 @@ import { setAttribute, setFocus, setFocusMode, setKind, setLens, toggleKey, type
 import type { Curve, CurveSample } from "@/model/curve";
 import type { FocusSettings, Readout } from "@/model/shot";
 import { point } from "./points";
+import { FOCUS_DEFAULTS } from "@/model/settings.gen";
 
 const readout: Readout = {
   fStop: 2,
@@ -73,22 +74,9 @@ describe("the lens", () => {
 
 describe("how the focus is found", () => {
   const settings: FocusSettings = {
+    ...FOCUS_DEFAULTS,
+    fieldOffsets: [],
     mode: "tiltPlane",
-    solveStop: false,
-    smoothingS: 0,
-    lagS: 0,
-    deadZoneMm: 0,
-    nearPriority: 0,
-    surfaceExponent: 3,
-    expressive: 1,
-    tiltDeg: 0,
-    swingDeg: 0,
-    drivenByPoints: true,
-    maxAngleDeg: 15,
-    offScreen: "ignore",
-    occluded: "keep",
-    maxSpeedDegS: 0,
-    circleOfConfusionMm: 0,
     keys: { maxAngleDeg: [{ time: 1, value: 10, interpolation: "linear" }] },
   };
 

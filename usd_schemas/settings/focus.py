@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Bounds, Triples, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Slider, Triples, schema_group, setting
 
 FocusMode = Literal["manual", "points", "tiltPlane", "surface"]
 
@@ -46,6 +46,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 0.1),
         bounds=Bounds(0, 1e6),
+        slider=Slider(0, 0.1, 0.001, unit="mm", zero="usual", label="Sharp up to"),
     )
     smoothing_s: float = setting(
         "focus:smoothing",
@@ -57,6 +58,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 2),
         bounds=Bounds(0, 1e6),
+        slider=Slider(0, 2, 0.05, unit="s"),
     )
     lag_s: float = setting(
         "focus:lag",
@@ -67,6 +69,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 1),
         bounds=Bounds(0, 1e6),
+        slider=Slider(0, 2, 0.05, unit="s"),
     )
     dead_zone_mm: float = setting(
         "focus:deadZone",
@@ -77,6 +80,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 0.1),
         bounds=Bounds(0, 1e6),
+        slider=Slider(0, 0.1, 0.005, unit="mm", label="Dead zone"),
     )
     max_speed_deg_s: float = setting(
         "focus:maxSpeed",
@@ -87,6 +91,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 720),
         bounds=Bounds(0, 1e6),
+        slider=Slider(0, 720, 15, unit="°/s", zero="any", label="Ring speed"),
     )
     near_priority: float = setting(
         "focus:nearPriority",
@@ -97,6 +102,7 @@ class FocusData:
         hard=(0, None),
         soft=(None, 4),
         bounds=Bounds(0, 16),
+        slider=Slider(0, 4, 0.5, label="Near priority"),
     )
     off_screen: Literal["ignore", "keep"] = setting(
         "focus:offScreen",
@@ -106,7 +112,7 @@ class FocusData:
         unit="none, a token",
         keyable=False,
     )
-    occluded: Literal["ignore", "keep", "fade"] = setting(
+    occluded: Literal["keep", "fade", "ignore"] = setting(
         "focus:occluded",
         "keep",
         "Hidden Points",
@@ -126,6 +132,7 @@ class FocusData:
         soft=(2, 4),
         group="Focus:Surface",
         bounds=Bounds(1, 16),
+        slider=Slider(2, 4, 0.1, label="Locality"),
     )
     expressive: float = setting(
         "focus:expressive",
@@ -136,6 +143,7 @@ class FocusData:
         unit="none, a ratio from 0 to 1",
         hard=(0, 1),
         group="Focus:Surface",
+        slider=Slider(0, 1, 0.05, unit="%", label="Expressive"),
     )
     field_offsets: Triples = setting(
         "focus:fieldOffsets",

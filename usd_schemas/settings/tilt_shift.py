@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from usd_schemas.settings.setting import Bounds, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Slider, schema_group, setting
 
 
 @schema_group("Tilt and Shift", rest="focus")
@@ -21,6 +21,7 @@ class TiltShiftData:
         unit="degrees",
         hard=(-89, 89),
         soft=(-12, 12),
+        slider=Slider(-20, 20, 0.5, unit="°", label="Tilt"),
     )
     swing_deg: float = setting(
         "tiltShift:swing",
@@ -30,6 +31,7 @@ class TiltShiftData:
         unit="degrees",
         hard=(-89, 89),
         soft=(-12, 12),
+        slider=Slider(-20, 20, 0.5, unit="°", label="Swing"),
     )
     rise_mm: float = setting(
         "tiltShift:rise",
@@ -67,4 +69,5 @@ class TiltShiftData:
         unit="degrees",
         hard=(0, 89),
         soft=(None, 45),
+        slider=Slider(0, 45, 1, unit="°", label="Largest angle"),
     )

@@ -70,13 +70,6 @@ export function linearScale(min: number, max: number, step: number): Scale {
   };
 }
 
-export const FOLLOW_S = linearScale(0, 2, 0.05);
-export const DEAD_ZONES_MM = linearScale(0, 0.1, 0.005);
-export const NEAR_PRIORITIES = linearScale(0, 4, 0.5);
-export const FOCUS_ANGLES_DEG = linearScale(0, 45, 1);
-export const TILTS_DEG = linearScale(-20, 20, 0.5);
-export const SHARES = linearScale(0, 1, 0.05);
-export const EXPONENTS = linearScale(2, 4, 0.1);
 export const BLURS_MM = linearScale(0, 1, 0.01);
 export const EXTENTS = linearScale(0, 4, 0.1);
 export const FALLOFFS = linearScale(0, 1, 0.05);
@@ -88,9 +81,6 @@ function onIsoDial(iso: number): number {
   const near = ISO_DIAL.map((speed) => speed * eightfold);
   return near.reduce((a, b) => (Math.abs(Math.log(b / iso)) < Math.abs(Math.log(a / iso)) ? b : a));
 }
-
-export const RING_SPEEDS_DEG_S = linearScale(0, 720, 15);
-export const CIRCLES_MM = linearScale(0, 0.1, 0.001);
 
 /** The scale of a slider as a setting declares it. */
 export function scaleOf({ least, most, step, scale }: SliderRange): Scale {

@@ -315,3 +315,210 @@ export const FILM_CHOICES = {
     "parametric"
   ]
 } as const;
+
+export const FOCUS_SLIDERS = {
+  "circleOfConfusionMm": {
+    "name": "circleOfConfusionMm",
+    "panel": "focus",
+    "label": "Sharp up to",
+    "hint": "Diameter on the film up to which a point counts as sharp, for near and far limits; 0 takes 1/1500 of the gate's diagonal.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 0.1,
+      "step": 0.001,
+      "scale": "linear",
+      "zero": "usual",
+      "unit": "mm"
+    }
+  },
+  "smoothingS": {
+    "name": "smoothingS",
+    "panel": "focus",
+    "label": "Smoothing",
+    "hint": "Time over which the solved focus is smoothed; it stays exact at keys.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 2,
+      "step": 0.05,
+      "scale": "linear",
+      "zero": "",
+      "unit": "s"
+    }
+  },
+  "lagS": {
+    "name": "lagS",
+    "panel": "focus",
+    "label": "Lag",
+    "hint": "How late the focus follows a moving point, like an assistant's hand.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 2,
+      "step": 0.05,
+      "scale": "linear",
+      "zero": "",
+      "unit": "s"
+    }
+  },
+  "deadZoneMm": {
+    "name": "deadZoneMm",
+    "panel": "focus",
+    "label": "Dead zone",
+    "hint": "Circle of confusion that a followed point may reach before the focus moves.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 0.1,
+      "step": 0.005,
+      "scale": "linear",
+      "zero": "",
+      "unit": "mm"
+    }
+  },
+  "maxSpeedDegS": {
+    "name": "maxSpeedDegS",
+    "panel": "focus",
+    "label": "Ring speed",
+    "hint": "How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 720,
+      "step": 15,
+      "scale": "linear",
+      "zero": "any",
+      "unit": "°/s"
+    }
+  },
+  "nearPriority": {
+    "name": "nearPriority",
+    "panel": "focus",
+    "label": "Near priority",
+    "hint": "How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 4,
+      "step": 0.5,
+      "scale": "linear",
+      "zero": "",
+      "unit": ""
+    }
+  },
+  "surfaceExponent": {
+    "name": "surfaceExponent",
+    "panel": "focus",
+    "label": "Locality",
+    "hint": "How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).",
+    "keyable": true,
+    "slider": {
+      "least": 2,
+      "most": 4,
+      "step": 0.1,
+      "scale": "linear",
+      "zero": "",
+      "unit": ""
+    }
+  },
+  "expressive": {
+    "name": "expressive",
+    "panel": "focus",
+    "label": "Expressive",
+    "hint": "From what a lens can do (0) to what is drawn (1): where focus:mode is surface, from the plane of focus to the focal surface; in all modes, how much of focus:fieldOffsets there is.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 1,
+      "step": 0.05,
+      "scale": "linear",
+      "zero": "",
+      "unit": "%"
+    }
+  },
+  "tiltDeg": {
+    "name": "tiltDeg",
+    "panel": "focus",
+    "label": "Tilt",
+    "hint": "Turn of the lens about the camera's +X axis: positive looks up, negative lays the plane of focus down over the ground.",
+    "keyable": true,
+    "slider": {
+      "least": -20,
+      "most": 20,
+      "step": 0.5,
+      "scale": "linear",
+      "zero": "",
+      "unit": "°"
+    }
+  },
+  "swingDeg": {
+    "name": "swingDeg",
+    "panel": "focus",
+    "label": "Swing",
+    "hint": "Turn of the lens about the camera's +Y axis, before the tilt: positive looks to the left.",
+    "keyable": true,
+    "slider": {
+      "least": -20,
+      "most": 20,
+      "step": 0.5,
+      "scale": "linear",
+      "zero": "",
+      "unit": "°"
+    }
+  },
+  "maxAngleDeg": {
+    "name": "maxAngleDeg",
+    "panel": "focus",
+    "label": "Largest angle",
+    "hint": "How far focus points may tilt and swing the lens together.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 45,
+      "step": 1,
+      "scale": "linear",
+      "zero": "",
+      "unit": "°"
+    }
+  }
+} as const satisfies Readonly<Record<string, Declared>>;
+
+export const FOCUS_DEFAULTS = {
+  "mode": "manual",
+  "solveStop": false,
+  "circleOfConfusionMm": 0.0,
+  "smoothingS": 0.0,
+  "lagS": 0.0,
+  "deadZoneMm": 0.0,
+  "maxSpeedDegS": 0.0,
+  "nearPriority": 0.0,
+  "offScreen": "ignore",
+  "occluded": "keep",
+  "surfaceExponent": 3.0,
+  "expressive": 1.0,
+  "tiltDeg": 0.0,
+  "swingDeg": 0.0,
+  "riseMm": 0.0,
+  "shiftMm": 0.0,
+  "drivenByPoints": true,
+  "maxAngleDeg": 15.0
+} as const;
+
+export const FOCUS_CHOICES = {
+  "mode": [
+    "manual",
+    "points",
+    "tiltPlane",
+    "surface"
+  ],
+  "offScreen": [
+    "ignore",
+    "keep"
+  ],
+  "occluded": [
+    "keep",
+    "fade",
+    "ignore"
+  ]
+} as const;

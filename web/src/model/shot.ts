@@ -1,7 +1,11 @@
 /** Data of a shot. Lengths in metres, lens and film lengths in millimetres, times in USD time codes. */
 
+import type { components } from "../net/schema";
 import type { Key, Keyed } from "./keys";
+import { FOCUS_CHOICES, type FOCUS_SLIDERS } from "./settings.gen";
 import type { FrameRange } from "./time";
+
+type Json = components["schemas"];
 
 export interface ShotSummary {
   readonly id: string;
@@ -49,48 +53,17 @@ export const FOCUS_MODES = ["manual", "points", "tiltPlane", "surface"] as const
 export type FocusMode = (typeof FOCUS_MODES)[number];
 
 /** Focus settings, apart from the points. All but the mode take keys. */
-export interface FocusSettings {
-  readonly mode: FocusMode;
-  /** Whether the points also set the f-number. */
-  readonly solveStop: boolean;
-  /** Time over which the solved focus is smoothed. */
-  readonly smoothingS: number;
-  /** Delay of the focus behind its points. */
-  readonly lagS: number;
-  /** Circle of confusion that a followed point may reach before the focus moves. */
-  readonly deadZoneMm: number;
-  /** Nearer points count more: weights times depth to the power of minus this. */
-  readonly nearPriority: number;
-  /** In the mode `surface`: how local the surface is. */
-  readonly surfaceExponent: number;
-  /** In the mode `surface`: from the plane of focus (0) to the surface (1). */
-  readonly expressive: number;
-  /** Turn of the lens where the points do not turn it: positive looks up. */
-  readonly tiltDeg: number;
-  /** Positive looks left. */
-  readonly swingDeg: number;
-  /** In the mode `tiltPlane`: whether the points tilt the lens. */
-  readonly drivenByPoints: boolean;
-  /** Largest angle that they may tilt it. */
-  readonly maxAngleDeg: number;
-  /** Whether points outside the frame count. */
-  readonly offScreen: OffScreen;
-  /** Whether points count that something stands before. */
-  readonly occluded: Occluded;
-  /** Largest speed of the focus ring; 0 sets no bound. */
-  readonly maxSpeedDegS: number;
-  /** Circle of confusion that counts as sharp, a diameter on the film; 0 takes the gate's usual one. */
-  readonly circleOfConfusionMm: number;
+export type FocusSettings = Omit<Json["FocusSettings"], "camera" | "time" | "etag" | "keys"> & {
   /** Keys of these settings and of the lens. */
   readonly keys: Keyed;
-}
+};
 
-export const OFF_SCREEN = ["ignore", "keep"] as const;
-export type OffScreen = (typeof OFF_SCREEN)[number];
-export const OCCLUDED = ["keep", "fade", "ignore"] as const;
-export type Occluded = (typeof OCCLUDED)[number];
+export const OFF_SCREEN = FOCUS_CHOICES.offScreen;
+export type OffScreen = FocusSettings["offScreen"];
+export const OCCLUDED = FOCUS_CHOICES.occluded;
+export type Occluded = FocusSettings["occluded"];
 export type FocusSwitch = "solveStop" | "drivenByPoints";
-export type FocusNumber = Exclude<keyof FocusSettings, FocusSwitch | "mode" | "keys" | "offScreen" | "occluded">;
+export type FocusNumber = keyof typeof FOCUS_SLIDERS;
 
 /** The lens at one time, and what it makes sharp; distances may be infinite. */
 export interface LensSample extends Lens {

@@ -52,13 +52,7 @@ export function toReadout(json: Json["Readout"]): Readout {
 }
 
 export function toFocusSettings(json: Json["FocusSettings"]): FocusSettings {
-  const { mode, solveStop, smoothingS, lagS, deadZoneMm, nearPriority } = json;
-  const { surfaceExponent, expressive, tiltDeg, swingDeg, drivenByPoints, maxAngleDeg } = json;
-  const follow = { smoothingS, lagS, deadZoneMm, nearPriority };
-  const { offScreen, occluded, maxSpeedDegS, circleOfConfusionMm } = json;
-  const tilt = { tiltDeg, swingDeg, drivenByPoints, maxAngleDeg };
-  const which = { offScreen, occluded, maxSpeedDegS, circleOfConfusionMm };
-  return { mode, solveStop, ...follow, surfaceExponent, expressive, ...tilt, ...which, keys: toKeyed(json.keys) };
+  return { ...json, keys: toKeyed(json.keys) };
 }
 
 export function toPhotography(

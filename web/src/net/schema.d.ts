@@ -4120,7 +4120,7 @@ export interface components {
              * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              * @enum {string}
              */
-            readonly occluded: "ignore" | "keep" | "fade";
+            readonly occluded: "keep" | "fade" | "ignore";
             /**
              * Offscreen
              * @description What becomes of a focus point outside the frame: it is left out, or kept.
@@ -4240,7 +4240,7 @@ export interface components {
              * Occluded
              * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              */
-            readonly occluded?: ("ignore" | "keep" | "fade") | null;
+            readonly occluded?: ("keep" | "fade" | "ignore") | null;
             /**
              * Offscreen
              * @description What becomes of a focus point outside the frame: it is left out, or kept.

@@ -19,12 +19,14 @@ export interface Quantity {
 export function quantityOf({ label, hint, slider }: Declared, special: Partial<Quantity> = {}): Quantity {
   const scale = scaleOf(slider);
   const format = (value: number): string => (value === 0 && slider.zero ? slider.zero : formatIn(slider, value));
-  const parse = (text: string): number | null =>
-    slider.zero && text.trim() === slider.zero ? 0 : parseIn(slider, text);
+  const parse = (text: string): number | null => {
+    const value = slider.zero && text.trim() === slider.zero ? 0 : parseIn(slider, text);
+    return value !== null && value < 0 && slider.least >= 0 ? null : value;
+  };
   return { label, hint, scale, example: format(scale.toValue(0.75)), format, parse, ...special };
 }
 
-const PLACES: Readonly<Record<string, number>> = { K: 0, "°": 1 };
+const PLACES: Readonly<Record<string, number>> = { K: 0, "°": 1, "°/s": 0, mm: 3 };
 const CLOSE = ["×", "°", ""];
 
 function formatIn({ unit }: SliderRange, value: number): string {

@@ -4,9 +4,9 @@ import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { settingKeyAt } from "../../model/changes";
 import type { FocusNumber, FocusSettings } from "../../model/shot";
-import type { FieldProps } from "../controls/Field";
+import { FOCUS_SLIDERS } from "../../model/settings.gen";
 import { KeyDiamond } from "../timeline/KeyDiamond";
-import { parseQuantity, trim } from "../numbers";
+import { quantityOf } from "../controls/quantity";
 import { Setting } from "../controls/Setting";
 
 export interface FocusSettingsProps {
@@ -16,49 +16,19 @@ export interface FocusSettingsProps {
 
 interface AmountProps extends FocusSettingsProps {
   readonly name: FocusNumber;
-  readonly label: string;
-  readonly hint?: string;
-  readonly scale: FieldProps["scale"];
-  /** With the space that stands before it. */
-  readonly unit: string;
-  /** Value of one unit. */
-  readonly per?: number;
-  readonly places?: number;
-  /** Text in place of 0. */
-  readonly zero?: string;
 }
 
-export function Amount({
-  session,
-  settings,
-  name,
-  label,
-  hint,
-  scale,
-  unit,
-  per = 1,
-  places = 0,
-  zero,
-}: AmountProps): JSX.Element {
-  const format = (value: number): string => (value === 0 && zero ? zero : `${trim(value / per, places)}${unit}`);
-  const isSigned = scale.min < 0;
+export function Amount({ session, settings, name }: AmountProps): JSX.Element {
+  const declared = FOCUS_SLIDERS[name];
   return (
     <Setting
+      {...quantityOf(declared)}
       session={session}
       setting={name}
       keys={settings.keys}
-      label={label}
-      {...(hint === undefined ? {} : { hint })}
       value={settings[name]}
-      scale={scale}
       fresh={session.document.fresh.value}
-      example={format(scale.max / 2)}
-      format={format}
-      parse={(text) => {
-        const value = text.trim() === zero ? 0 : parseQuantity(text, unit.trim());
-        return value === null || (value < 0 && !isSigned) ? null : value * per;
-      }}
-      startDrag={() => session.dragFocus(label.toLowerCase(), name, settings)}
+      startDrag={() => session.dragFocus(declared.label.toLowerCase(), name, settings)}
     />
   );
 }

@@ -2,17 +2,6 @@
 
 import type { ComponentChildren, JSX } from "preact";
 import {
-  CIRCLES_MM,
-  DEAD_ZONES_MM,
-  EXPONENTS,
-  FOCUS_ANGLES_DEG,
-  FOLLOW_S,
-  NEAR_PRIORITIES,
-  RING_SPEEDS_DEG_S,
-  SHARES,
-  TILTS_DEG,
-} from "../../model/scale";
-import {
   OCCLUDED,
   OFF_SCREEN,
   type FocusSettings,
@@ -72,7 +61,7 @@ function TiltPlane({ session, settings, readout }: FocusSettingsProps & { readon
       />
       {settings.drivenByPoints ? (
         <>
-          <Amount {...props} name="maxAngleDeg" label="Largest angle" scale={FOCUS_ANGLES_DEG} unit="°" />
+          <Amount {...props} name="maxAngleDeg" />
           <dl class="readout">
             <div>
               <dt>Tilt</dt>
@@ -94,8 +83,8 @@ function TiltPlane({ session, settings, readout }: FocusSettingsProps & { readon
 function Tilt(props: FocusSettingsProps): JSX.Element {
   return (
     <>
-      <Amount {...props} name="tiltDeg" label="Tilt" hint="Above 0 the lens looks up" scale={TILTS_DEG} unit="°" />
-      <Amount {...props} name="swingDeg" label="Swing" hint="Above 0 it looks left" scale={TILTS_DEG} unit="°" />
+      <Amount {...props} name="tiltDeg" />
+      <Amount {...props} name="swingDeg" />
     </>
   );
 }
@@ -103,24 +92,8 @@ function Tilt(props: FocusSettingsProps): JSX.Element {
 function Surface(props: FocusSettingsProps): JSX.Element {
   return (
     <>
-      <Amount
-        {...props}
-        name="expressive"
-        label="Expressive"
-        hint="From what a lens does (0 %) to the whole surface (100 %)"
-        scale={SHARES}
-        unit=" %"
-        per={0.01}
-      />
-      <Amount
-        {...props}
-        name="surfaceExponent"
-        label="Locality"
-        hint="How near to itself each point rules: from 2, wide and soft, to 4, close"
-        scale={EXPONENTS}
-        unit=""
-        places={1}
-      />
+      <Amount {...props} name="expressive" />
+      <Amount {...props} name="surfaceExponent" />
     </>
   );
 }
@@ -129,43 +102,11 @@ function Surface(props: FocusSettingsProps): JSX.Element {
 function Follow(props: FocusSettingsProps): JSX.Element {
   return (
     <>
-      <Amount
-        {...props}
-        name="smoothingS"
-        label="Smoothing"
-        hint="Time over which focus is smoothed; exact at keys"
-        scale={FOLLOW_S}
-        unit=" s"
-        places={2}
-      />
-      <Amount {...props} name="lagS" label="Lag" hint="How late focus follows" scale={FOLLOW_S} unit=" s" places={2} />
-      <Amount
-        {...props}
-        name="deadZoneMm"
-        label="Dead zone"
-        hint="Blur on the film that a point may get before the focus moves"
-        scale={DEAD_ZONES_MM}
-        unit=" mm"
-        places={3}
-      />
-      <Amount
-        {...props}
-        name="nearPriority"
-        label="Near priority"
-        hint="How much nearer points count more; 0 not at all"
-        scale={NEAR_PRIORITIES}
-        unit=""
-        places={1}
-      />
-      <Amount
-        {...props}
-        name="maxSpeedDegS"
-        label="Ring speed"
-        hint="How fast the hand may turn the focus ring"
-        scale={RING_SPEEDS_DEG_S}
-        unit=" °/s"
-        zero="any"
-      />
+      <Amount {...props} name="smoothingS" />
+      <Amount {...props} name="lagS" />
+      <Amount {...props} name="deadZoneMm" />
+      <Amount {...props} name="nearPriority" />
+      <Amount {...props} name="maxSpeedDegS" />
     </>
   );
 }
@@ -202,17 +143,7 @@ function Counting({ session, settings }: FocusSettingsProps): JSX.Element {
       >
         <Options values={OCCLUDED} names={OCCLUDED_NAMES} />
       </Choice>
-      <Amount
-        session={session}
-        settings={settings}
-        name="circleOfConfusionMm"
-        label="Sharp up to"
-        hint="Circle of confusion on the film that still counts as sharp"
-        scale={CIRCLES_MM}
-        unit=" mm"
-        places={3}
-        zero="usual"
-      />
+      <Amount session={session} settings={settings} name="circleOfConfusionMm" />
     </>
   );
 }

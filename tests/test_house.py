@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("tests",)
+PACKAGES = ("usd_schemas", "render", "service", "tests")
 LONGEST_NAME = len("test_") + 60
 BAD_START = re.compile(r"(Of|What|That|How)\b")
 

@@ -109,7 +109,7 @@ def author(data: Any, prim: Usd.Prim, time: Time = None, prefix: str = "") -> No
 
 
 def _changes(data: Any, prim: Usd.Prim, time: Time, prefix: str) -> Iterator[tuple[Usd.Attribute, Any, Time]]:
-    """What is to be authored: attribute, value, and the time of the key or None for a default; all of it checked."""
+    """Yield what to author, checked: attribute, value, and the time of the key or None for a default."""
     for item in fields(data):
         value = getattr(data, item.name)
         if "group" in item.metadata:

@@ -1,4 +1,4 @@
-"""What of a camera can be driven over time by a spline, and the values that it may have."""
+"""Properties of a camera that a spline can drive over time, and the values that they may have."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def _through(chosen: Indices, t: Doubles, v: Doubles, slopes: Doubles) -> Knots:
 
 
 def _excess(chosen: Indices, t: Doubles, v: Doubles, slopes: Doubles, allowed: Doubles) -> Doubles:
-    """How far each sample is beyond its tolerance from the curve; a knot never is."""
+    """Return each sample's distance from the curve beyond its tolerance; a knot has none."""
     excess: Doubles = np.abs(_through(chosen, t, v, slopes).at(t) - v) - allowed
     excess[chosen] = -np.inf
     return excess

@@ -19,7 +19,7 @@ from usd_schemas.curve_fit import Knots, fit_knots
 from usd_schemas.errors import SchemaError
 
 EXACT = 5e-7
-"""How far a curve may be from a sample, relative to the sample, to be the same in single precision's six digits."""
+"""Relative distance between curve and sample below which both are the same in single precision's six digits."""
 
 
 def author_splines(

@@ -30,7 +30,7 @@ class FocusPointView:
         self.name = name
 
     def read(self, time: Time = None) -> FocusPoint:
-        """What the point says at a time code (None: the default time).
+        """Read the point at a time code (None: the default time).
 
         Raises:
             SchemaError: its target is authored as an attribute.
@@ -38,7 +38,7 @@ class FocusPointView:
         return binding.read(FocusPoint, self.prim, time, self._prefix, name=self.name, target=self._targets())
 
     def read_over(self, times: Sequence[float]) -> tuple[FocusPoint, ...]:
-        """What the point says at some time codes.
+        """Read the point at several time codes.
 
         Raises:
             SchemaError: its target is authored as an attribute.

@@ -1,4 +1,4 @@
-"""What a library answers to a name that nothing in it has."""
+"""Hints for a name that no library entry has."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def hint(name: str, names: Iterable[str]) -> str:
 
 
 def _likeness(name: str, known: str) -> tuple[float, float]:
-    """How much a name is like that word of a library's name, a maker or a number, which it is most like, and like all of it."""
+    """Return the likeness of a name to the nearest word of a known name, and to the whole of it."""
     whole, *words = (
         difflib.SequenceMatcher(None, name, own).ratio()
         for own in (known, *(word for word in known.split("_") if len(word) >= _SHORTEST_PART))

@@ -34,7 +34,7 @@ _GLASS = tuple(name for kind in (Prescription, Seidel, HeightField, DataSheet) f
 
 @dataclass(frozen=True)
 class Mounted:
-    """What mounting a lens changed of the camera's own numbers.
+    """Changes that mounting a lens made to the camera's own numbers.
 
     Attributes:
         focal_length_mm: what it is now.

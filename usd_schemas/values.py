@@ -120,7 +120,7 @@ def _check_allowed(attribute: Usd.Attribute, value: Any) -> None:
 
 
 def limit_problem(attribute: Usd.Attribute, value: Any) -> str:
-    """What is wrong with a number by the attribute's hard limits ("must be at least 0, got -1"), or an empty string."""
+    """Describe how a number breaks the attribute's hard limits ("must be at least 0, got -1"); empty where it does not."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     hard = attribute.GetHardLimits()

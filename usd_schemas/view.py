@@ -43,11 +43,11 @@ class SchemaView(Generic[Data]):
         return bool(self.prim.HasAPI(self.schema))
 
     def read(self, time: Time = None) -> Data:
-        """What the schema says at a time code (None: the default time); its fallbacks where it is not applied."""
+        """Read the schema at a time code (None: the default time); its fallbacks where it is not applied."""
         return binding.read(self._kind, self.prim, time) if self.applied else self._kind()
 
     def read_over(self, times: Sequence[float]) -> tuple[Data, ...]:
-        """What the schema says at some time codes; its fallbacks where it is not applied."""
+        """Read the schema at several time codes; its fallbacks where it is not applied."""
         return binding.read_over(self._kind, self.prim, times) if self.applied else (self._kind(),) * len(times)
 
     def author(self, data: Data, time: Time = None) -> None:
@@ -66,7 +66,7 @@ class SchemaView(Generic[Data]):
 
 @dataclass(frozen=True)
 class Misread:
-    """What an attribute says that its schema has no meaning for.
+    """Value of an attribute that its schema does not define.
 
     Attributes:
         name: of the attribute.
@@ -190,7 +190,7 @@ class LensCamera:
         return [name for name in names if binding.says_something(self.prim.GetAttribute(name))]
 
     def misread(self, time: Time = None) -> Iterator[Misread]:
-        """What the camera says at a time that the schemas have no meaning for, so that a reader would guess.
+        """Yield values at a time that the schemas do not define, so that a reader would have to guess.
 
         Args:
             time: USD time code, None for the default time.

@@ -77,7 +77,6 @@ TimeCode = Annotated[float, Field(ge=-1e9, le=1e9)]
 Index = Annotated[int, Field(ge=-1, le=2**31 - 1)]
 Amount = Annotated[float, Field(ge=0, le=1e6)]
 Length = Annotated[float, Field(ge=-1e9, le=1e9)]
-Positive = Annotated[float, Field(gt=0, le=1e9)]
 Ratio = Annotated[float, Field(ge=0, le=1)]
 BarycentricWeight = Annotated[float, Field(ge=-0.01, le=1.01)]
 

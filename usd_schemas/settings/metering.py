@@ -1,4 +1,4 @@
-"""How the exposure runs over the picture, and which meter decides it."""
+"""Declarations of the shutter and of the light meter."""
 
 # ruff: noqa: RUF009  (setting() and group() are dataclasses.field with a declaration)
 
@@ -13,7 +13,7 @@ from usd_schemas.settings.setting import Bounds, Floats, Option, Pair, Slider, s
 @schema_group("Film:Shutter", rest="exposure")
 @dataclass(frozen=True)
 class Shutter:
-    """How the exposure runs over the picture; the travel time is in seconds."""
+    """Shutter: the course of the exposure over the picture; the travel time is in seconds."""
 
     type: Literal["global", "rolling", "focalPlane", "leaf"] = setting(
         "film:shutter:type",
@@ -75,7 +75,7 @@ class Exposing:
 @schema_group("Film:Metering", rest="exposure")
 @dataclass(frozen=True)
 class Metering:
-    """What a meter looks at, by how many stops more than it says to expose, and over how many seconds it is smoothed."""
+    """Light meter: the part of the picture it reads, its compensation in stops, and its smoothing in seconds."""
 
     mode: Literal["manual", "center", "average", "spot"] = setting(
         "film:metering:mode",

@@ -1,4 +1,4 @@
-"""How a setting of a camera is declared: once, as a dataclass field, from which every other place derives.
+"""Declaration of a setting: once, as a dataclass field, from which every other place derives.
 
 A declaration holds the name in USD, the default, the limits, the unit, whether it takes keys, the documentation and the display
 group; the field's name is the name in Python, with its unit, and in camelCase it is the name in REST and in the page. A field

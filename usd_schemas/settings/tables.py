@@ -15,7 +15,7 @@ LENS_SETTINGS = {item.name: item for item in settings_of(CameraData)}
 FOCUS_SETTINGS = {
     item.name: item for item in (*settings_of(FocusData, "FocusAPI"), *settings_of(TiltShiftData, "TiltShiftAPI"))
 }
-"""How the focus is found, and the lens's movements."""
+"""Settings of the focus and of the lens's movements, by name."""
 
 _FILM_API = settings_of(FilmData, "FilmAPI")
 
@@ -24,7 +24,7 @@ EXPOSURE_SETTINGS = {
     for item in (*settings_of(ExposureData), *settings_of(LensData, "LensAPI"), *_FILM_API)
     if item.rest == "exposure"
 }
-"""How much light falls on the film, and when: exposure, shutter, light meter, and stray light."""
+"""Settings of the light on the film, by name: exposure, shutter, light meter and stray light."""
 
 FILM_SETTINGS = {item.name: item for item in _FILM_API if item.name not in EXPOSURE_SETTINGS}
 """The rest of FilmAPI: film or sensor, and grade."""

@@ -25,7 +25,7 @@ _BY_NAME = {rule.name: rule for rule in RULES}
 
 @dataclass(frozen=True)
 class Problem:
-    """What a validator found.
+    """Problem that a validator reports.
 
     Attributes:
         rule: name of the rule.

@@ -104,7 +104,7 @@ def _instance_fault(view: FocusPointView, point: FocusPoint) -> Iterator[Fault]:
 
 
 def _instance_problem(instancer: UsdGeom.PointInstancer, point: FocusPoint) -> str:
-    """What is wrong with a focus point's instance, when the instancer first says anything; empty where nothing is."""
+    """Describe the fault of a focus point's instance at the instancer's first sample; empty where there is none."""
     where = instancer.GetPath()
     if point.instance < 0:
         return f"{where} is a PointInstancer, whose instance must be named, got {point.instance}"

@@ -1,4 +1,4 @@
-"""What a rule is: a check of a camera, a prim or a stage, and perhaps a safe fix."""
+"""Rule of the validators: a check of a camera, a prim or a stage, and perhaps a safe fix."""
 
 from __future__ import annotations
 

@@ -54,24 +54,24 @@ describe("edits", () => {
   it("that fail are reported, and everything is read again; nothing is sent to take them back", async () => {
     const { fake, document, failed } = opened();
     fake.failing = "removePoint";
-    const asked = vi.spyOn(fake, "focusPoints");
+    const read = vi.spyOn(fake, "focusPoints");
     await document.pointsAt(1);
     expect(await document.edit("half", [setStop(4), { type: "removePoint", name: "a" }])).toBe(false);
     await document.pointsAt(1);
-    expect(asked).toHaveBeenCalledTimes(2);
+    expect(read).toHaveBeenCalledTimes(2);
     expect([fake.made, fake.done]).toEqual([[], []]);
     expect(failed).toHaveLength(1);
     expect([document.undoLabel.value, document.redoLabel.value]).toEqual([null, null]);
   });
 
-  it("points are asked for once in a revision, and anew after an edit", async () => {
+  it("points are read once in a revision, and again after an edit", async () => {
     const { fake, document } = opened();
-    const asked = vi.spyOn(fake, "focusPoints");
+    const read = vi.spyOn(fake, "focusPoints");
     await Promise.all([document.pointsAt(3), document.pointsAt(3), document.pointsAt(4)]);
-    expect(asked).toHaveBeenCalledTimes(2);
+    expect(read).toHaveBeenCalledTimes(2);
     await document.edit("a", toStop(4));
     await document.pointsAt(3);
-    expect(asked).toHaveBeenCalledTimes(3);
+    expect(read).toHaveBeenCalledTimes(3);
   });
 });
 
@@ -174,19 +174,19 @@ describe("a drag", () => {
 
   it("shows what the lens does meanwhile, and what the service says of it in the end", async () => {
     const { fake, document } = opened();
-    const told = await fake.readout();
+    const saved = await fake.readout();
     document.follow(1, false, 0);
     await turn();
     const drag = document.drag("stop", toStop);
     drag.move(4);
-    document.showReadout({ ...told, fStop: 4 }, document.unsaved.value);
+    document.showReadout({ ...saved, fStop: 4 }, document.unsaved.value);
     expect(document.readout.value?.fStop).toBe(4);
     drag.commit(4);
     await turn();
-    expect(document.readout.value?.fStop).toBe(4); // until it is told anew, and not the old one in between
+    expect(document.readout.value?.fStop).toBe(4); // until it is read again, and not the old one in between
     document.follow(1, false, document.revision.value);
     await turn();
-    expect(document.readout.value).toEqual(told);
+    expect(document.readout.value).toEqual(saved);
   });
 
   it("that is followed by another one at once leaves that one its say", async () => {

@@ -1,4 +1,4 @@
-/** A service that answers as the test says and remembers what it was asked. */
+/** A service whose answers a test sets, and which records what it is sent. */
 
 import type { Change, Changes } from "@/model/changes";
 import type { EditHistory } from "@/model/history";
@@ -48,7 +48,7 @@ export class FakeService implements Partial<Service> {
   #states: State[] = [{ done: [], label: "" }];
   #now = 0;
   readonly frames: { time: number; quality: Quality }[] = [];
-  /** What live pictures were wanted, and who waits for them. */
+  /** Requests for live pictures, and the listener that waits for them. */
   readonly requests: PictureRequest[] = [];
   listener: LiveListener | null = null;
   /** How often live pictures were given up. */
@@ -65,7 +65,7 @@ export class FakeService implements Partial<Service> {
     return this as unknown as Service;
   }
 
-  /** What holds now, of all that was ever asked. */
+  /** The changes of the present state. */
   get done(): Changes {
     return this.#states[this.#now]?.done ?? [];
   }
@@ -137,8 +137,8 @@ export class FakeService implements Partial<Service> {
     if (!request || !this.listener) throw new Error("Nobody waits for a picture.");
     const scale = stage === "preview" ? 0.25 : 1;
     const { width, height, rays } = request.quality;
-    const said = { width: width * scale, height: height * scale, rays, share: Number(stage === "final"), tookMs: 80 };
-    await this.listener.onPicture({ blob: new Blob([stage]), stage, ...said }, request);
+    const facts = { width: width * scale, height: height * scale, rays, share: Number(stage === "final"), tookMs: 80 };
+    await this.listener.onPicture({ blob: new Blob([stage]), stage, ...facts }, request);
   }
 
   async frame(_: View, time: number, quality: Quality): Promise<Blob> {

@@ -14,8 +14,8 @@ class FakeSocket implements Socket {
   readonly sent: Record<string, unknown>[] = [];
   closed = false;
 
-  send(said: unknown): void {
-    this.sent.push(JSON.parse(String(said)) as Record<string, unknown>);
+  send(text: unknown): void {
+    this.sent.push(JSON.parse(String(text)) as Record<string, unknown>);
   }
 
   close(): void {

@@ -11,14 +11,14 @@ const HISTORY = { revision: "r1", before: null, after: null, undo: null, redo: n
 /** Answer to an edit that says nothing of the state. */
 const NOTHING = { history: HISTORY, changed: [], added: [], racks: [], imported: null, state: null };
 
-/** Answers every request and remembers what was asked. */
+/** Answers every request and records the requests. */
 function answering(status: number, body: unknown): Request[] {
-  const asked: Request[] = [];
+  const requests: Request[] = [];
   vi.stubGlobal("fetch", (request: Request) => {
-    asked.push(request);
+    requests.push(request);
     return Promise.resolve(Response.json(body, { status }));
   });
-  return asked;
+  return requests;
 }
 
 afterEach(() => {
@@ -75,7 +75,7 @@ describe("what the service says", () => {
   });
 });
 
-describe("what is asked of the service", () => {
+describe("requests to the service", () => {
   it("an edit is one request, with all that its answer must have", async () => {
     const requests = answering(200, NOTHING);
     const rack: Change = { type: "rack", rack: { from: "a", to: "b", start: 5, end: 17, ease: "smooth" } };
@@ -106,9 +106,9 @@ describe("what is asked of the service", () => {
   });
 
   it("a prim path travels whole", async () => {
-    const asked = answering(200, { focusPoints: [] });
+    const requests = answering(200, { focusPoints: [] });
     await new HttpService("http://host").focusPoints({ shot: "demo", camera: "/World/a b/cam&1" }, 7.5);
-    const address = new URL(asked[0]?.url ?? "");
+    const address = new URL(requests[0]?.url ?? "");
     expect(address.searchParams.get("camera")).toBe("/World/a b/cam&1");
     expect(address.searchParams.get("time")).toBe("7.5");
   });
@@ -118,7 +118,7 @@ const alter: Change = { type: "alterPoint", name: "a", values: { weight: 0.5 }, 
 const add: Change = { type: "addPoint", point: { name: "b", ...point("b").anchor } };
 const key: Change = { type: "keyPoint", name: "b", attribute: "weight", key: { time: 1, value: 1 } };
 
-/** Answers as a service whose list of points has tags `list-n` and `a-n`, n of the time that is asked for. */
+/** Answers as a service whose list of points has tags `list-n` and `a-n`, n of the requested time. */
 function tagging(refuse = false): (string | null)[] {
   const sent: (string | null)[] = [];
   vi.stubGlobal("fetch", (request: Request) => {

@@ -76,7 +76,7 @@ describe("newest wins", () => {
     expect(loaded).toEqual(["best", "draft"]);
   });
 
-  it("a failure is told and does not stop what comes after", async () => {
+  it("a failure is reported and does not stop later requests", async () => {
     const { fetcher, shown, failed, answer, refuse } = harness(1);
     fetcher.load("1");
     fetcher.load("2");

@@ -50,7 +50,7 @@ describe("live pictures", () => {
     expect(pictures.busy.value).toBe(false);
   });
 
-  it("are wanted once while a hand moves and again when it rests, however often the same is asked for", () => {
+  it("are requested once while a hand moves and again when it rests, however often the same is", () => {
     const { fake, want } = opened();
     for (const moving of [true, true, false, false, true]) want(5, moving);
     expect(fake.requests.map((request) => request.moving)).toEqual([true, false]);
@@ -82,7 +82,7 @@ describe("pictures that were shown once", () => {
     expect(pictures.keptTimes.value.toSorted()).toEqual([1, 2]);
   });
 
-  it("and were poor are asked for again, and never take the place of a better one", async () => {
+  it("and were poor are requested again, and never replace a better one", async () => {
     const { fake, pictures, want } = opened();
     want(1, false);
     await fake.show("preview");
@@ -108,7 +108,7 @@ describe("pictures that were shown once", () => {
 });
 
 describe("pictures that are kept", () => {
-  it("stay on screen, whatever still comes of what was wanted before", async () => {
+  it("stay on screen, whatever arrives of earlier requests", async () => {
     const { fake, pictures, want } = opened();
     want(11, false);
     await fake.show("final");
@@ -130,7 +130,7 @@ describe("pictures that are kept", () => {
 });
 
 describe("where pictures do not come live", () => {
-  it("a draft is asked for, and the whole one when all has been still", async () => {
+  it("a draft is requested, and the whole one after a rest", async () => {
     const { fake, pictures, want } = opened();
     fake.listener?.onOpen(false);
     want(5, false);
@@ -141,7 +141,7 @@ describe("where pictures do not come live", () => {
     expect(fake.frames.map(({ quality }) => quality.width < REST.width)).toEqual([true, false]);
   });
 
-  it("the whole one of what is not wanted any more is not asked for", async () => {
+  it("the whole one of an earlier request is not requested", async () => {
     const { fake, pictures, want } = opened();
     want(11, false);
     await fake.show("final");
@@ -153,7 +153,7 @@ describe("where pictures do not come live", () => {
     expect(fake.frames.filter(({ quality }) => quality.width === REST.width && quality.rays === REST.rays)).toEqual([]);
   });
 
-  it("while things move the whole one is never asked for, and what is only unsaved not at all", async () => {
+  it("while things move the whole one is never requested, and unsaved changes not at all", async () => {
     const { fake, want } = opened();
     fake.listener?.onOpen(false);
     for (const time of [1, 2, 3]) {
@@ -166,7 +166,7 @@ describe("where pictures do not come live", () => {
     expect(fake.frames.every(({ quality }) => quality.rays < REST.rays)).toBe(true);
   });
 
-  it("they do again as soon as the connection is there, beginning with what was wanted last", () => {
+  it("they do again as soon as the connection is there, beginning with the last request", () => {
     const { fake, pictures, want } = opened();
     want(1, false);
     fake.listener?.onOpen(false);

@@ -29,7 +29,7 @@ interface At {
 
 export class CameraPhotography {
   /** The settings as last read. */
-  readonly said = signal<(Photography & At) | null>(null);
+  readonly current = signal<(Photography & At) | null>(null);
   readonly meter = signal<(MeterReading & At) | null>(null);
   readonly grades = signal<GradeChoices | null>(null);
   /** Mode of the meter where it does not set the exposure. */
@@ -49,7 +49,7 @@ export class CameraPhotography {
     this.#fail = fail;
     this.#follow = new NewestWins({
       load: (at, signal) => service.photography(document.view, at.time, signal),
-      onResult: (value, at) => (this.said.value = { ...value, ...at }),
+      onResult: (value, at) => (this.current.value = { ...value, ...at }),
       onError: fail,
       mostInFlight: 1,
     });
@@ -63,17 +63,17 @@ export class CameraPhotography {
 
   /** Whether the settings are of the present revision. */
   readonly fresh = computed(
-    () => this.#document.pending.value === 0 && this.said.value?.revision === this.#document.revision.value,
+    () => this.#document.pending.value === 0 && this.current.value?.revision === this.#document.revision.value,
   );
 
   follow(time: number, moving: boolean, revision: number): void {
     // While something moves the dragged value is shown, and the rest can wait.
-    if (!this.#document.hasLens || (moving && this.said.peek() !== null)) return;
+    if (!this.#document.hasLens || (moving && this.current.peek() !== null)) return;
     const at = { time, revision };
     const photography = this.#document.edited(at)?.photography;
     if (photography) {
       this.#follow.clear(); // a reading under way is of an earlier revision
-      this.said.value = { ...photography, ...at };
+      this.current.value = { ...photography, ...at };
     } else this.#follow.load(at);
   }
 
@@ -84,7 +84,7 @@ export class CameraPhotography {
    */
   measure(time: number, revision: number, mode: MeterMode, point: string | null): void {
     if (!this.#document.hasLens) return;
-    const decides = this.said.peek()?.exposure.meteringMode !== "manual";
+    const decides = this.current.peek()?.exposure.meteringMode !== "manual";
     const request = decides ? null : { mode, point: mode === "spot" ? point : null };
     this.#followMeter.load({ time, revision, request });
   }

@@ -97,7 +97,7 @@ export class Session {
 
   /** Width over height of the picture. */
   get aspect(): number {
-    const film = this.photography.said.value?.film;
+    const film = this.photography.current.value?.film;
     return film?.aspect ?? this.shot.cameras.find((camera) => camera.path === this.camera)?.aspect ?? 16 / 9;
   }
 

@@ -12,7 +12,7 @@ import { GlassPanel } from "./GlassPanel";
 import { trim } from "../numbers";
 
 export function CameraPanel({ editor, session }: { editor: Editor; session: Session }): JSX.Element {
-  const said = session.photography.said.value;
+  const current = session.photography.current.value;
   useSignalEffect(() => {
     // Last of all, since what draws pictures does it.
     if (!session.settled.value) return;
@@ -23,15 +23,15 @@ export function CameraPanel({ editor, session }: { editor: Editor; session: Sess
       session.selected.value,
     );
   });
-  if (!said) return <p class="muted pad-all">Reading the camera…</p>;
+  if (!current) return <p class="muted pad-all">Reading the camera…</p>;
   return (
     <>
-      <ExposurePanel session={session} said={said} />
-      <FilmPanel editor={editor} session={session} film={said.film} />
-      <GradePanel session={session} film={said.film} />
-      <GlassPanel session={session} exposure={said.exposure} />
-      <Body editor={editor} session={session} film={said.film} />
-      <Motion editor={editor} session={session} said={said} />
+      <ExposurePanel session={session} current={current} />
+      <FilmPanel editor={editor} session={session} film={current.film} />
+      <GradePanel session={session} film={current.film} />
+      <GlassPanel session={session} exposure={current.exposure} />
+      <Body editor={editor} session={session} film={current.film} />
+      <Motion editor={editor} session={session} current={current} />
     </>
   );
 }
@@ -95,9 +95,9 @@ const SHUTTER_NAMES: Readonly<Record<ShutterType, string>> = {
   leaf: "Leaf, in the lens",
 };
 
-function Motion({ editor, session, said }: { editor: Editor; session: Session; said: Photography }): JSX.Element {
+function Motion({ editor, session, current }: { editor: Editor; session: Session; current: Photography }): JSX.Element {
   const { motion } = editor.remembered;
-  const still = said.exposure.shutterAngleDeg === 0;
+  const still = current.exposure.shutterAngleDeg === 0;
   return (
     <section class="motion" aria-labelledby="motion-title">
       <div class="panel-head">
@@ -119,10 +119,10 @@ function Motion({ editor, session, said }: { editor: Editor; session: Session; s
         </label>
         <Choice
           label="Shutter"
-          value={said.exposure.shutterType}
+          value={current.exposure.shutterType}
           onChoose={(chosen) => {
             const shutterType = SHUTTER_TYPES.find((type) => type === chosen) ?? "global";
-            session.photography.setExposure("Shutter type", { shutterType }, said.exposure);
+            session.photography.setExposure("Shutter type", { shutterType }, current.exposure);
           }}
         >
           <Options values={SHUTTER_TYPES} names={SHUTTER_NAMES} />

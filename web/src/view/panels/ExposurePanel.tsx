@@ -14,33 +14,33 @@ import { Setting } from "../controls/Setting";
 
 interface PartProps {
   readonly session: Session;
-  readonly said: Photography;
+  readonly current: Photography;
 }
 
-export function ExposurePanel({ session, said }: PartProps): JSX.Element {
+export function ExposurePanel({ session, current }: PartProps): JSX.Element {
   return (
     <section class="exposure" aria-labelledby="exposure-title">
       <div class="panel-head">
         <h2 id="exposure-title">Exposure</h2>
         <span class="muted" title="Exposure value of stop, time and ISO, at ISO 100">
-          EV <b data-meter="ev">{trim(said.readout.ev100, 1)}</b>
+          EV <b data-meter="ev">{trim(current.readout.ev100, 1)}</b>
         </span>
       </div>
       <div class="fields">
-        <LightMeter session={session} exposure={said.exposure} />
-        <Stop session={session} said={said} />
-        <Shutter session={session} said={said} />
-        <Numbers session={session} exposure={said.exposure} />
+        <LightMeter session={session} exposure={current.exposure} />
+        <Stop session={session} current={current} />
+        <Shutter session={session} current={current} />
+        <Numbers session={session} exposure={current.exposure} />
       </div>
     </section>
   );
 }
 
 /** The stop that exposes: the iris's, or one of its own. */
-function Stop({ session, said }: PartProps): JSX.Element | null {
+function Stop({ session, current }: PartProps): JSX.Element | null {
   const lens = session.document.readout.value;
   if (!lens) return null;
-  const { exposure, readout } = said;
+  const { exposure, readout } = current;
   const byIris = exposure.exposureStop === "iris";
   const letter = exposure.stopMarking === "t" ? "T" : "f/";
   const worth = `T${trim(readout.effectiveTStop, 1)}`;
@@ -127,8 +127,8 @@ function stopField(session: Session, exposure: ExposureSettings, lens: Readout):
   };
 }
 
-function Shutter({ session, said }: PartProps): JSX.Element {
-  const { exposure, readout } = said;
+function Shutter({ session, current }: PartProps): JSX.Element {
+  const { exposure, readout } = current;
   const { photography } = session;
   const perSecond = session.shot.range.framesPerSecond;
   return (
@@ -158,7 +158,7 @@ function Shutter({ session, said }: PartProps): JSX.Element {
             class="button small"
             title="Exposes for as long as the shutter is open; compensation keeps the picture as bright"
             onClick={() => {
-              photography.matchShutter(said);
+              photography.matchShutter(current);
             }}
           >
             Match

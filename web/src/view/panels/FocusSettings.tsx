@@ -23,7 +23,7 @@ export function ModeSettings({
   const mode = readout.focusMode;
   if (mode === "manual")
     return (
-      <More name="Tilt" said={saidOfTilt(readout)}>
+      <More name="Tilt" summary={summaryOfTilt(readout)}>
         <Tilt {...props} />
       </More>
     );
@@ -38,10 +38,10 @@ export function ModeSettings({
         hint="As wide open as holds all points sharp"
         onEdit={(on) => (on ? "Points set the f-number" : "The f-number by hand")}
       />
-      <More name="Follow" said={saidOfFollow(settings)}>
+      <More name="Follow" summary={summaryOfFollow(settings)}>
         <Follow {...props} />
       </More>
-      <More name="Which points count" said={saidOfCounting(settings)}>
+      <More name="Which points count" summary={summaryOfCounting(settings)}>
         <Counting {...props} />
       </More>
     </>
@@ -149,38 +149,46 @@ function Counting({ session, settings }: FocusSettingsProps): JSX.Element {
 }
 
 /** Settings that are seldom touched, folded away; what they say now is read without opening them. */
-function More({ name, said, children }: { name: string; said: string; children: ComponentChildren }): JSX.Element {
+function More({
+  name,
+  summary,
+  children,
+}: {
+  name: string;
+  summary: string;
+  children: ComponentChildren;
+}): JSX.Element {
   return (
     <details class="more">
       <summary>
-        {name} <span class="muted">{said}</span>
+        {name} <span class="muted">{summary}</span>
       </summary>
       {children}
     </details>
   );
 }
 
-function saidOfFollow({ smoothingS, lagS, deadZoneMm, nearPriority }: FocusSettings): string {
-  const said = [
+function summaryOfFollow({ smoothingS, lagS, deadZoneMm, nearPriority }: FocusSettings): string {
+  const parts = [
     smoothingS > 0 && `smoothed over ${trim(smoothingS, 2)} s`,
     lagS > 0 && `${trim(lagS, 2)} s late`,
     deadZoneMm > 0 && `dead zone ${trim(deadZoneMm, 3)} mm`,
     nearPriority > 0 && "near first",
   ].filter((part) => part !== false);
-  return said.join(", ") || "at once";
+  return parts.join(", ") || "at once";
 }
 
-function saidOfCounting({ offScreen, occluded, circleOfConfusionMm }: FocusSettings): string {
-  const said = [
+function summaryOfCounting({ offScreen, occluded, circleOfConfusionMm }: FocusSettings): string {
+  const parts = [
     offScreen === "keep" && "out of frame too",
     occluded === "fade" && "hidden ones fade",
     occluded === "ignore" && "hidden ones do not",
     circleOfConfusionMm > 0 && `sharp to ${trim(circleOfConfusionMm, 3)} mm`,
   ].filter((part) => part !== false);
-  return said.join(", ") || "those in frame";
+  return parts.join(", ") || "those in frame";
 }
 
-function saidOfTilt({ tiltDeg, swingDeg }: Readout): string {
+function summaryOfTilt({ tiltDeg, swingDeg }: Readout): string {
   return tiltDeg === 0 && swingDeg === 0 ? "none" : `${degrees(tiltDeg)}, swing ${degrees(swingDeg)}`;
 }
 

@@ -117,10 +117,10 @@ function Scale({ stops }: { stops: number | null }): JSX.Element {
   const x = (value: number): number => WIDTH / 2 + (value / REACH) * (WIDTH / 2 - MARGIN);
   const marks = Array.from({ length: 2 * REACH + 1 }, (_, at) => at - REACH);
   const thirds = marks.slice(0, -1).flatMap((mark) => [mark + 1 / 3, mark + 2 / 3]);
-  const said = stops === null ? "Metering…" : saidOf(stops);
+  const text = stops === null ? "Metering…" : textOf(stops);
   const at = stops === null ? null : x(Math.min(Math.max(stops, -REACH - 0.3), REACH + 0.3));
   return (
-    <svg class="meter-scale" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Light meter: ${said}`}>
+    <svg class="meter-scale" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Light meter: ${text}`}>
       {thirds.map((mark) => (
         <line key={mark} class="minor" x1={x(mark)} x2={x(mark)} y1={19} y2={23} />
       ))}
@@ -135,14 +135,14 @@ function Scale({ stops }: { stops: number | null }): JSX.Element {
       {at !== null && <path class="needle" d={`M${at.toFixed(1)} 21l-4.5-11h9z`} />}
       {stops !== null && (
         <text class="meter-said" x={WIDTH - 2} y={9} text-anchor="end">
-          {said}
+          {text}
         </text>
       )}
     </svg>
   );
 }
 
-function saidOf(stops: number): string {
+function textOf(stops: number): string {
   if (!Number.isFinite(stops)) return "black";
   const rounded = Number(stops.toFixed(1));
   if (rounded === 0) return "on grey";

@@ -9,6 +9,7 @@ from pydantic.config import JsonDict
 
 from service.models.base import Distance, Finding, Model, PointName, PrimPath, TimeCode, shown_as
 from service.models.lenses import LensModel
+from service.models.settings import edit_field
 from service.models.shots import CameraChoice
 
 CAMERA_EXAMPLE: JsonDict = {
@@ -89,14 +90,9 @@ class CameraEdit(Model):
 
     model_config = shown_as({"fStop": 2.8, "focusDistanceM": 3.5})
 
-    f_stop: float | None = Field(default=None, ge=0, le=1000, description="f-number; 0 is a pinhole.")
-    focal_length_mm: float | None = Field(default=None, gt=0, le=100_000)
-    focus_distance_m: float | None = Field(
-        default=None,
-        ge=0,
-        le=1e9,
-        description="0 focuses at infinity. Without a `focusMode`, sets the mode to `manual`.",
-    )
+    f_stop: float | None = edit_field("f_stop")
+    focal_length_mm: float | None = edit_field("focal_length_mm")
+    focus_distance_m: float | None = edit_field("focus_distance_m")
     focus_mode: FocusMode | None = Field(default=None, description="`points` gives the focus back to the focus points.")
     lens: str | None = Field(
         default=None,

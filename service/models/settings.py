@@ -11,7 +11,7 @@ from pydantic.config import JsonDict, JsonValue
 from service.models.base import Model
 from usd_schemas.settings import Asset
 from usd_schemas.settings.setting import Bounds, Resource, Setting
-from usd_schemas.settings.tables import rest_settings
+from usd_schemas.settings.tables import SETTINGS, rest_settings
 
 Kind = TypeVar("Kind", bound=Model)
 
@@ -49,6 +49,12 @@ def example_of(resource: Resource, values: JsonDict) -> JsonDict:
     return defaults | values
 
 
+def edit_field(name: str) -> Any:
+    """A field of an edit for a number, by its name in Python: optional, with the bounds and the documentation declared."""
+    item = SETTINGS[name]
+    return Field(default=None, description=item.doc, **_limits(item.sent))
+
+
 def _edit_type(item: Setting) -> Any:
     """The type of a value that REST sets, with the bounds that the setting declares."""
     return _bounded(item.type, item.sent)
@@ -66,8 +72,7 @@ def _read_type(hint: Any) -> Any:
 def _bounded(hint: Any, bounds: Bounds) -> Any:
     """A type with bounds on each of its numbers, and on how long a word or a list is."""
     if hint in (float, int):
-        above, least = (bounds.least, None) if bounds.above else (None, bounds.least)
-        return Annotated[hint, Field(gt=above, ge=least, le=bounds.most)]
+        return Annotated[hint, Field(**_limits(bounds))]
     if hint is str:
         return Annotated[str, Field(max_length=bounds.length)]
     if get_origin(hint) is tuple:
@@ -78,6 +83,10 @@ def _bounded(hint: Any, bounds: Bounds) -> Any:
     if hint is bool or get_origin(hint) is Literal:
         return hint
     raise TypeError(f"REST has no values of type {hint}")
+
+
+def _limits(bounds: Bounds) -> dict[str, Any]:
+    return {"gt" if bounds.above else "ge": bounds.least, "le": bounds.most}
 
 
 def _as_json(value: Any) -> JsonValue:

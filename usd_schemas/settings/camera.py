@@ -36,6 +36,7 @@ class CameraData:
         0.0,
         "Focus Distance",
         "Depth of the plane of focus; 0 focuses at infinity.",
+        "Over REST it sets `focusMode` to `manual` where none is sent beside it.",
         unit="metres",
         usd_type="float",
         length="units",

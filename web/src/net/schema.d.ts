@@ -1351,11 +1351,14 @@ export interface components {
              * @description Sets a body of the library, for all time: its gate and its photosites. The lens stays.
              */
             readonly body?: string | null;
-            /** Focallengthmm */
+            /**
+             * Focallengthmm
+             * @description Focal length of the lens.
+             */
             readonly focalLengthMm?: number | null;
             /**
              * Focusdistancem
-             * @description 0 focuses at infinity. Without a `focusMode`, sets the mode to `manual`.
+             * @description Depth of the plane of focus; 0 focuses at infinity. Over REST it sets `focusMode` to `manual` where none is sent beside it.
              */
             readonly focusDistanceM?: number | null;
             /**

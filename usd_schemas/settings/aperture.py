@@ -28,7 +28,7 @@ class ApertureData:
         "aperture:roundness",
         0.0,
         "Roundness",
-        "How curved the blades are: 0 a polygon with straight sides, 1 a circle.",
+        "Curvature of the blades: 0 a polygon with straight sides, 1 a circle.",
         unit="none, a ratio from 0 to 1",
         hard=(0, 1),
     )
@@ -54,7 +54,7 @@ class ApertureData:
         "aperture:radialWeights",
         (),
         "Radial Weights",
-        "How much light each radius of the pupil lets through, at even steps from centre to edge, joined by "
+        "Light that each radius of the pupil lets through, at even steps from centre to edge, joined by "
         "straight lines: falling for soft bokeh, rising for hard edges, 0 in the middle for the rings of a mirror "
         "lens.",
         "The mean over the pupil is brought to 1, so that exposure does not change. Empty for an even pupil.",

@@ -156,7 +156,7 @@ class FilmData:
         "film:process",
         "none",
         "Process",
-        "What the light falls on.",
+        "Film or sensor that the light falls on.",
         "- none: scene-linear light goes straight to the grade.\n"
         "- negative: a colour negative, seen through a print stock.\n"
         "- reversal: a positive, seen directly.\n"

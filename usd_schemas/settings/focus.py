@@ -21,7 +21,7 @@ class FocusData:
         "focus:mode",
         "manual",
         "Mode",
-        "What decides the focus.",
+        "Method that decides the focus.",
         "- manual: focusDistance as it is authored.\n"
         "- points: the focus distance that serves the focus points best.\n"
         "- tiltPlane: the plane through the focus points, reached by tilting the lens (TiltShiftAPI).\n"
@@ -64,7 +64,7 @@ class FocusData:
         "focus:lag",
         0.0,
         "Lag",
-        "How late the focus follows a moving point, like an assistant's hand.",
+        "Delay with which the focus follows a moving point, like an assistant's hand.",
         unit="seconds",
         hard=(0, None),
         soft=(None, 1),
@@ -86,7 +86,7 @@ class FocusData:
         "focus:maxSpeed",
         0.0,
         "Fastest Turn",
-        "How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.",
+        "Largest speed of the focus ring, with lens:focusThrow; 0 sets no bound.",
         unit="degrees per second",
         hard=(0, None),
         soft=(None, 720),
@@ -97,7 +97,7 @@ class FocusData:
         "focus:nearPriority",
         0.0,
         "Near Priority",
-        "How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
+        "Exponent by which nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
         unit="none, an exponent",
         hard=(0, None),
         soft=(None, 4),
@@ -108,7 +108,7 @@ class FocusData:
         "focus:offScreen",
         "ignore",
         "Off-Screen Points",
-        "What becomes of a focus point outside the frame: it is left out, or kept.",
+        "Treatment of a focus point outside the frame: it is left out, or kept.",
         unit="none, a token",
         keyable=False,
     )
@@ -116,7 +116,7 @@ class FocusData:
         "focus:occluded",
         "keep",
         "Hidden Points",
-        "What becomes of a focus point that something stands before: it is left out, kept, or faded out over "
+        "Treatment of a focus point that something stands before: it is left out, kept, or faded out over "
         "focus:smoothing.",
         unit="none, a token",
         keyable=False,
@@ -125,7 +125,7 @@ class FocusData:
         "focus:surfaceExponent",
         3.0,
         "Exponent",
-        "How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and "
+        "Locality of the focal surface: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and "
         "Seidel 2010, section 5.2, beta).",
         unit="none, an exponent",
         hard=(1, None),

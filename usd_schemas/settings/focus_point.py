@@ -21,7 +21,7 @@ class FocusPoint:
     target: tuple[str, ...] = relationship(
         "target",
         "Target",
-        "What the point is anchored to: one path of a mesh, an implicit prim, an instance proxy or any Xformable; "
+        "Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; "
         "or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.",
         unit="none, prim paths",
     )
@@ -89,7 +89,7 @@ class FocusPoint:
         "weight",
         1.0,
         "Weight",
-        "How much the point counts among the others; 0 equals absence.",
+        "Weight of the point among the others; 0 equals absence.",
         "Racks are weights that cross over time.",
         unit="none, a ratio",
         hard=(0, None),

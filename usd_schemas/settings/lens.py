@@ -23,7 +23,7 @@ class LensData:
         "lens:model",
         "thin",
         "Model",
-        "How light passes the lens.",
+        "Model by which light passes the lens.",
         "- pinhole: everything is sharp, whatever fStop says.\n"
         "- thin: the ideal lens of focalLength and fStop.\n"
         "- seidel: the thin lens with the third-order wavefront errors of lens:seidel:*.\n"
@@ -124,7 +124,7 @@ class LensData:
         "lens:squeeze",
         1.0,
         "Anamorphic Squeeze",
-        "How many times wider the lens sees than a spherical lens of the same focal length: 1 is spherical, 2 the "
+        "Ratio by which the lens sees wider than a spherical lens of the same focal length: 1 is spherical, 2 the "
         "classic anamorphic.",
         "Out-of-focus points stretch upright by the same factor in the picture once it is unsqueezed.",
         unit="none, a ratio",

@@ -19,7 +19,7 @@ class Shutter:
         "film:shutter:type",
         "global",
         "Type",
-        "How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a "
+        "Order in which a frame's exposure runs over the picture: all at once, row after row as a sensor is read, as a "
         "travelling slit, or by blades at the iris.",
         "When it opens and closes is UsdGeomCamera's shutter:*.",
         unit="none, a token",
@@ -29,7 +29,7 @@ class Shutter:
         "film:shutter:direction",
         "down",
         "Direction",
-        "Which way rolling and focal-plane shutters run over the picture as it is seen.",
+        "Direction in which rolling and focal-plane shutters run over the picture as it is seen.",
         unit="none, a token",
         keyable=False,
     )
@@ -37,7 +37,7 @@ class Shutter:
         "film:shutter:travelTime",
         0.0,
         "Travel Time",
-        "How long a rolling or focal-plane shutter takes from one edge of the picture to the other.",
+        "Time that a rolling or focal-plane shutter takes from one edge of the picture to the other.",
         unit="seconds",
         hard=(0, None),
         soft=(None, 0.05),
@@ -47,7 +47,7 @@ class Shutter:
         "film:shutter:efficiency",
         (),
         "Efficiency",
-        "How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one "
+        "Share to which the shutter is open at even steps from opening to closing, joined by straight lines; empty for one "
         "that opens and closes at once.",
         unit="none, ratios from 0 to 1",
         bounds=Bounds(0, 1e9, length=256),
@@ -113,7 +113,7 @@ class Metering:
         "film:metering:compensation",
         0.0,
         "Compensation",
-        "How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by "
+        "Stops by which the metered light is brighter than middle grey: what the dial on a camera that meters by "
         "itself sets.",
         unit="stops",
         hard=(-20, 20),
@@ -124,7 +124,7 @@ class Metering:
         "film:metering:smoothing",
         1.0,
         "Smoothing",
-        "How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes "
+        "Time that metering takes to follow a sudden change, half of it ahead and half of it behind; what changes "
         "faster does not flicker in the picture.",
         unit="seconds",
         keyable=False,

@@ -55,10 +55,12 @@ SCHEMAS = (
     Schema(
         "FilmAPI",
         FilmData,
-        "What the light falls on and what becomes of it: film stock or sensor, shutter, grain, grade and display. How long and "
+        "Film or sensor, shutter, grain, grade and display. How long and "
         "how bright the exposure is stays in UsdGeomCamera's exposure:* and shutter:*.",
     ),
-    Schema("FocusAPI", FocusData, "How the focus is found: by hand, or from the focus points of FocusPointAPI."),
+    Schema(
+        "FocusAPI", FocusData, "Way in which the focus is found: by hand, or from the focus points of FocusPointAPI."
+    ),
     Schema(
         "FocusPointAPI",
         FocusPoint,

@@ -37,7 +37,7 @@ class TiltShiftData:
         "tiltShift:rise",
         0.0,
         "Rise",
-        "How far the lens is moved up against the film; it shows more of what is above, and adds to "
+        "Distance that the lens is moved up against the film; it shows more of what is above, and adds to "
         "verticalApertureOffset.",
         unit="millimetres",
         soft=(-15, 15),
@@ -47,7 +47,7 @@ class TiltShiftData:
         "tiltShift:shift",
         0.0,
         "Shift",
-        "How far the lens is moved to the right against the film; it shows more of what is on the right, and adds "
+        "Distance that the lens is moved to the right against the film; it shows more of what is on the right, and adds "
         "to horizontalApertureOffset.",
         unit="millimetres",
         soft=(-15, 15),
@@ -65,7 +65,7 @@ class TiltShiftData:
         "tiltShift:maxAngle",
         15.0,
         "Largest Angle",
-        "How far focus points may tilt and swing the lens together.",
+        "Largest angle that focus points may tilt and swing the lens together.",
         unit="degrees",
         hard=(0, 89),
         soft=(None, 45),

@@ -131,7 +131,7 @@ export const EXPOSURE_SLIDERS = {
     "name": "meteringCompensationStops",
     "panel": "meter",
     "label": "Brighter",
-    "hint": "How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by itself sets.",
+    "hint": "Stops by which the metered light is brighter than middle grey: what the dial on a camera that meters by itself sets.",
     "keyable": true,
     "slider": {
       "least": -6,
@@ -351,7 +351,7 @@ export const FOCUS_SLIDERS = {
     "name": "lagS",
     "panel": "focus",
     "label": "Lag",
-    "hint": "How late the focus follows a moving point, like an assistant's hand.",
+    "hint": "Delay with which the focus follows a moving point, like an assistant's hand.",
     "keyable": true,
     "slider": {
       "least": 0,
@@ -381,7 +381,7 @@ export const FOCUS_SLIDERS = {
     "name": "maxSpeedDegS",
     "panel": "focus",
     "label": "Ring speed",
-    "hint": "How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.",
+    "hint": "Largest speed of the focus ring, with lens:focusThrow; 0 sets no bound.",
     "keyable": true,
     "slider": {
       "least": 0,
@@ -396,7 +396,7 @@ export const FOCUS_SLIDERS = {
     "name": "nearPriority",
     "panel": "focus",
     "label": "Near priority",
-    "hint": "How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
+    "hint": "Exponent by which nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.",
     "keyable": true,
     "slider": {
       "least": 0,
@@ -411,7 +411,7 @@ export const FOCUS_SLIDERS = {
     "name": "surfaceExponent",
     "panel": "focus",
     "label": "Locality",
-    "hint": "How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).",
+    "hint": "Locality of the focal surface: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).",
     "keyable": true,
     "slider": {
       "least": 2,
@@ -471,7 +471,7 @@ export const FOCUS_SLIDERS = {
     "name": "maxAngleDeg",
     "panel": "focus",
     "label": "Largest angle",
-    "hint": "How far focus points may tilt and swing the lens together.",
+    "hint": "Largest angle that focus points may tilt and swing the lens together.",
     "keyable": true,
     "slider": {
       "least": 0,

@@ -2355,7 +2355,7 @@ export interface components {
             };
             /**
              * Meteringcompensationstops
-             * @description How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by itself sets.
+             * @description Stops by which the metered light is brighter than middle grey: what the dial on a camera that meters by itself sets.
              */
             readonly meteringCompensationStops: number;
             /**
@@ -2376,7 +2376,7 @@ export interface components {
             readonly meteringMode: "manual" | "center" | "average" | "spot";
             /**
              * Meteringsmoothings
-             * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
+             * @description Time that metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
              */
             readonly meteringSmoothingS: number;
             /**
@@ -2414,13 +2414,13 @@ export interface components {
             readonly shutterClose: number;
             /**
              * Shutterdirection
-             * @description Which way rolling and focal-plane shutters run over the picture as it is seen.
+             * @description Direction in which rolling and focal-plane shutters run over the picture as it is seen.
              * @enum {string}
              */
             readonly shutterDirection: "down" | "up" | "left" | "right";
             /**
              * Shutterefficiency
-             * @description How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
+             * @description Share to which the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
              */
             readonly shutterEfficiency: readonly number[];
             /**
@@ -2430,12 +2430,12 @@ export interface components {
             readonly shutterOpen: number;
             /**
              * Shuttertravels
-             * @description How long a rolling or focal-plane shutter takes from one edge of the picture to the other.
+             * @description Time that a rolling or focal-plane shutter takes from one edge of the picture to the other.
              */
             readonly shutterTravelS: number;
             /**
              * Shuttertype
-             * @description How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
+             * @description Order in which a frame's exposure runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
              * @enum {string}
              */
             readonly shutterType: "global" | "rolling" | "focalPlane" | "leaf";
@@ -2513,7 +2513,7 @@ export interface components {
             readonly iso?: number | null;
             /**
              * Meteringcompensationstops
-             * @description How much brighter than middle grey the metered light shall be: what the dial on a camera that meters by itself sets.
+             * @description Stops by which the metered light is brighter than middle grey: what the dial on a camera that meters by itself sets.
              */
             readonly meteringCompensationStops?: number | null;
             /**
@@ -2533,7 +2533,7 @@ export interface components {
             readonly meteringMode?: ("manual" | "center" | "average" | "spot") | null;
             /**
              * Meteringsmoothings
-             * @description How long metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
+             * @description Time that metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
              */
             readonly meteringSmoothingS?: number | null;
             /**
@@ -2571,12 +2571,12 @@ export interface components {
             readonly shutterClose?: number | null;
             /**
              * Shutterdirection
-             * @description Which way rolling and focal-plane shutters run over the picture as it is seen.
+             * @description Direction in which rolling and focal-plane shutters run over the picture as it is seen.
              */
             readonly shutterDirection?: ("down" | "up" | "left" | "right") | null;
             /**
              * Shutterefficiency
-             * @description How far the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
+             * @description Share to which the shutter is open at even steps from opening to closing, joined by straight lines; empty for one that opens and closes at once.
              */
             readonly shutterEfficiency?: readonly number[] | null;
             /**
@@ -2586,12 +2586,12 @@ export interface components {
             readonly shutterOpen?: number | null;
             /**
              * Shuttertravels
-             * @description How long a rolling or focal-plane shutter takes from one edge of the picture to the other.
+             * @description Time that a rolling or focal-plane shutter takes from one edge of the picture to the other.
              */
             readonly shutterTravelS?: number | null;
             /**
              * Shuttertype
-             * @description How the exposure of a frame runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
+             * @description Order in which a frame's exposure runs over the picture: all at once, row after row as a sensor is read, as a travelling slit, or by blades at the iris. When it opens and closes is UsdGeomCamera's shutter:*.
              */
             readonly shutterType?: ("global" | "rolling" | "focalPlane" | "leaf") | null;
             /**
@@ -3150,7 +3150,7 @@ export interface components {
             readonly printStock: string;
             /**
              * Process
-             * @description What the light falls on.
+             * @description Film or sensor that the light falls on.
              *     - none: scene-linear light goes straight to the grade.
              *     - negative: a colour negative, seen through a print stock.
              *     - reversal: a positive, seen directly.
@@ -3400,7 +3400,7 @@ export interface components {
             readonly printStock?: string | null;
             /**
              * Process
-             * @description What the light falls on.
+             * @description Film or sensor that the light falls on.
              *     - none: scene-linear light goes straight to the grade.
              *     - negative: a colour negative, seen through a print stock.
              *     - reversal: a positive, seen directly.
@@ -4090,22 +4090,22 @@ export interface components {
             };
             /**
              * Lags
-             * @description How late the focus follows a moving point, like an assistant's hand.
+             * @description Delay with which the focus follows a moving point, like an assistant's hand.
              */
             readonly lagS: number;
             /**
              * Maxangledeg
-             * @description How far focus points may tilt and swing the lens together.
+             * @description Largest angle that focus points may tilt and swing the lens together.
              */
             readonly maxAngleDeg: number;
             /**
              * Maxspeeddegs
-             * @description How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.
+             * @description Largest speed of the focus ring, with lens:focusThrow; 0 sets no bound.
              */
             readonly maxSpeedDegS: number;
             /**
              * Mode
-             * @description What decides the focus.
+             * @description Method that decides the focus.
              *     - manual: focusDistance as it is authored.
              *     - points: the focus distance that serves the focus points best.
              *     - tiltPlane: the plane through the focus points, reached by tilting the lens (TiltShiftAPI).
@@ -4115,29 +4115,29 @@ export interface components {
             readonly mode: "manual" | "points" | "tiltPlane" | "surface";
             /**
              * Nearpriority
-             * @description How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
+             * @description Exponent by which nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
              */
             readonly nearPriority: number;
             /**
              * Occluded
-             * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
+             * @description Treatment of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              * @enum {string}
              */
             readonly occluded: "keep" | "fade" | "ignore";
             /**
              * Offscreen
-             * @description What becomes of a focus point outside the frame: it is left out, or kept.
+             * @description Treatment of a focus point outside the frame: it is left out, or kept.
              * @enum {string}
              */
             readonly offScreen: "ignore" | "keep";
             /**
              * Risemm
-             * @description How far the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
+             * @description Distance that the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
              */
             readonly riseMm: number;
             /**
              * Shiftmm
-             * @description How far the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
+             * @description Distance that the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
              */
             readonly shiftMm: number;
             /**
@@ -4152,7 +4152,7 @@ export interface components {
             readonly solveStop: boolean;
             /**
              * Surfaceexponent
-             * @description How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
+             * @description Locality of the focal surface: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
              */
             readonly surfaceExponent: number;
             /**
@@ -4212,22 +4212,22 @@ export interface components {
             ])[] | null;
             /**
              * Lags
-             * @description How late the focus follows a moving point, like an assistant's hand.
+             * @description Delay with which the focus follows a moving point, like an assistant's hand.
              */
             readonly lagS?: number | null;
             /**
              * Maxangledeg
-             * @description How far focus points may tilt and swing the lens together.
+             * @description Largest angle that focus points may tilt and swing the lens together.
              */
             readonly maxAngleDeg?: number | null;
             /**
              * Maxspeeddegs
-             * @description How fast the focus ring may turn, with lens:focusThrow; 0 sets no bound.
+             * @description Largest speed of the focus ring, with lens:focusThrow; 0 sets no bound.
              */
             readonly maxSpeedDegS?: number | null;
             /**
              * Mode
-             * @description What decides the focus.
+             * @description Method that decides the focus.
              *     - manual: focusDistance as it is authored.
              *     - points: the focus distance that serves the focus points best.
              *     - tiltPlane: the plane through the focus points, reached by tilting the lens (TiltShiftAPI).
@@ -4236,27 +4236,27 @@ export interface components {
             readonly mode?: ("manual" | "points" | "tiltPlane" | "surface") | null;
             /**
              * Nearpriority
-             * @description How much nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
+             * @description Exponent by which nearer points count more: weights are multiplied by (1/depth)^p, depth in metres; 0 for not at all.
              */
             readonly nearPriority?: number | null;
             /**
              * Occluded
-             * @description What becomes of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
+             * @description Treatment of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              */
             readonly occluded?: ("keep" | "fade" | "ignore") | null;
             /**
              * Offscreen
-             * @description What becomes of a focus point outside the frame: it is left out, or kept.
+             * @description Treatment of a focus point outside the frame: it is left out, or kept.
              */
             readonly offScreen?: ("ignore" | "keep") | null;
             /**
              * Risemm
-             * @description How far the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
+             * @description Distance that the lens is moved up against the film; it shows more of what is above, and adds to verticalApertureOffset.
              */
             readonly riseMm?: number | null;
             /**
              * Shiftmm
-             * @description How far the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
+             * @description Distance that the lens is moved to the right against the film; it shows more of what is on the right, and adds to horizontalApertureOffset.
              */
             readonly shiftMm?: number | null;
             /**
@@ -4271,7 +4271,7 @@ export interface components {
             readonly solveStop?: boolean | null;
             /**
              * Surfaceexponent
-             * @description How local the focal surface is: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
+             * @description Locality of the focal surface: weights fall with the screen distance d as 1/d^exponent (Lee, Eisemann and Seidel 2010, section 5.2, beta).
              */
             readonly surfaceExponent?: number | null;
             /**

@@ -30,9 +30,7 @@ def add_parser(commands: Any) -> None:
     show.set_defaults(run=run_show)
     show.add_argument("body", metavar="NAME", help="of the library")
     usual = ", ".join(f"{lens_mm:g}" for lens_mm in USUAL_LENSES_MM)
-    show.add_argument(
-        "--lens-mm", metavar="MM", type=float, help=f"focal length to tell the field of view for; else {usual}"
-    )
+    show.add_argument("--lens-mm", metavar="MM", type=float, help=f"focal length of the field of view; else {usual}")
     # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
 

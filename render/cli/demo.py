@@ -15,7 +15,10 @@ def add_parser(commands: Any) -> None:
     parser = commands.add_parser("demo", help="write the demo shot")
     parser.set_defaults(run=run)
     parser.add_argument(
-        "folder", metavar="DIR", type=Path, help="made where it does not exist; files of the same names are replaced"
+        "folder",
+        metavar="DIR",
+        type=Path,
+        help="folder, created where it does not exist; files of the same names are replaced",
     )
     parser.add_argument("--json", action="store_true", help="print on standard output what was written")
 

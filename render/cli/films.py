@@ -11,7 +11,7 @@ from rich.table import Table
 
 from render.cli.console import print_json, print_message, print_result
 from render.cli.tables.film import film_json, film_table, wedge_table
-from render.cli.tables.sheet_path import sheet_path
+from render.cli.tables.sheet_path import resolve_sheet_path
 from render.files import write_atomic
 from render.film.report import film_report
 from usd_schemas import LibraryFilm, library_films
@@ -19,7 +19,7 @@ from usd_schemas import LibraryFilm, library_films
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("films", help="the film library; `films show NAME` has all about one, drawn too")
+    parser = commands.add_parser("films", help="the film library; `films show NAME` has the numbers and a sheet of one")
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print it for programs")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
@@ -36,7 +36,7 @@ def add_parser(commands: Any) -> None:
         "--with",
         dest="partner",
         metavar="NAME",
-        help="the stock that a negative is printed on, or that a print is made from; without it the usual one",
+        help="print stock of a negative, or negative of a print stock; without it the usual one",
     )
     # No default here, so that --json before `show` is kept.
     show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
@@ -76,7 +76,7 @@ def run_show(arguments: argparse.Namespace) -> None:
         OutputError: the sheet cannot be written.
     """
     report = film_report(arguments.film, push=arguments.push, partner=arguments.partner)
-    target = None if arguments.out is None else sheet_path(arguments.out, report.entry.name)
+    target = None if arguments.out is None else resolve_sheet_path(arguments.out, report.entry.name)
     if arguments.json:
         print_json(film_json(report))
     else:

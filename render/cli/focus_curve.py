@@ -30,7 +30,7 @@ _MAX_FILE_BYTES = 1 << 30
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
     parser = commands.add_parser(
-        "focus-curve", help="write the focus over time for other tools, or take a curve of theirs as a USD layer"
+        "focus-curve", help="write the focus over time for other tools, or import their curves as a USD layer"
     )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
@@ -51,29 +51,29 @@ def add_parser(commands: Any) -> None:
         dest="source",
         metavar="FILE",
         type=Path,
-        help="do not solve the focus, take it from a csv, json, opentrackio or otio file",
+        help="read the focus from a csv, json, opentrackio or otio file in place of solving it",
     )
     parser.add_argument(
         "--tolerance",
         metavar="SHARE",
         type=float,
         default=EXACT,
-        help="how far splines may be off, relative to the value (usda): 0.001 makes a curve of few keys, for hands to go on with;"
+        help="largest relative error of splines (usda): 0.001 gives a curve of few keys that is easy to edit;"
         " without it they are exact at each frame",
     )
     parser.add_argument(
         "--gaps",
         choices=GAPS,
-        help="with --import: what becomes of rows that are missing or cannot be used; without it they are refused",
+        help="with --import: treatment of missing or unusable rows; without it they are refused",
     )
     parser.add_argument(
         "--first-frame",
         metavar="TIME",
         type=float,
-        help="with --import: the time code where the file's first frame comes to lie; without it frame numbers are kept,"
-        " and what ran by timecode begins where the shot does",
+        help="with --import: time code of the file's first frame; without it frame numbers are kept,"
+        " and a file with timecode begins at the first frame of the shot",
     )
-    parser.add_argument("--out", metavar="FILE", type=Path, help="where to; without it, standard output")
+    parser.add_argument("--out", metavar="FILE", type=Path, help="file to write; without it, standard output")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -19,7 +19,9 @@ from render.shot.inspection import Inspection, inspect_shot
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("inspect", help="cameras, frame range, what is not honoured, validation findings")
+    parser = commands.add_parser(
+        "inspect", help="cameras, frame range, settings that are not honoured, validation findings"
+    )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     parser.add_argument("--json", action="store_true", help="print it for programs")

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from render.cli.console import print_json, print_message, print_result
 from render.cli.tables.lens import lens_json, lens_table
-from render.cli.tables.sheet_path import sheet_path
+from render.cli.tables.sheet_path import resolve_sheet_path
 from render.errors import InputError, NotFoundError, SettingsError
 from render.files import check_writable, write_atomic
 from render.optics.lens_files import data_sheet_text, is_data_sheet
@@ -24,7 +24,9 @@ from usd_schemas import library_lenses
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("lenses", help="the lens library; `lenses show NAME` has all about one, drawn too")
+    parser = commands.add_parser(
+        "lenses", help="the lens library; `lenses show NAME` has the numbers and a sheet of one"
+    )
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print it for programs")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
@@ -42,7 +44,7 @@ def add_parser(commands: Any) -> None:
         "--tables",
         metavar="PATH",
         type=Path,
-        help="write its data sheet, a .lens file: a lens with surfaces is measured as it is set",
+        help="write its data sheet as a .lens file; a lens with surfaces is measured as it is set",
     )
     show.add_argument("--f-stop", metavar="N", type=float, help="f-number; without it wide open")
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
@@ -100,7 +102,7 @@ def run_show(arguments: argparse.Namespace) -> None:
         if not is_data_sheet(arguments.tables):
             raise SettingsError(f"--tables writes a .lens file, got {arguments.tables}")
         check_writable(arguments.tables)
-    target = None if arguments.out is None else sheet_path(arguments.out, lens.name)
+    target = None if arguments.out is None else resolve_sheet_path(arguments.out, lens.name)
     report = _report(lens, arguments)
     if arguments.json:
         print_json(lens_json(lens, report))

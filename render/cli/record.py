@@ -305,5 +305,5 @@ def _read_moments(arguments: argparse.Namespace) -> int:
     if arguments.motion is None:
         return 1 if arguments.motion_by is None or arguments.long_exposure is not None else DEFAULT_MOMENTS
     if arguments.motion == 1 and arguments.motion_by is not None and arguments.long_exposure is None:
-        raise SettingsError("--motion-by is how motion is looked at, which --motion 1 stops: leave out one of them")
+        raise SettingsError("--motion-by has no effect with --motion 1, which stops motion: leave out one of them")
     return int(arguments.motion)

@@ -10,7 +10,7 @@ from render.files import check_writable
 SHEET_SUFFIXES = (".png", ".svg")
 
 
-def sheet_path(out: Path, name: str) -> Path:
+def resolve_sheet_path(out: Path, name: str) -> Path:
     """Return the file to draw: ``out`` itself, or a file in the folder ``out``, which is created where there is none.
 
     The file is checked to be writable before anything is computed.

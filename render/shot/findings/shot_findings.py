@@ -36,7 +36,7 @@ class ShotFindings:
         self._cameras = cameras
         self._reader = reader
         self._lights: tuple[Light, ...] = ()
-        self._focus: dict[Finding, int] = {}  # with the revision of the edits at which each was found
+        self._focus: dict[Finding, int] = {}  # with the revision of the edits that each belongs to
 
     def all(self) -> list[Finding]:
         """Every finding so far that still holds."""

@@ -21,8 +21,8 @@ def shown(pullfocus: Command, *arguments: object) -> dict[str, Any]:
     """Return the JSON entry of a body."""
     ended = pullfocus("bodies", "show", *arguments, "--json")
     assert ended.status == 0, ended.err
-    found: dict[str, Any] = json.loads(ended.out)
-    return found
+    report: dict[str, Any] = json.loads(ended.out)
+    return report
 
 
 def test_the_library_is_a_table_with_a_line_for_each_body(pullfocus: Command) -> None:
@@ -38,7 +38,7 @@ def test_the_library_is_a_table_with_a_line_for_each_body(pullfocus: Command) ->
 
 
 def test_the_numbers_of_a_body_are_reported_with_their_units(pullfocus: Command) -> None:
-    told = pullfocus("bodies", "show", "alexa_35", "--lens-mm", "35").out
+    output = pullfocus("bodies", "show", "alexa_35", "--lens-mm", "35").out
     for words in (
         "27.99 × 19.22 mm, diagonal 33.95 mm",
         "4608 × 3164, 6.07 µm apart",
@@ -49,19 +49,19 @@ def test_the_numbers_of_a_body_are_reported_with_their_units(pullfocus: Command)
         "27.99 × 11.71",
         "4608 × 1928",
     ):
-        assert words in told
-    assert "25 mm" not in told  # one lens was asked for
+        assert words in output
+    assert "25 mm" not in output  # one lens was asked for
 
 
 def test_an_anamorphic_gate_is_shown_as_wide_as_it_looks(pullfocus: Command) -> None:
     assert "2x: shown as wide as 44 mm" in pullfocus("bodies", "show", "anamorphic_35").out
-    found = shown(pullfocus, "anamorphic_35", "--lens-mm", 50)
-    assert (found["gateMm"], found["squeeze"], found["resolution"]) == ([22, 18.59], 2, None)
-    assert found["aspect"] == pytest.approx(2.367, abs=1e-3)
-    [view] = found["fieldsOfView"]
+    report = shown(pullfocus, "anamorphic_35", "--lens-mm", 50)
+    assert (report["gateMm"], report["squeeze"], report["resolution"]) == ([22, 18.59], 2, None)
+    assert report["aspect"] == pytest.approx(2.367, abs=1e-3)
+    [view] = report["fieldsOfView"]
     assert view["horizontalDeg"] == pytest.approx(47.5, abs=0.05)
-    assert view["fullFrameMm"] == pytest.approx(50 * found["cropFactor"])
-    [scope] = [guide for guide in found["framingGuides"] if guide["name"] == "2.39:1"]
+    assert view["fullFrameMm"] == pytest.approx(50 * report["cropFactor"])
+    [scope] = [guide for guide in report["framingGuides"] if guide["name"] == "2.39:1"]
     assert scope["gateMm"] == pytest.approx([22, 44 / 2.39])
     assert scope["shareOfGate"] == pytest.approx([1, 0.990], abs=1e-3)
 

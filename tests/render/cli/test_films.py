@@ -25,8 +25,8 @@ def shown(pullfocus: Command, *arguments: object) -> dict[str, Any]:
     """Return the JSON entry of a stock."""
     ended = pullfocus("films", "show", *arguments, "--json")
     assert ended.status == 0, ended.err
-    found: dict[str, Any] = json.loads(ended.out)
-    return found
+    report: dict[str, Any] = json.loads(ended.out)
+    return report
 
 
 def test_the_library_is_a_table_with_a_line_for_each_stock(pullfocus: Command) -> None:
@@ -42,22 +42,22 @@ def test_the_library_is_a_table_with_a_line_for_each_stock(pullfocus: Command) -
 
 
 def test_the_numbers_of_a_stock_are_reported(pullfocus: Command) -> None:
-    told = pullfocus("films", "show", "5219").out
+    output = pullfocus("films", "show", "5219").out
     for words in ("ISO 500", "3200 K", "vision_2383", "Status M", "0.81 / 1.31 / 1.55", "thousandths", "10 / 10 / 10"):
-        assert words in told
+        assert words in output
     assert "none is published" in pullfocus("films", "show", "portra_400").out
     assert "all light" in pullfocus("films", "show", "tri-x_400").out
 
 
 @pytest.mark.parametrize("film", library_films(), ids=lambda film: film.name)
 def test_a_stock_s_wedge_lands_grey_at_its_aim(film: Any, pullfocus: Command) -> None:
-    found = shown(pullfocus, film.name)
+    report = shown(pullfocus, film.name)
     records = 1 if film.film.process == "monochrome" else 3
-    assert len(found["curves"]) == len(found["channels"]) == records
-    wedge = found["wedge"]
+    assert len(report["curves"]) == len(report["channels"]) == records
+    wedge = report["wedge"]
     assert (len(wedge["stops"]), wedge["stops"][10]) == (21, 0)
     measured = wedge["cameraDensities"] if film.kind == "camera" else wedge["printDensities"]
-    assert measured[10] == pytest.approx(found["middleDensity"], abs=1e-4)
+    assert measured[10] == pytest.approx(report["middleDensity"], abs=1e-4)
     if film.film.process != "reversal":
         assert wedge["light"][10] == pytest.approx([0.1] * 3, rel=0.001)
     assert (wedge["printDensities"] is None) == (film.film.process == "reversal")

@@ -30,21 +30,25 @@ def shot(tmp_path: Path) -> Path:
 
 def test_json_has_all_that_was_found(pullfocus: Command, shot: Path) -> None:
     ended = pullfocus("inspect", shot, "--json")
-    found = json.loads(ended.out)
+    inspection = json.loads(ended.out)
     assert ended.status == 0
-    assert (found["frameRange"]["start"], found["frameRange"]["end"], found["frameRange"]["framesPerSecond"]) == (
+    assert (
+        inspection["frameRange"]["start"],
+        inspection["frameRange"]["end"],
+        inspection["frameRange"]["framesPerSecond"],
+    ) == (
         1,
         12,
         24,
     )
-    assert (found["upAxis"], found["metersPerUnit"]) == ("Y", 1)
-    assert found["cameras"] == ["/World/broken", "/World/main_cam"]
-    assert found["defaultCamera"]["path"] == "/World/main_cam"
-    assert (found["primCount"], found["triangleCount"], found["lightCount"]) == (1, 2, 0)
-    [lens] = found["readouts"]
+    assert (inspection["upAxis"], inspection["metersPerUnit"]) == ("Y", 1)
+    assert inspection["cameras"] == ["/World/broken", "/World/main_cam"]
+    assert inspection["defaultCamera"]["path"] == "/World/main_cam"
+    assert (inspection["primCount"], inspection["triangleCount"], inspection["lightCount"]) == (1, 2, 0)
+    [lens] = inspection["readouts"]
     assert (lens["camera"], lens["focalLengthMm"], lens["fStop"]) == ("/World/main_cam", 50, 2)
     assert lens["focusDistanceM"] == 5
-    assert {note["path"] for note in found["notes"]} == {"/World/Hair", "/World/broken"}
+    assert {note["path"] for note in inspection["notes"]} == {"/World/Hair", "/World/broken"}
 
 
 def test_people_read_the_same(pullfocus: Command, shot: Path) -> None:
@@ -64,8 +68,8 @@ def test_what_the_validators_find_is_listed(pullfocus: Command, tmp_path: Path) 
         'def Camera "main_cam"\n    {',
         'def Camera "main_cam" (\n        prepend apiSchemas = ["ApertureAPI"]\n    )\n    {\n        int aperture:blades = 2',
     )
-    found = json.loads(pullfocus("inspect", write_shot(tmp_path / "iris.usda", SQUARE, camera), "--json").out)
-    [problem] = found["validation"]
+    inspection = json.loads(pullfocus("inspect", write_shot(tmp_path / "iris.usda", SQUARE, camera), "--json").out)
+    [problem] = inspection["validation"]
     assert problem["path"].startswith("/World/main_cam")
     assert "blades" in problem["message"]
 

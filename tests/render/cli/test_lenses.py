@@ -27,8 +27,8 @@ def shown(pullfocus: Command, *arguments: object) -> dict[str, Any]:
     """Return the JSON entry of a lens."""
     ended = pullfocus("lenses", "show", *arguments, "--json")
     assert ended.status == 0, ended.err
-    found: dict[str, Any] = json.loads(ended.out)
-    return found
+    report: dict[str, Any] = json.loads(ended.out)
+    return report
 
 
 def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) -> None:
@@ -43,7 +43,7 @@ def test_the_library_is_a_table_with_a_line_for_each_lens(pullfocus: Command) ->
 
 
 def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command) -> None:
-    told = pullfocus("lenses", "show", "planar_50").out
+    output = pullfocus("lenses", "show", "planar_50").out
     for words in (
         "50.00 mm",
         "f/1.4, wide open",
@@ -56,17 +56,17 @@ def test_the_numbers_of_a_lens_are_reported_with_their_units(pullfocus: Command)
         "moving the whole lens",
         "The back focal distance of 35.5 mm was solved for.",
     ):
-        assert words in told
+        assert words in output
 
 
 @pytest.mark.parametrize(("lens", "widest"), [("singlet_50", 2.8), ("thin_50", 1.2)])
 def test_the_f_number_as_set_and_as_reached(lens: str, widest: float, pullfocus: Command) -> None:
     stopped = shown(pullfocus, lens, "--f-stop", "8")
     assert (stopped["fStopSet"], stopped["fStop"]) == pytest.approx((8, 8))
-    found = shown(pullfocus, lens, "--f-stop", "0.5")
-    assert (found["fStopSet"], found["fStop"]) == pytest.approx((0.5, widest), rel=1e-3)
-    told = pullfocus("lenses", "show", lens, "--f-stop", "0.5").out
-    assert f"f/{widest}: set to f/0.5, and it opens no wider" in told
+    report = shown(pullfocus, lens, "--f-stop", "0.5")
+    assert (report["fStopSet"], report["fStop"]) == pytest.approx((0.5, widest), rel=1e-3)
+    output = pullfocus("lenses", "show", lens, "--f-stop", "0.5").out
+    assert f"f/{widest}: set to f/0.5, and it opens no wider" in output
 
 
 def test_the_gate_decides_the_field(pullfocus: Command) -> None:
@@ -91,10 +91,10 @@ def test_huge_focus_distances_are_infinity_and_near_ones_refused(pullfocus: Comm
 def test_a_lens_file_is_shown_as_one_of_the_library_is(pullfocus: Command, tmp_path: Path) -> None:
     file = tmp_path / "achromat.seq"
     file.write_text(FILES["achromat.seq"])
-    found = shown(pullfocus, file)
-    assert (found["name"], found["title"], found["model"]) == ("achromat", "32327 Achromatic Lens", "prescription")
-    assert found["focalLengthMm"] == pytest.approx(100.03, rel=1e-3)
-    assert found["barrelMm"]["surfaces"] == 3
+    report = shown(pullfocus, file)
+    assert (report["name"], report["title"], report["model"]) == ("achromat", "32327 Achromatic Lens", "prescription")
+    assert report["focalLengthMm"] == pytest.approx(100.03, rel=1e-3)
+    assert report["barrelMm"]["surfaces"] == 3
 
 
 @pytest.mark.parametrize(

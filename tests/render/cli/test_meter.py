@@ -80,16 +80,16 @@ def test_inspect_says_how_a_camera_is_exposed(command: Command, tmp_path: Path) 
 def test_what_it_says_to_programs_fits_together(command: Command, tmp_path: Path) -> None:
     ended = command("meter", shot_file(tmp_path), "--frames", "1,12", "--point", "middle", "--json")
     assert ended.status == 0, ended.err
-    said = json.loads(ended.out)["frames"]
-    assert [one["time"] for one in said] == [1, 12]
-    assert said[0]["place"] == pytest.approx([0.5, 0.5])
-    for one in said:
+    readings = json.loads(ended.out)["frames"]
+    assert [one["time"] for one in readings] == [1, 12]
+    assert readings[0]["place"] == pytest.approx([0.5, 0.5])
+    for one in readings:
         assert one["mode"] == "spot"
         assert one["stops"] == pytest.approx(math.log2(one["luminanceNits"] / one["exposure"]["greyNits"]))
         assert one["ev100"] == pytest.approx(math.log2(one["luminanceNits"] * 8))
         lux = math.pi * one["luminanceNits"] * 10**-0.3 / (4 * 2.8**2)
         assert one["luxOnFilm"] == pytest.approx(lux, rel=1e-5)
-    assert said[1]["luminanceNits"] == pytest.approx(8 * said[0]["luminanceNits"], rel=1e-4)
+    assert readings[1]["luminanceNits"] == pytest.approx(8 * readings[0]["luminanceNits"], rel=1e-4)
 
 
 @pytest.mark.gl
@@ -124,10 +124,10 @@ def test_held_it_is_one_number_for_all_frames(command: Command, tmp_path: Path) 
     of_one = Sdf.Layer.FindOrOpen(str(tmp_path / "one.usda"))
     single = of_one.GetAttributeAtPath(f"{CAMERA}.exposure").default
     ended = command("meter", shot, "--frames", "1:12", "--mode", "center", "--json")
-    said = json.loads(ended.out)["frames"]
-    wanted = [frame["compensationStops"] for frame in said]
-    assert one == pytest.approx(sum(wanted) / 12, abs=1e-4)
-    assert single == pytest.approx(wanted[6], abs=1e-6)
+    readings = json.loads(ended.out)["frames"]
+    expected = [frame["compensationStops"] for frame in readings]
+    assert one == pytest.approx(sum(expected) / 12, abs=1e-4)
+    assert single == pytest.approx(expected[6], abs=1e-6)
 
 
 @pytest.mark.gl

@@ -214,13 +214,13 @@ def test_on_a_terminal_a_bar_shows_how_far_it_is(shot: Path) -> None:
 def test_control_c_leaves_only_whole_files(shot: Path) -> None:
     process = _start(shot, subprocess.PIPE, "--frames", "1:9999", *small())
     assert process.stderr is not None
-    said = [process.stderr.readline() for _ in range(3)]  # the camera, and two frames
+    messages = [process.stderr.readline() for _ in range(3)]  # the camera, and two frames
     process.send_signal(signal.SIGINT)
-    said += process.stderr.readlines()
+    messages += process.stderr.readlines()
     process.stderr.close()
     assert process.wait(60) == 130
-    assert b"Traceback" not in b"".join(said)
-    assert said[-1].startswith(b"pullfocus: stopped")
+    assert b"Traceback" not in b"".join(messages)
+    assert messages[-1].startswith(b"pullfocus: stopped")
     frames = sorted(shot.parent.glob("f.*.png"))
     assert 2 <= len(frames) < 9999
     assert all(read(frame).shape[:2] == (HEIGHT, WIDTH) for frame in frames)
@@ -248,9 +248,9 @@ def test_focus_below_the_lenss_mark_is_drawn_and_warned_of_once(pullfocus: Comma
         path = write_shot(tmp_path / f"near{marked_mm:g}.usda", SQUARE, camera)
         ended = pullfocus("record", path, tmp_path / "f.#.png", "--frames", "1:3", *small())
         assert ended.status == 0
-        said = [line for line in ended.err.splitlines() if line.startswith("warning:")]
-        assert len(said) == warnings
-        assert all("nearer than the 5.08 m before the film that its lens is marked for" in line for line in said)
+        messages = [line for line in ended.err.splitlines() if line.startswith("warning:")]
+        assert len(messages) == warnings
+        assert all("nearer than the 5.08 m before the film that its lens is marked for" in line for line in messages)
 
 
 def test_several_wavelengths_make_fringes_and_one_alone_none(pullfocus: Command, tmp_path: Path) -> None:

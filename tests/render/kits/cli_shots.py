@@ -74,8 +74,8 @@ class Command:
             status = main([str(argument) for argument in arguments])
         except SystemExit as ended:  # argparse leaves so
             status = int(ended.code or 0)
-        said = self._capsys.readouterr()
-        return Ended(status, said.out, said.err)
+        captured = self._capsys.readouterr()
+        return Ended(status, captured.out, captured.err)
 
 
 def small(*arguments: object) -> Sequence[object]:

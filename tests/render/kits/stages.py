@@ -154,8 +154,8 @@ def two_instances(stage: Usd.Stage) -> None:
 
 
 def instancer(stage: Usd.Stage, path: str, prototypes: list[str], indices: list[int]) -> UsdGeom.PointInstancer:
-    found = UsdGeom.PointInstancer.Define(stage, path)
-    found.CreatePrototypesRel().SetTargets([Sdf.Path(p) for p in prototypes])
-    found.CreateProtoIndicesAttr(indices)
-    found.CreatePositionsAttr([Gf.Vec3f(10 * i, 0, 0) for i in range(len(indices))])
-    return found
+    instances = UsdGeom.PointInstancer.Define(stage, path)
+    instances.CreatePrototypesRel().SetTargets([Sdf.Path(p) for p in prototypes])
+    instances.CreateProtoIndicesAttr(indices)
+    instances.CreatePositionsAttr([Gf.Vec3f(10 * i, 0, 0) for i in range(len(indices))])
+    return instances

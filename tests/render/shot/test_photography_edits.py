@@ -117,12 +117,12 @@ def test_film_in_a_camera_is_what_the_same_film_for_one_run_is(shot, name):
     if stock.kind == "print":
         return
     camera = shot.camera_at(None, 1, 16, 9)
-    asked = shot.film.finish(camera, 1, stock=name).film
+    chosen = shot.film.finish(camera, 1, stock=name).film
     shot.film.mount_stock(None, stock)
     put_in = film_of(shot)
-    assert (put_in.process, put_in.grain, put_in.push) == (asked.process, asked.grain, asked.push)
-    assert put_in.stock.name == asked.stock.name
-    assert getattr(put_in.print_stock, "name", None) == getattr(asked.print_stock, "name", None)
+    assert (put_in.process, put_in.grain, put_in.push) == (chosen.process, chosen.grain, chosen.push)
+    assert put_in.stock.name == chosen.stock.name
+    assert getattr(put_in.print_stock, "name", None) == getattr(chosen.print_stock, "name", None)
 
 
 def test_a_drawn_curve_makes_way_for_the_stocks(shot):

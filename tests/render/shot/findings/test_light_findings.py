@@ -15,8 +15,8 @@ def bulb(number: int, radiance: float = 1.0, *, casts: bool = True) -> Light:
 
 def test_two_bare_bulbs_cast_shadows_and_the_weakest_of_three_none() -> None:
     assert light_findings((bulb(0), bulb(1))) == []
-    found = light_findings((bulb(0, 3.0), bulb(1, 1.0), bulb(2, 2.0), bulb(3, 0.1, casts=False)))
-    assert [(f.code, f.path) for f in found] == [("shadow_maps", "/bulb1")]
+    notes = light_findings((bulb(0, 3.0), bulb(1, 1.0), bulb(2, 2.0), bulb(3, 0.1, casts=False)))
+    assert [(f.code, f.path) for f in notes] == [("shadow_maps", "/bulb1")]
 
 
 def test_the_weakest_of_too_many_lights_are_named() -> None:

@@ -175,8 +175,8 @@ def test_a_refused_import_changes_nothing(path):
 @pytest.mark.parametrize("baked", [False, True])
 def test_all_that_drives_a_camera_survives_a_layer(path, baked):
     """An exported curve, put over the shot by USD alone and solved again, is the same lens at every frame."""
-    made = full_curve(24, 24.0)
-    layer = curve_layer(Shot.open(path).stage, CAMERA, made, baked=baked, comment="all of it")
+    full = full_curve(24, 24.0)
+    layer = curve_layer(Shot.open(path).stage, CAMERA, full, baked=baked, comment="all of it")
     pulled = path.with_name("pulled.usda")
     pulled.write_text(layer)
     root = path.with_name("root.usda")
@@ -184,9 +184,9 @@ def test_all_that_drives_a_camera_survives_a_layer(path, baked):
         "#usda 1.0\n(\n    subLayers = [@./pulled.usda@, @./shot.usda@]\n    metersPerUnit = 1\n"
         '    upAxis = "Y"\n    timeCodesPerSecond = 24\n)\n'
     )
-    back = Shot.open(root).focus.curve(CAMERA, made.time_codes.tolist())
-    assert back.focus_distance_m == pytest.approx(np.minimum(made.focus_distance_m, 1e5), rel=1e-6)
-    assert back.f_stop == pytest.approx(made.f_stop, rel=1e-6)
-    assert back.focal_length_mm == pytest.approx(made.focal_length_mm, rel=1e-6)
-    assert back.tilt_rad == pytest.approx(made.tilt_rad, abs=1e-9)
-    assert back.swing_rad == pytest.approx(made.swing_rad, abs=1e-9)
+    back = Shot.open(root).focus.curve(CAMERA, full.time_codes.tolist())
+    assert back.focus_distance_m == pytest.approx(np.minimum(full.focus_distance_m, 1e5), rel=1e-6)
+    assert back.f_stop == pytest.approx(full.f_stop, rel=1e-6)
+    assert back.focal_length_mm == pytest.approx(full.focal_length_mm, rel=1e-6)
+    assert back.tilt_rad == pytest.approx(full.tilt_rad, abs=1e-9)
+    assert back.swing_rad == pytest.approx(full.swing_rad, abs=1e-9)

@@ -86,9 +86,9 @@ def test_smoothing_is_exact_at_keys_between_frames(tmp_path: Path, seconds_off: 
     shot = racked_shot(tmp_path, 6 + seconds_off, 12 + seconds_off)
     shot.focus.set_key(CAMERA, "far", "weight", 9 + seconds_off, 0.9)
     key_times = [6 + seconds_off, 9 + seconds_off, 12 + seconds_off]
-    wanted = distances_m(shot, key_times)
+    expected_m = distances_m(shot, key_times)
     shot.focus.set(CAMERA, smoothing_s=0.3)
-    assert distances_m(shot, key_times) == pytest.approx(wanted, rel=1e-9)
+    assert distances_m(shot, key_times) == pytest.approx(expected_m, rel=1e-9)
 
 
 def test_a_range_that_is_turned_about_has_its_first_frame(tmp_path: Path) -> None:
@@ -128,7 +128,7 @@ def test_the_circles_of_a_curve_are_those_of_the_points(tmp_path: Path) -> None:
     shot.focus.set(CAMERA, mode="surface", expressive=0.5)
     curve = shot.focus.curve(CAMERA, [1.0, 9.0])
     for i, time in enumerate((1.0, 9.0)):
-        told = [point.coc_mm for point in shot.focus.points(CAMERA, time)]
-        assert [track.coc_mm[i] for track in curve.points] == pytest.approx(told, nan_ok=True)
-        assert math.isnan(told[2])
-        assert max(told[:2]) > 0.01
+        cocs_mm = [point.coc_mm for point in shot.focus.points(CAMERA, time)]
+        assert [track.coc_mm[i] for track in curve.points] == pytest.approx(cocs_mm, nan_ok=True)
+        assert math.isnan(cocs_mm[2])
+        assert max(cocs_mm[:2]) > 0.01

@@ -67,8 +67,8 @@ def test_the_curve_has_the_angles_that_give_the_plane_back_by_hand(shot: Shot) -
     shot.camera.set(CAMERA, focus_distance_m=float(curve.focus_distance_m[0]))
     by_hand = shot.camera_at(CAMERA, 1, WIDTH, HEIGHT).focal_surface
     assert by_hand is not None
-    told = (by_hand.plane.w0, by_hand.plane.slope_x, by_hand.plane.slope_y)
-    assert told == pytest.approx((plane.w0, plane.slope_x, plane.slope_y), rel=1e-5, abs=1e-7)
+    plane_terms = (by_hand.plane.w0, by_hand.plane.slope_x, by_hand.plane.slope_y)
+    assert plane_terms == pytest.approx((plane.w0, plane.slope_x, plane.slope_y), rel=1e-5, abs=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -301,9 +301,9 @@ def test_camera_settings_without_effect_are_reported(shot):
     with Usd.EditContext(shot.stage, shot.edits.layer):
         camera.lens.author(LensData(entrance_pupil_offset=9.0))
         camera.focus.author(FocusData(mode="points", smoothing_s=0.5, near_priority=1.0))
-    told = {finding.path: finding.message for finding in shot.findings()}
-    assert "lens:entrancePupilOffset" in told[f"{CAMERA}.lens:entrancePupilOffset"]
-    assert not any("focus:" in path for path in told)
+    messages = {finding.path: finding.message for finding in shot.findings()}
+    assert "lens:entrancePupilOffset" in messages[f"{CAMERA}.lens:entrancePupilOffset"]
+    assert not any("focus:" in path for path in messages)
 
 
 def test_keys_that_contradict_each_other_are_reported(shot):
@@ -314,8 +314,8 @@ def test_keys_that_contradict_each_other_are_reported(shot):
     (found,) = [finding for finding in shot.findings() if finding.code == "contradictory_keys"]
     assert "no focus point counts at 5" in found.message
     inspection = inspect_shot(shot)
-    told = [note.message for note in (*inspection.notes, *inspection.validation)]
-    assert told.count(found.message) == 1
+    messages = [note.message for note in (*inspection.notes, *inspection.validation)]
+    assert messages.count(found.message) == 1
 
 
 def test_a_point_without_a_face_is_at_the_origin_of_its_target(shot):

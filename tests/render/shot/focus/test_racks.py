@@ -29,22 +29,22 @@ inverse_depths = st.floats(0, 2)
 
 @given(st.sampled_from(EASES), inverse_depths, inverse_depths, st.floats(0.1, 4), st.floats(0.5, 10))
 def test_the_ring_never_turns_faster_than_the_hand(ease, start_w, end_w, length, speed):
-    made = rack(1.0, start_w, 1.0 + length, end_w, ease, ring=RING, max_speed_rad_s=speed)
-    times = np.linspace(0, made.end_s + 1, 4001)
-    turns = RING.turn_rad(made.at(times))
+    authored = rack(1.0, start_w, 1.0 + length, end_w, ease, ring=RING, max_speed_rad_s=speed)
+    times = np.linspace(0, authored.end_s + 1, 4001)
+    turns = RING.turn_rad(authored.at(times))
     assert np.abs(np.diff(turns)).max() <= speed * (times[1] - times[0]) * (1 + 1e-9)
-    assert made.at(1.0) == pytest.approx(start_w)
-    assert made.at(made.end_s) == pytest.approx(end_w)
-    assert made.is_stretched == (made.end_s > 1.0 + length)
+    assert authored.at(1.0) == pytest.approx(start_w)
+    assert authored.at(authored.end_s) == pytest.approx(end_w)
+    assert authored.is_stretched == (authored.end_s > 1.0 + length)
     moves = np.diff(turns) * np.sign(end_w - start_w)
     assert (moves >= -1e-12).all()
 
 
 @pytest.mark.parametrize("ease", EASES)
 def test_a_stretched_rack_is_as_fast_as_the_hand_can_be(ease):
-    made = rack(0.0, 0.0, 0.1, 2.0, ease, ring=RING, max_speed_rad_s=2.0)
-    times = np.linspace(0, made.end_s, 20_001)
-    fastest = np.abs(np.diff(RING.turn_rad(made.at(times)))).max() / (times[1] - times[0])
+    authored = rack(0.0, 0.0, 0.1, 2.0, ease, ring=RING, max_speed_rad_s=2.0)
+    times = np.linspace(0, authored.end_s, 20_001)
+    fastest = np.abs(np.diff(RING.turn_rad(authored.at(times)))).max() / (times[1] - times[0])
     assert fastest == pytest.approx(2.0, rel=1e-3)
 
 
@@ -94,22 +94,22 @@ def set_lens(stage, throw_deg, close_mm, speed_deg_s):
 def test_a_slow_hand_makes_the_rack_longer_in_the_shot_too(stage):
     """4 m to about 9.9 m is 0.149 1/m, of 2 1/m that 180 degrees are: about 13 degrees, at 30 in a second with ease."""
     set_lens(stage, 180, 550, 30)
-    asked = WeightRack("near", "far", 1, 5)
-    made, lens = pull_rack(stage, AnchorReader(stage), CAMERA, asked)
+    requested = WeightRack("near", "far", 1, 5)
+    authored, lens = pull_rack(stage, AnchorReader(stage), CAMERA, requested)
     camera = read_camera(stage, CAMERA, 1)
-    far_depth_m = 10 - 2 * (made.end - 1) / 23
+    far_depth_m = 10 - 2 * (authored.end - 1) / 23
     turn_deg = 180 * (1 / 4 - 1 / far_depth_m) * close_focus_depth_m(camera)
     assert lens.is_stretched
-    assert made.end == pytest.approx(1 + 24 * 1.5 * turn_deg / 30, rel=1e-5)
-    weights = [LensCamera(stage.GetPrimAtPath(CAMERA)).focus_point("far").read(t).weight for t in (1, made.end)]
+    assert authored.end == pytest.approx(1 + 24 * 1.5 * turn_deg / 30, rel=1e-5)
+    weights = [LensCamera(stage.GetPrimAtPath(CAMERA)).focus_point("far").read(t).weight for t in (1, authored.end)]
     assert weights == [0, 1]
 
 
 def test_a_hand_that_is_fast_enough_keeps_the_racks_length(stage):
     set_lens(stage, 180, 550, 1000)
-    asked = WeightRack("near", "far", 1, 5)
-    made, lens = pull_rack(stage, AnchorReader(stage), CAMERA, asked)
-    assert made == asked
+    requested = WeightRack("near", "far", 1, 5)
+    authored, lens = pull_rack(stage, AnchorReader(stage), CAMERA, requested)
+    assert authored == requested
     assert lens.at([0.0, 1.0]) == pytest.approx([1 / 4, 1 / (10 - 8 / 23)], rel=1e-5)
 
 

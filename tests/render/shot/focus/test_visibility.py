@@ -68,9 +68,9 @@ def test_a_surface_does_not_hide_its_own_places() -> None:
     sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(pose[:3, 3] - places, axis=1)
     # not those at the poles, which are slivers, and not those at the limb, where a facet's own neighbours may stand before it
     clear = (sizes > 0.01) & (np.abs(facing) > 0.1 * sizes)
-    found = visible_shares(Scene((Batch(ball, Material(), np.eye(4)[None]),)), Camera(world_from_camera=pose), places)
-    np.testing.assert_array_equal(found[clear], (facing > 0)[clear])
-    assert 0.3 < found.mean() < 0.6
+    visible = visible_shares(Scene((Batch(ball, Material(), np.eye(4)[None]),)), Camera(world_from_camera=pose), places)
+    np.testing.assert_array_equal(visible[clear], (facing > 0)[clear])
+    assert 0.3 < visible.mean() < 0.6
     assert clear.mean() > 0.7
 
 

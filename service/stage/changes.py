@@ -1,7 +1,7 @@
 """Apply functions of the edit language: one for each model of `service.models.changes`.
 
-They run in the stage process, where an edit is kept, and in the picture process, where a live picture tries it. They raise what
-the shot's own edits raise: `CameraError`, `NotFoundError`, `SettingsError` and `InputError`.
+They run in the stage process, which keeps an edit, and in the picture process, which applies changes to a live picture only. They
+raise the errors of the shot's own edits: `CameraError`, `NotFoundError`, `SettingsError` and `InputError`.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt
 )
 
 Outcome = Rack | ImportedCurve | str | None
-"""Result of a change: of a rack or an imported curve what came of it, of an added point its name."""
+"""Result of a change: the authored rack, the report of an import, the name of an added focus point, or None."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outco
     """Apply changes in order, within the edit that the caller has begun.
 
     Args:
-        camera: what is edited.
+        camera: the edited camera and its shot.
         changes: with anchors in place of places of the picture (`service.models.changes.anchor_spots`).
     """
     return [apply_change(change, camera) for change in changes]
@@ -108,7 +108,7 @@ def apply_change(change: Change, camera: EditedCamera) -> Outcome:
 
     Args:
         change: of any type of the edit language.
-        camera: what is edited.
+        camera: the edited camera and its shot.
     """
     raise TypeError(f"no apply function is registered for {type(change).__name__}")
 

@@ -62,7 +62,7 @@ def apply_in_context(
 
 
 def check_context(shot: Shot, camera: str | None, changes: Sequence[Change], context: EditContext) -> None:
-    """Check that the editor has seen what the changes are made upon: all of the edits, or each resource that they change.
+    """Check the condition of an edit: the editor has seen the present edits, or each resource that the changes are made upon.
 
     Args:
         shot: before the edit.

@@ -112,7 +112,7 @@ class FocusData:
         unit="none, a token",
         keyable=False,
     )
-    occluded: Literal["keep", "fade", "ignore"] = setting(
+    occluded: Literal["ignore", "keep", "fade"] = setting(
         "focus:occluded",
         "keep",
         "Hidden Points",

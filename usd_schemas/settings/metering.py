@@ -77,7 +77,7 @@ class Exposing:
 class Metering:
     """Light meter: the part of the picture it reads, its compensation in stops, and its smoothing in seconds."""
 
-    mode: Literal["manual", "center", "average", "spot"] = setting(
+    mode: Literal["manual", "spot", "center", "average"] = setting(
         "film:metering:mode",
         "manual",
         "Mode",

@@ -25,7 +25,7 @@ from usd_schemas.settings.tables import EXPOSURE_SETTINGS, FILM_SETTINGS
 if TYPE_CHECKING:  # matplotlib takes a second to load
     from render.drawing.guides import Guide
 
-METERING = EXPOSURE_SETTINGS["metering_mode"].choices
+METERING = ("manual", "center", "average", "spot")
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,13 @@ export type FilmChange = Partial<
 };
 
 export const SHUTTER_TYPES = EXPOSURE_CHOICES.shutterType;
-export const METERING_MODES = EXPOSURE_CHOICES.meteringMode;
+/** In the order in which the page lists them. */
+export const METERING_MODES = [
+  "manual",
+  "center",
+  "average",
+  "spot",
+] as const satisfies readonly ExposureSettings["meteringMode"][];
 export type ShutterType = ExposureSettings["shutterType"];
 export type MeteringMode = ExposureSettings["meteringMode"];
 export type MeterMode = Exclude<MeteringMode, "manual">;

@@ -208,9 +208,9 @@ export const EXPOSURE_CHOICES = {
   ],
   "meteringMode": [
     "manual",
+    "spot",
     "center",
-    "average",
-    "spot"
+    "average"
   ]
 } as const;
 
@@ -517,8 +517,8 @@ export const FOCUS_CHOICES = {
     "keep"
   ],
   "occluded": [
+    "ignore",
     "keep",
-    "fade",
-    "ignore"
+    "fade"
   ]
 } as const;

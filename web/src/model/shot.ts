@@ -60,7 +60,8 @@ export type FocusSettings = Omit<Json["FocusSettings"], "camera" | "time" | "eta
 
 export const OFF_SCREEN = FOCUS_CHOICES.offScreen;
 export type OffScreen = FocusSettings["offScreen"];
-export const OCCLUDED = FOCUS_CHOICES.occluded;
+/** In the order in which the page lists them. */
+export const OCCLUDED = ["keep", "fade", "ignore"] as const satisfies readonly FocusSettings["occluded"][];
 export type Occluded = FocusSettings["occluded"];
 export type FocusSwitch = "solveStop" | "drivenByPoints";
 export type FocusNumber = keyof typeof FOCUS_SLIDERS;

@@ -2373,7 +2373,7 @@ export interface components {
              *     The meter's reading takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              * @enum {string}
              */
-            readonly meteringMode: "manual" | "center" | "average" | "spot";
+            readonly meteringMode: "manual" | "spot" | "center" | "average";
             /**
              * Meteringsmoothings
              * @description Time that metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
@@ -2530,7 +2530,7 @@ export interface components {
              *     - average: a meter on the whole picture alike.
              *     The meter's reading takes the place of the attribute exposure. Tools that do not meter need it as keys of that attribute, with the mode set to manual: `pullfocus meter --key` writes such a layer.
              */
-            readonly meteringMode?: ("manual" | "center" | "average" | "spot") | null;
+            readonly meteringMode?: ("manual" | "spot" | "center" | "average") | null;
             /**
              * Meteringsmoothings
              * @description Time that metering takes to follow a sudden change, half of it ahead and half of it behind; what changes faster does not flicker in the picture.
@@ -4123,7 +4123,7 @@ export interface components {
              * @description Treatment of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              * @enum {string}
              */
-            readonly occluded: "keep" | "fade" | "ignore";
+            readonly occluded: "ignore" | "keep" | "fade";
             /**
              * Offscreen
              * @description Treatment of a focus point outside the frame: it is left out, or kept.
@@ -4243,7 +4243,7 @@ export interface components {
              * Occluded
              * @description Treatment of a focus point that something stands before: it is left out, kept, or faded out over focus:smoothing.
              */
-            readonly occluded?: ("keep" | "fade" | "ignore") | null;
+            readonly occluded?: ("ignore" | "keep" | "fade") | null;
             /**
              * Offscreen
              * @description Treatment of a focus point outside the frame: it is left out, or kept.

@@ -37,8 +37,7 @@ class Engine:
         rank: place in lists of engines; lower comes first, and equal ranks are sorted by name.
         has_rays: True where the picture is a mean over lens rays, so that a part of them can be drawn by itself.
         traces_lens: True where rays carry the light that the lens transmits. Elsewhere its transmittance is applied to the
-        finished
-            picture.
+            finished picture.
         is_sharp: True where the picture is that of a pinhole, whatever the camera's f-number.
         uses_image_space: True where no ray passes a lens by its data sheet, so that the sheet's errors are put on the finished
             picture (`render.pictures.image_space`).

@@ -34,7 +34,7 @@ from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.optics.thin_lens import focal_surface
 
-if TYPE_CHECKING:  # it needs OpenGL
+if TYPE_CHECKING:  # needs OpenGL
     from render.engines.shared.device import Device
 
 

@@ -1,8 +1,8 @@
 """Engine ``flag``: one picture blurred in time linear in the radius, a preview without noise.
 
-Computes: the scene is peeled once from the pupil's centre and parted at the focus: what is near, what is little blurred
-behind the focus, what lies behind that. Each part is spread over the iris's outline by FLAG, which finds the columns of the
-outline that begin and end at each pixel, and the parts are joined from the front to the back.
+Computes: the scene is peeled once from the pupil's centre and split into three parts: the near field, the slightly blurred far
+field, and the strongly blurred far field. FLAG spreads each part over the outline of the iris from the columns of the outline
+that begin and end at each pixel. The parts are composited front to back.
 
 Settings:
     layers      peeled layers at most, 1 to 8 (4): the nearest and what it hides.
@@ -10,8 +10,8 @@ Settings:
     rays, tiled, wavelengths and seed have no effect while the iris is open.
 
 Cost: frame 40 of the demo shot at 960x540 takes 2.7 s of processor time on two CPU cores with peeling, 0.9 s with the layers kept
-(supersample 1). A blur takes time proportional to the radius to the power 0.9 to 1.04; 67 MB of piles, or more where the rows
-that 16 rows reach need it.
+(supersample 1). The time of a blur grows with the radius to the power 0.9 to 1.04. Its buffers take 67 MB, more for very
+large radii.
 
 Limits: convex irises, evenly bright: masks and inner holes are filled. An ideal lens, or one by its data sheet in image
 space. Visibility is that of the pupil's centre. 38 to 40 dB from the engine ``lens`` on generated scenes.
@@ -32,7 +32,7 @@ from render.engines.base import Engine
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
-if TYPE_CHECKING:  # it needs OpenGL
+if TYPE_CHECKING:  # needs OpenGL
     from render.engines.shared.device import Device
 
 

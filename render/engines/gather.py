@@ -27,7 +27,7 @@ from render.engines.base import Engine
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
-if TYPE_CHECKING:  # it needs OpenGL
+if TYPE_CHECKING:  # needs OpenGL
     from render.engines.shared.device import Device
 
 

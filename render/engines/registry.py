@@ -1,4 +1,4 @@
-"""The engines that there are, by name.
+"""Registry of the engines, by name.
 
 Every module of `render.engines` but this one and `base` holds an engine and is found by listing the package: a new engine is
 a new file. An engine defined elsewhere, as in a test, is added by `register`.
@@ -28,22 +28,22 @@ def register(engine: type[Engine]) -> None:
 
 
 def unregister(engine: type[Engine]) -> None:
-    """Take an engine out again."""
+    """Remove an engine."""
     del _engines[engine.name]
 
 
 def all_engines() -> tuple[type[Engine], ...]:
-    """The engines in the order of lists."""
+    """Return the engines in the order of help texts."""
     return tuple(sorted(_engines.values(), key=lambda engine: (engine.rank, engine.name)))
 
 
 def engine_names() -> tuple[str, ...]:
-    """Their names, in the order of lists."""
+    """Return the engines' names in the order of help texts."""
     return tuple(engine.name for engine in all_engines())
 
 
 def engine_of(settings: FrameSettings) -> type[Engine]:
-    """The engine that settings name.
+    """Return the engine that the settings name.
 
     Raises:
         SettingsError: there is none of that name.
@@ -55,10 +55,10 @@ def engine_of(settings: FrameSettings) -> type[Engine]:
 
 
 def check_settings(settings: FrameSettings) -> None:
-    """See that there is an engine that can do what settings say. Loads no OpenGL: call it before anything slow.
+    """Check that an engine can render with these settings. Loads no OpenGL: call it before slow work.
 
     Raises:
-        SettingsError: there is none of that name, or it draws no motion from velocities.
+        SettingsError: no engine has that name, or it does not draw motion from velocities.
     """
     engine = engine_of(settings)
     if settings.motion > 1 and settings.motion_by == "velocities" and not engine.takes_velocities:
@@ -66,7 +66,7 @@ def check_settings(settings: FrameSettings) -> None:
 
 
 def sharp_engine() -> str:
-    """Name of the engine that has everything sharp: the quickest picture to measure light and highlights by."""
+    """Return the name of the engine that renders everything sharp, for metering light and finding highlights."""
     return next(engine.name for engine in all_engines() if engine.is_sharp)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 
@@ -56,6 +56,9 @@ STATUS_OF_ERROR: tuple[tuple[type[PullfocusError | WorkerError], int], ...] = (
     (WorkerTimeoutError, 504),
 )
 RETRY_AFTER = {"Retry-After": "1"}
+MAX_FINDINGS = 20
+"""Findings in the answer to an invalid request; an answer is not longer than a request of many errors."""
+MAX_FINDING_CHARS = 1000
 CODE_OF_STATUS = {404: "not_found", 405: "method_not_allowed", 413: "too_large", 415: "unsupported_type"}
 
 
@@ -118,11 +121,18 @@ def answer_to(error: Exception) -> JSONResponse:
             status = status_of(error)
             return problem(status, error.code, str(error), headers=_retry_headers(status))
         case RequestValidationError() | ValidationError():
-            findings = [_finding(e) for e in error.errors()]
-            detail = "; ".join(f"{f['path']}: {f['detail']}" for f in findings)
-            path = findings[0]["path"] if findings else None
-            return problem(422, "invalid_request", detail, path=path, errors=findings)
+            return _invalid_request(error.errors())
     raise error
+
+
+def _invalid_request(errors: Sequence[Any]) -> JSONResponse:
+    first = errors[:MAX_FINDINGS]
+    findings = [_finding(error) for error in first if not _is_consequence(error, first)]
+    detail = "; ".join(f"{f['path']}: {f['detail']}" for f in findings)
+    if len(errors) > MAX_FINDINGS:
+        detail += f"; and {len(errors) - MAX_FINDINGS:,} more"
+    path = findings[0]["path"] if findings else None
+    return problem(422, "invalid_request", detail, path=path, errors=findings)
 
 
 def _retry_headers(status: int) -> Mapping[str, str] | None:
@@ -170,9 +180,18 @@ async def _known_error(_: Request, error: Exception) -> JSONResponse:
     return answer_to(error)
 
 
+def _is_consequence(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a list is too short only because the validator has left out an item with an error of its own."""
+    place = error["loc"]
+    return error["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in errors
+    )
+
+
 def _finding(error: Mapping[str, Any]) -> dict[str, str]:
     """Return one finding of the validator, without the input, which may be large or hold NaN."""
-    return {"path": ".".join(str(part) for part in error["loc"]), "detail": str(error["msg"])}
+    path = ".".join(str(part) for part in error["loc"])
+    return {"path": path[:MAX_FINDING_CHARS], "detail": str(error["msg"])[:MAX_FINDING_CHARS]}
 
 
 async def _http_exception(request: Request, error: Exception) -> JSONResponse:

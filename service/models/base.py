@@ -50,6 +50,13 @@ def plain_file_name(sent: str) -> str:
     return re.sub(r"[^\w.\- ]", "_", last).lstrip(".")[-120:]
 
 
+def _name_of_file(sent: str) -> str:
+    name = plain_file_name(sent)
+    if not name:
+        raise ValueError(f"a file's name is expected, got {sent[:80]!r}")
+    return name
+
+
 def _decode_base64(value: object) -> object:
     """Bytes of base64 text; bytes stay what they are. Raises `ValueError`: it is no base64."""
     if not isinstance(value, str):
@@ -64,7 +71,7 @@ def _decode_base64(value: object) -> object:
 Distance = Annotated[float | None, BeforeValidator(_finite_or_none)]
 PrimPath = Annotated[str, Field(pattern=PRIM_PATH_PATTERN, max_length=2000)]
 PointName = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
-FileName = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(plain_file_name)]
+FileName = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_name_of_file)]
 FileContent = Annotated[
     bytes,
     BeforeValidator(_decode_base64),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import FailFast, Field, model_validator
 
 from service.models.base import MAX_POINT_NAME, FileContent, FileName, Model, Ratio, TimeCode, shown_as
 from service.models.cameras import CameraEdit
@@ -223,7 +223,7 @@ class KeyExposure(Model):
     model_config = shown_as({"type": "keyExposure", "readings": [{"time": 24, "compensationStops": -1.0}]})
 
     type: Literal["keyExposure"] = "keyExposure"
-    readings: tuple[MeteredStops, ...] = Field(
+    readings: Annotated[tuple[MeteredStops, ...], FailFast()] = Field(
         min_length=1, max_length=MAX_CURVE_FRAMES, description="In order of time."
     )
     held: bool = Field(default=False, description="One exposure for all of them, in place of keys.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import FailFast, Field
 
 from service.models.base import Model, PrimPath, TimeCode, shown_as
 from service.models.cameras import READOUT_EXAMPLE, Readout
@@ -50,7 +50,7 @@ class EditRequest(Model):
         description="Names one drag of a hand: its edits, one after the other, are one step of undo.",
     )
     camera: PrimPath | None = Field(default=None, description="Prim path; the shot's default camera when left out.")
-    changes: Annotated[tuple[Change, ...], Field(min_length=1, max_length=MAX_CHANGES)]
+    changes: Annotated[tuple[Change, ...], Field(min_length=1, max_length=MAX_CHANGES), FailFast()]
     answer: StateRequest | None = Field(
         default=None, description="Asks for the camera's state after the edit, so that nothing has to be read again."
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, FailFast, Field
 from pydantic.config import JsonDict
 
 from service.models.base import Model, Problem, shown_as
@@ -44,7 +44,7 @@ class LiveRequest(PictureQuery):
     budget_ms: float = Field(
         default=100, ge=1, le=60_000, description="Time for the first picture, milliseconds.", examples=[100]
     )
-    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES)] = Field(
+    changes: Annotated[tuple[Change, ...], Field(max_length=MAX_CHANGES), FailFast()] = Field(
         default=(), description="Changes that are tried in these pictures and not kept: those that an edit takes."
     )
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Any, Literal
 
-from render.errors import NotFoundError, SettingsError
+from render.errors import NotFoundError, PullfocusError, SettingsError
 from render.shot import Shot
 from render.shot.focus.curve_import import read_for_shot
 from render.shot.lens.lens_choice import file_choice
@@ -98,8 +98,21 @@ def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outco
     Args:
         camera: the edited camera and its shot.
         changes: with anchors in place of places of the picture (`service.models.changes.anchor_spots`).
+
+    Raises:
+        PullfocusError: a change cannot be applied; among several, the message begins with its number.
     """
-    return [apply_change(change, camera) for change in changes]
+    return [_apply_numbered(change, camera, number, len(changes)) for number, change in enumerate(changes, 1)]
+
+
+def _apply_numbered(change: Change, camera: EditedCamera, number: int, count: int) -> Outcome:
+    try:
+        return apply_change(change, camera)
+    except PullfocusError as error:
+        if count == 1:
+            raise
+        detail = f"change {number} of {count}, {change.type}: {error.detail}"
+        raise type(error)(detail, code=error.code, path=error.path) from error
 
 
 @singledispatch

@@ -12,6 +12,7 @@ from service.models.changes import (
     Change,
     KeySetting,
     MakeRack,
+    SetCamera,
     SetExposure,
     SetFilm,
     SetFocus,
@@ -112,7 +113,7 @@ def checked_times(shot: Shot, changes: Sequence[Change]) -> list[float]:
     times: dict[float, None] = {}
     for change in changes:
         match change:
-            case SetFocus() | SetExposure() | SetFilm():
+            case SetCamera() | SetFocus() | SetExposure() | SetFilm():
                 times[shot.frame_range.start if change.values.time is None else change.values.time] = None
             case KeySetting():
                 times[change.key.time] = None

@@ -242,3 +242,44 @@ def test_an_unreadable_part_of_the_state_is_null_in_the_answer(client, room_file
     assert answer["state"]["curve"] is None
     assert answer["state"]["readout"]["fStop"] == 4
     client.delete(shot)
+
+
+def test_a_refusal_names_the_change_among_several(client, shot):
+    stop = {"type": "setCamera", "values": {"fStop": 4}}
+    wrong = {"type": "removePoint", "name": "nobody"}
+    before = layer(client, shot)
+    refused = edit(client, shot, *TWO_POINTS, *[stop] * 17, wrong)
+    assert refused.json()["detail"].startswith("change 20 of 20, removePoint: camera /World/cam has no focus point")
+    assert edit(client, shot, wrong).json()["detail"].startswith("camera /World/cam has no")
+    assert layer(client, shot) == before
+
+
+@pytest.mark.parametrize("junk", [None, {"type": "no such"}, {"type": "removePoint", "x": 1}, [[]]])
+def test_an_answer_to_junk_names_the_first_and_is_short(client, shot, junk):
+    refused = edit(client, shot, *[junk] * 20_000)
+    assert refused.status_code == 422
+    assert refused.json()["path"].startswith("body.changes.0")
+    assert len(refused.content) < 4000
+    assert "at least 1 item" not in refused.text
+
+
+def test_an_answer_to_many_unknown_fields_is_short(client, shot):
+    fields = {f"field{number}": 1 for number in range(9_999)}
+    refused = edit(client, shot, {"type": "removePoint", "name": "a"} | fields | {"f" * 100_000: 1})
+    assert (refused.status_code, len(refused.json()["errors"])) == (422, 20)
+    assert "; and 9,98" in refused.json()["detail"]
+    assert len(refused.content) < 10_000
+
+
+def test_a_camera_stays_usable(client, shot):
+    refused = edit(client, shot, {"type": "setCamera", "values": {"focalLengthMm": 1e-300}})
+    assert (refused.status_code, refused.json()["code"]) == (422, "bad_camera"), refused.text
+    assert client.get(f"{shot}/frame", params={"time": 1, "width": 8}).status_code == 200
+
+
+@pytest.mark.parametrize("name", ["/", "...", "a/"])
+def test_a_lens_file_has_a_name(client, shot, name):
+    change = {"type": "mountLensFile", "fileName": name, "content": base64.b64encode(b"30 4 1.5 20").decode()}
+    refused = edit(client, shot, change)
+    assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request")
+    assert refused.json()["path"].endswith("fileName")

@@ -4,8 +4,10 @@
     trace the rays through them · expose and develop the film · write the frame
 
 `render.pictures.picture.make_picture` is the whole of it. Here a scene is loaded on the device, an engine draws it
-(`render.engines`), and AOVs are measured beside it: at one time (`FrameRenderer.render`), at the moments of an open shutter
-(`FrameRenderer.render_moving`), or at these from one peeling (`FrameRenderer.render_swept`).
+(`render.engines`), and AOVs are measured beside it. `FrameRenderer.render` draws one time. Two methods draw an open shutter:
+`FrameRenderer.render_moving` peels the scene at each moment, `FrameRenderer.render_swept` peels it once and moves its surfaces.
+
+The device is the GPU, or Mesa's software renderer in its place.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from render.engines import DrawRequest, Engine, check_settings, engine_of
+from render.engines import DrawRequest, Engine, check_settings, engine_class
 from render.engines.shared.aovs import measure_aovs
 from render.engines.shared.device import Device
 from render.engines.shared.request import Progress
-from render.engines.shared.shutter_samples import shutter_samples
+from render.engines.shared.shutter_samples import make_shutter_samples
 from render.errors import GraphicsError, InputError, SettingsError
 from render.gl.cancellation import Cancelled
 from render.gl.compat import OpenGLError
@@ -32,13 +34,13 @@ from render.gl.context import GraphicsContext
 from render.layers.headlight import Headlight
 from render.layers.movement import find_movements
 from render.layers.readback import Pick, pick_surface
-from render.layers.shadows import shadow_interest
+from render.layers.shadows import shadow_region
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.moment import Moment, ShutterScenes
 from render.model.scene import Scene
-from render.optics.distortion import seen_at
+from render.optics.distortion import undistort_position
 from render.optics.view import PinholeView
 
 __all__ = ["Frame", "FrameRenderer", "FrameSettings", "Pick"]
@@ -68,8 +70,8 @@ class FrameRenderer:
     """Renders frames on one OpenGL context, in the thread that made it.
 
     Attributes:
-        graphics: the context. After a fault on the device it is another one.
-        device: the drawing parts of that context.
+        graphics: the context. After an OpenGL error it is replaced by a new one.
+        device: the peeler, the tracers and the blurs on that context.
     """
 
     def __init__(self) -> None:
@@ -89,14 +91,14 @@ class FrameRenderer:
 
         Args:
             scene: the scene at one time.
-            camera: its apertures should have the picture's aspect ratio.
+            camera: the camera; its film apertures should have the picture's aspect ratio.
             settings: engine, size and sampling.
             on_progress: called with the share that is done, from 0 to 1.
 
         Raises:
             SettingsError: no engine can do this, or not with this lens.
-            CameraError: the camera's numbers make no picture.
-            GraphicsError: the device refuses.
+            CameraError: the camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
         """
         check_settings(settings)
         view = PinholeView.from_camera(camera, settings.width, settings.height)
@@ -112,9 +114,9 @@ class FrameRenderer:
         settings: FrameSettings,
         on_progress: Progress | None = None,
         *,
-        at_once: int | None = None,
+        moments_per_pixel: int | None = None,
     ) -> Frame:
-        """Render one frame while the shutter is open. Its rays are spread over moments that have their own scene and camera.
+        """Render one frame with an open shutter. Its rays are spread over moments, each with a scene and a camera of its own.
 
         Motion blur and depth of field are one integral, and are sampled as one (Cook, Porter & Carpenter 1984, "Distributed Ray
         Tracing").
@@ -124,17 +126,17 @@ class FrameRenderer:
             moment_at: the shot at each moment, called in the order of time. AOVs are those of the middle one.
             settings: engine, size and sampling; each moment has at least one ray.
             on_progress: called with the share that is done, from 0 to 1.
-            at_once: number of moments in a row over which the rays are spread, those at which one place of the picture is
-                exposed; None for all.
+            moments_per_pixel: number of successive moments at which any one pixel is exposed, fewer than all with a rolling
+                shutter. The rays of a pixel are spread over these. None for all moments.
 
         Raises:
             SettingsError: no engine can do this, or not with this lens.
-            CameraError: a camera's numbers make no picture.
-            GraphicsError: the device refuses.
+            CameraError: a camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
         """
         check_settings(settings)
-        apart = at_once or count
-        settings = replace(settings, rays=max(settings.rays, apart))
+        ray_parts = moments_per_pixel or count
+        settings = replace(settings, rays=max(settings.rays, ray_parts))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         frame = Frame(total)
         for i in range(count):
@@ -142,7 +144,7 @@ class FrameRenderer:
             view = PinholeView.from_camera(moment.camera, settings.width, settings.height)
             with self.on_device():
                 camera = self.load(moment.scene, moment.camera, settings)
-                request = DrawRequest(view, camera, settings, part=(i % apart, apart))
+                request = DrawRequest(view, camera, settings, part=(i % ray_parts, ray_parts))
                 total += moment.share * self.engine(settings).draw(request)
                 if i == count // 2:
                     frame = self.measure(total, moment.scene, request)
@@ -152,44 +154,45 @@ class FrameRenderer:
 
     def render_swept(
         self,
-        opening: ShutterScenes,
-        middle: Camera,
+        scenes: ShutterScenes,
+        middle_camera: Camera,
         moments: Sequence[Moment],
         settings: FrameSettings,
         on_progress: Progress | None = None,
         *,
-        at_once: int | None = None,
+        moments_per_pixel: int | None = None,
     ) -> Frame:
-        """Render one frame while the shutter is open from one peeling: as `render_moving`, many times faster, where things move
-        straight on and keep their shading (`render.trace.motion_tracer`).
+        """Render one frame with an open shutter from one peeling, many times faster than `render_moving`.
+
+        Surfaces move along straight lines and keep their shading (`render.trace.motion_tracer`).
 
         Args:
-            opening: the scene while the shutter is open.
-            middle: the camera in the middle of that time. AOVs are those of this camera.
-            moments: evenly over that time, in order; their cameras and shares are used, their scenes are not.
+            scenes: the scene as the shutter opens, half-way, and as it closes.
+            middle_camera: the camera half-way. AOVs are those of this camera.
+            moments: moments in order, evenly spaced; their cameras and shares are used, their scenes are not.
             settings: an engine that takes velocities, size and sampling; each moment has at least one ray.
             on_progress: called with the share that is done, from 0 to 1.
-            at_once: as in `render_moving`.
+            moments_per_pixel: as in `render_moving`.
 
         Raises:
             SettingsError: no engine can do this, or not with this lens.
-            CameraError: a camera's numbers make no picture.
-            GraphicsError: the device refuses.
+            CameraError: a camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
         """
         check_settings(settings)
-        apart = at_once or len(moments)
-        settings = replace(settings, rays=max(settings.rays, apart))
-        view = PinholeView.from_camera(middle, settings.width, settings.height)
-        moves = find_movements(opening.middle, opening.opening, opening.closing)
-        samples = shutter_samples(moments, settings, apart, lambda camera: _as_drawn(camera, settings))
+        ray_parts = moments_per_pixel or len(moments)
+        settings = replace(settings, rays=max(settings.rays, ray_parts))
+        view = PinholeView.from_camera(middle_camera, settings.width, settings.height)
+        movements = find_movements(scenes.middle, scenes.opening, scenes.closing)
+        samples = make_shutter_samples(moments, settings, ray_parts, lambda camera: _close_iris(camera, settings))
         total = np.zeros((settings.height, settings.width, 4), np.float32)
         with self.on_device():
-            camera = self.load(opening.middle, middle, settings)
+            camera = self.load(scenes.middle, middle_camera, settings)
             request = DrawRequest(view, camera, settings, on_progress=on_progress)
-            with closing(self.engine(settings).draw_swept(request, samples, moves)) as pictures:
+            with closing(self.engine(settings).draw_swept(request, samples, movements)) as pictures:
                 for moment, picture in zip(moments, pictures, strict=True):
                     total += moment.share * picture
-            return self.measure(total, opening.middle, request)
+            return self.measure(total, scenes.middle, request)
 
     def load(self, scene: Scene, camera: Camera, settings: FrameSettings, *, is_preview: bool = False) -> Camera:
         """Put the scene on the device.
@@ -201,41 +204,39 @@ class FrameRenderer:
             is_preview: see `Peeler.load`.
 
         Returns:
-            The camera as the engine draws it.
+            The camera as the engine draws it: with a closed iris where the engine is sharp.
 
         Raises:
             SettingsError: the engine cannot show the camera's lens.
         """
-        engine_of(settings).check_camera(camera)
-        self.device.peeler.load(
-            self._headlight.add_light(scene, camera), shadow_interest(camera), is_preview=is_preview
-        )
-        return _as_drawn(camera, settings)
+        engine_class(settings).check_camera(camera)
+        self.device.peeler.load(self._headlight.add_light(scene, camera), shadow_region(camera), is_preview=is_preview)
+        return _close_iris(camera, settings)
 
     def measure(self, color: FloatArray, scene: Scene, request: DrawRequest) -> Frame:
-        """Make a frame of the loaded scene: a picture, and the AOVs beside it.
+        """Make a frame of a picture, and measure the AOVs of the loaded scene.
 
         Args:
             color: the picture, as the engine drew it.
             scene: the scene that is loaded.
-            request: what was drawn.
+            request: the request for that picture.
         """
         draw = self.engine(request.settings).draw
         return Frame(color, measure_aovs(self.device, draw, request), scene.prim_paths)
 
     def engine(self, settings: FrameSettings) -> Engine:
-        """Give the engine that settings name, opened on the device.
+        """Return the engine that settings name; it is made on first use.
 
         Raises:
             SettingsError: there is none of that name.
         """
-        kind = engine_of(settings)
+        kind = engine_class(settings)
         if kind not in self._engines:
             self._engines[kind] = kind(self.device)
         return self._engines[kind]
 
     def pick(self, scene: Scene, camera: Camera, width: int, height: int, x: float, y: float) -> Pick | None:
-        """Find the surface at a place of the picture, seen from the pupil's centre.
+        """Find the surface at a position of the picture, seen from the pupil's centre.
 
         Args:
             scene: the scene at one time.
@@ -249,7 +250,7 @@ class FrameRenderer:
             The pick, or None for the background.
 
         Raises:
-            SettingsError: the place is outside the picture.
+            SettingsError: the position is outside the picture.
         """
         view = PinholeView.from_camera(camera, width, height)
         if not (0 <= x <= width and 0 <= y <= height):
@@ -257,16 +258,16 @@ class FrameRenderer:
         peeler = self.device.peeler
         with self.on_device():
             lit = self._headlight.add_light(scene, camera)
-            if not peeler.has_scene(lit):  # a loaded scene will do, wherever its shadows are: a pick sees none
-                peeler.load(lit, shadow_interest(camera))
-            return pick_surface(peeler, scene, view, *seen_at(view, camera, x, y))
+            if not peeler.has_scene(lit):  # picking ignores shadows, so shadow maps of any region will do
+                peeler.load(lit, shadow_region(camera))
+            return pick_surface(peeler, scene, view, *undistort_position(view, camera, x, y))
 
     def forget_layers(self) -> None:
-        """Drop the kept layers, so that the next frame's time includes its peeling."""
+        """Drop cached layers, so that the next frame peels again. For benches."""
         self.device.peeler.clear_cache()
 
     def close(self) -> None:
-        """Give the device's memory and the context back."""
+        """Release the device's memory and the context."""
         self.graphics.make_current()
         for engine in self._engines.values():
             engine.release()
@@ -283,16 +284,16 @@ class FrameRenderer:
 
     @contextmanager
     def on_device(self) -> Iterator[None]:
-        """Work on the device. After a fault the context is made anew for the next frame, so that nothing half done is left.
+        """Make the context current. After an OpenGL error, replace the context, so that the next frame starts from a clean state.
 
         Raises:
-            GraphicsError: the device refuses.
+            GraphicsError: OpenGL reports an error.
         """
         self.graphics.make_current()
         try:
             yield
         except (SettingsError, InputError, Cancelled):
-            raise  # raised before anything was drawn, or where work can be left
+            raise  # the context is intact: nothing was drawn yet, or work stopped at a cancellation point
         except Exception as error:
             self.graphics.close()
             self._open()
@@ -301,6 +302,6 @@ class FrameRenderer:
             raise
 
 
-def _as_drawn(camera: Camera, settings: FrameSettings) -> Camera:
+def _close_iris(camera: Camera, settings: FrameSettings) -> Camera:
     """Close the iris where the engine is sharp."""
-    return replace(camera, f_stop=0.0) if engine_of(settings).is_sharp else camera
+    return replace(camera, f_stop=0.0) if engine_class(settings).is_sharp else camera

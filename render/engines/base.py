@@ -4,8 +4,8 @@ An engine is one module of `render.engines` with one subclass of `Engine`. The m
 class attributes are read without a device: by the command line's help, by the service's HTTP process, by pictures that must know
 what the engine leaves to be done. An instance draws on one OpenGL context.
 
-Engine modules are imported by processes that load no OpenGL. So a module imports what needs OpenGL in its ``__init__``, which
-runs on the device, and not at its top.
+Engine modules are imported by processes that load no OpenGL. So a module imports what needs OpenGL in the engine's ``__init__``,
+which runs where there is a context, and not at its top.
 """
 
 from __future__ import annotations
@@ -23,28 +23,29 @@ if TYPE_CHECKING:  # a device needs OpenGL
     from render.trace.motion_tracer import ShutterSample
 
 Preview = Literal["rays", "blur"]
+"""Kind of a preview: a picture of few lens rays, or a sharp picture blurred by FLAG."""
 
 
 class Engine:
     """An engine on one context.
 
     Args:
-        device: the peeler, with the scene loaded, and what else the engines of a context share.
+        device: the peeler with the loaded scene, and the tracers and blurs that all engines of a context share.
 
     Attributes:
-        name: as `FrameSettings.engine` and ``--engine`` have it.
+        name: value of `FrameSettings.engine` and of ``--engine`` that chooses the engine.
         summary: one phrase for help texts, without a full stop.
         rank: place in lists of engines; lower comes first, and equal ranks are sorted by name.
         has_rays: True where the picture is a mean over lens rays, so that a part of them can be drawn by itself.
-        traces_lens: True where rays carry the light that the lens transmits. Elsewhere its transmittance is applied to the
-            finished picture.
+        traces_lens: True where rays are weighted by the lens's transmittance. Otherwise it is applied to the finished picture.
         is_sharp: True where the picture is that of a pinhole, whatever the camera's f-number.
-        uses_image_space: True where no ray passes a lens by its data sheet, so that the sheet's errors are put on the finished
-            picture (`render.pictures.image_space`).
-        draws_axis_aberrations: True where the blur itself has the lens's errors on its axis, so that image space leaves them out.
+        uses_image_space: True where a data sheet's errors are applied to the finished picture, since the engine traces no
+            rays through the lens (`render.pictures.image_space`).
+        draws_axis_aberrations: True where the blur itself has the lens's errors on the axis, so that
+            `render.pictures.image_space` leaves them out.
         takes_velocities: True where `draw_swept` draws the moments of a moving scene from one peeling.
         draws_in_steps: True where `draw_in_steps` lets a picture be shown before it is finished.
-        preview: kind of the small picture that goes before the engine's own: few lens rays (``rays``) or FLAG (``blur``).
+        preview: kind of the small picture that is shown before the engine's own.
     """
 
     name: ClassVar[str]
@@ -81,32 +82,33 @@ class Engine:
         """Draw as `draw` does, to the bit, with pauses. Only where `draws_in_steps`.
 
         Yields:
-            The share that is done; `unfinished` has the picture then.
+            Share that is done; `partial_picture` can be read between steps.
         """
         raise NotImplementedError
 
-    def unfinished(self) -> tuple[FloatArray, FloatArray]:
+    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Read the picture that `draw_in_steps` is drawing.
 
         Returns:
-            ``(height, width, 4)`` float32, premultiplied, and ``(height, width, 1)``, the share of each pixel's rays that are in.
+            ``(height, width, 4)`` float32, premultiplied, and ``(height, width, 1)``, the share of each pixel's rays that were
+            traced.
         """
         raise NotImplementedError
 
     def draw_swept(
         self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]
     ) -> Generator[FloatArray, None, None]:
-        """Draw the moments of a moving scene from one peeling. Only where `takes_velocities`. Close the generator in the end.
+        """Draw the moments of a moving scene from one peeling. Only where `takes_velocities`. The caller closes the generator.
 
         Args:
-            request: the picture in the middle of the shutter's opening.
+            request: the picture half-way through the shutter interval.
             samples: the moments.
-            movements: how the loaded scene's batches move, by number.
+            movements: movements of the loaded scene's batches, by batch index.
 
         Yields:
-            Each moment's picture by its part of the rays, ``(height, width, 4)`` float32, premultiplied.
+            Picture of each moment, drawn with that moment's part of the rays: ``(height, width, 4)`` float32, premultiplied.
         """
         raise NotImplementedError
 
     def release(self) -> None:
-        """Give back device memory that is the engine's own."""
+        """Release device memory that the engine does not share."""

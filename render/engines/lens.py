@@ -1,17 +1,17 @@
 """Engine ``lens``: rays of the camera's lens traced through peeled layers.
 
-Computes: the scene is drawn once from the centre of the entrance pupil as layers of surfaces, each pixel's surfaces with what
-they hide. Every lens ray is a line ``s(w) = a + b·w`` on those layers, with w the inverse depth in 1/m; the tracer bounds by
-N-buffers where it can meet a surface, marches along it there, and takes the radiance of the surface. The picture is the mean
-over the rays of each pixel. It has depth of field, tilted and bent focal surfaces, vignetting, distortion and every error
-that a lens model or prescription has.
+Computes: the scene is drawn once, from the centre of the entrance pupil, as layers: for each pixel its visible surface and some
+of those behind it. Every lens ray is a line ``s(w) = a + b·w`` on those layers, with w the inverse depth in 1/m; the tracer
+bounds with N-buffers where the line can meet a surface, marches along it there, and takes the radiance of that surface. The
+picture is the mean over the rays of each pixel. It has depth of field, tilted and bent focal surfaces, vignetting, distortion and
+every error that a lens model or prescription has.
 
 Settings:
     rays        lens rays per pixel, 1 to 4096 (100). Noise falls with their square root.
     layers      peeled layers at most, 1 to 8 (4): how much of what is hidden from the pupil's centre a ray can still meet.
     supersample layer pixels per picture pixel along each axis, 1 to 4 (2). Limits the sharpness of edges.
     wavelengths wavelengths traced for a lens with colour errors, 1 to 64 (3).
-    tiled       True gives neighbouring pixels different rays: noise in place of ghosts (True).
+    tiled       True gives neighbouring pixels different rays: noise in place of repeated images (True).
     motion      moments of the shutter's opening, 1 to 256 (1), by `moments` or by `velocities`.
 
 Cost: the demo shot (380,498 triangles) at 960x540 and the default settings takes 3.4 s on two CPU cores under llvmpipe; it is
@@ -37,7 +37,7 @@ from render.engines.base import Engine
 from render.engines.shared.request import DrawRequest
 from render.model.arrays import FloatArray
 
-if TYPE_CHECKING:  # they need OpenGL
+if TYPE_CHECKING:  # these modules load OpenGL
     from render.layers.movement import Movement
     from render.trace.motion_tracer import ShutterSample
 
@@ -61,12 +61,12 @@ class LensEngine(Engine):
         """Trace all rays, piece by piece."""
         return self._device.trace_in_steps(request)
 
-    def unfinished(self) -> tuple[FloatArray, FloatArray]:
-        """Read the picture by the rays that are traced."""
+    def partial_picture(self) -> tuple[FloatArray, FloatArray]:
+        """Read the mean over the rays traced so far."""
         return self._device.tracer.partial_picture()
 
     def draw_swept(
         self, request: DrawRequest, samples: Sequence[ShutterSample], movements: Mapping[int, Movement]
     ) -> Generator[FloatArray, None, None]:
-        """Carry what moves along straight ways through layers that are peeled once."""
+        """Trace each moment through layers that are peeled once, with surfaces moved along straight lines."""
         return self._device.trace_swept(request, samples, movements)

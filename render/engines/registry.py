@@ -42,8 +42,8 @@ def engine_names() -> tuple[str, ...]:
     return tuple(engine.name for engine in all_engines())
 
 
-def engine_of(settings: FrameSettings) -> type[Engine]:
-    """Return the engine that the settings name.
+def engine_class(settings: FrameSettings) -> type[Engine]:
+    """Return the engine class that settings name.
 
     Raises:
         SettingsError: there is none of that name.
@@ -55,12 +55,12 @@ def engine_of(settings: FrameSettings) -> type[Engine]:
 
 
 def check_settings(settings: FrameSettings) -> None:
-    """Check that an engine can render with these settings. Loads no OpenGL: call it before slow work.
+    """Check that an engine exists that can draw these settings. Loads no OpenGL: call it before anything slow.
 
     Raises:
         SettingsError: no engine has that name, or it does not draw motion from velocities.
     """
-    engine = engine_of(settings)
+    engine = engine_class(settings)
     if settings.motion > 1 and settings.motion_by == "velocities" and not engine.takes_velocities:
         raise SettingsError(f"the {engine.name} engine draws every moment by itself: ask for motion by moments")
 

@@ -38,18 +38,18 @@ class Lighting:
         if scene.dome is not self._dome:
             self._load_dome(scene.dome)
 
-    def cast_shadows(self, whole: Sphere, interest: Sphere | None, draws: Sequence[Draw]) -> bool:
+    def cast_shadows(self, whole: Sphere, region: Sphere | None, draws: Sequence[Draw]) -> bool:
         """Draw the shadow maps that have changed.
 
         Args:
             whole: sphere around the scene.
-            interest: region in which a distant light's shadows are resolved; None, or a larger region, for the whole scene.
+            region: where a distant light's shadows are resolved; None, or a region larger than the scene, for all of it.
             draws: draws of the scene.
 
         Returns:
             Whether any map has changed.
         """
-        self._plan = plan_shadows(self._lights, whole, interest)
+        self._plan = plan_shadows(self._lights, whole, region)
         return self._maps.cast(self._plan.clip_from_world, draws)
 
     def bind(self, view: PinholeView) -> None:

@@ -104,19 +104,24 @@ class Peeler:
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
         self._scene: Scene | None = None
-        self._interest: Sphere | None = None
+        self._shadow_region: Sphere | None = None
 
-    def load(self, scene: Scene, interest: Sphere | None = None, *, is_preview: bool = False) -> None:
+    def load(self, scene: Scene, region: Sphere | None = None, *, is_preview: bool = False) -> None:
         """Upload a scene's changes, its lights and its shadows. Does nothing for the loaded scene.
 
         Args:
             scene: what to upload.
-            interest: region in which a distant light's shadows are resolved; None, or a larger region, for the whole scene.
+            region: where a distant light's shadows are resolved; None, or a region larger than the scene, for all of it.
             is_preview: accept shadow maps of nearly the same region, so that they need not follow each change of the focus.
         """
-        if is_preview and interest is not None and self._interest is not None and interest.is_close_to(self._interest):
-            interest = self._interest
-        if scene is self._scene and interest == self._interest:
+        if (
+            is_preview
+            and region is not None
+            and self._shadow_region is not None
+            and region.is_close_to(self._shadow_region)
+        ):
+            region = self._shadow_region
+        if scene is self._scene and region == self._shadow_region:
             return
         is_new, self._scene = scene is not self._scene, None  # until all of the scene is loaded
         if is_new:
@@ -124,9 +129,9 @@ class Peeler:
             self._renderer.upload()
             self._lighting.load(scene)
             self._kept = {}
-        if self._lighting.cast_shadows(sphere_around(self._all_corners()), interest, self.index.draws):
+        if self._lighting.cast_shadows(sphere_around(self._all_corners()), region, self.index.draws):
             self._kept = {}
-        self._scene, self._interest = scene, interest
+        self._scene, self._shadow_region = scene, region
 
     def has_scene(self, scene: Scene) -> bool:
         """Whether a scene is loaded, with shadow maps of any region.

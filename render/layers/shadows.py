@@ -50,15 +50,15 @@ class ShadowPlan:
     clip_from_world: DoubleArray
 
 
-def plan_shadows(lights: tuple[Light, ...], whole: Sphere, interest: Sphere | None = None) -> ShadowPlan:
+def plan_shadows(lights: tuple[Light, ...], whole: Sphere, region: Sphere | None = None) -> ShadowPlan:
     """Assign the available maps to the strongest lights.
 
     Args:
         lights: lights that are drawn.
         whole: sphere around the scene.
-        interest: region in which a distant light's shadows are resolved, where the scene is larger.
+        region: where a distant light's shadows are resolved, if the scene is larger.
     """
-    part = whole if interest is None or interest.radius_m >= whole.radius_m else interest
+    part = whole if region is None or region.radius_m >= whole.radius_m else region
     slots: dict[int, ShadowSlot] = {}
     matrices: list[DoubleArray] = []
     casters = [i for i, light in enumerate(lights) if light.casts_shadow]
@@ -139,7 +139,7 @@ def _perspective(
     return clip @ _view_matrix(position, forward)
 
 
-def shadow_interest(camera: Camera) -> Sphere:
+def shadow_region(camera: Camera) -> Sphere:
     """Region in which a distant light's shadows are resolved in a large scene: around the point in focus, at least
     twelve metres.
     """

@@ -11,12 +11,12 @@ from render.model.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class ShutterScenes:
-    """The scene while the shutter is open.
+    """The scene at three times of an open shutter.
 
     Attributes:
-        middle: in the middle of that time.
-        opening: when it begins.
-        closing: when it ends.
+        middle: half-way.
+        opening: as the shutter opens.
+        closing: as the shutter closes.
     """
 
     middle: Scene
@@ -31,7 +31,7 @@ class Moment:
     Attributes:
         scene: the scene.
         camera: the camera, its focus solved.
-        share: of each place's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
+        share: share of each pixel's exposure; a number, or ``(height, 1, 1)`` or ``(1, width, 1)`` where the shutter travels.
     """
 
     scene: Scene

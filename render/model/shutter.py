@@ -112,8 +112,8 @@ def shares(opens: float, closes: float, shutter: Shutter, count: int, width: int
     return np.asarray(passed / passed.sum(axis=0))
 
 
-def at_once(parts: NDArray[np.float32 | np.float64]) -> int:
-    """Greatest number of moments at which any place is exposed: few where lines are exposed one after the other.
+def moments_per_pixel(parts: NDArray[np.float32 | np.float64]) -> int:
+    """Count the moments at which the longest-exposed pixel is exposed: few where lines are exposed one after the other.
 
     Args:
         parts: `shares`.

@@ -40,12 +40,12 @@ class ChiefRays:
     seen: DoubleArray
     squeeze: float = 1.0
 
-    def seen_at(self, slopes: DoubleArray) -> DoubleArray:
-        """Slopes in object space seen at the picture slopes ``(..., 2)``; beyond the last chief ray the distortion stays."""
+    def undistort_slopes(self, slopes: DoubleArray) -> DoubleArray:
+        """Return the object-space slopes imaged at picture slopes ``(..., 2)``. Distortion is constant beyond the last ray."""
         return np.asarray(slopes * self._stretch(np.linalg.norm(slopes, axis=-1)))
 
-    def shown_at(self, slopes: DoubleArray) -> DoubleArray:
-        """Picture slopes at which objects at the slopes ``(..., 2)`` in object space appear."""
+    def distort_slopes(self, slopes: DoubleArray) -> DoubleArray:
+        """Return the picture slopes at which object-space slopes ``(..., 2)`` are imaged."""
         low = np.zeros(np.shape(slopes)[:-1])
         # where the distortion stays, the height follows at once; else it lies before the last chief ray
         high = np.linalg.norm(slopes / self._stretch(low + self.ideal[-1]), axis=-1)
@@ -105,19 +105,19 @@ def _by_data_sheet(sheet: DataSheet, focal_length_mm: float) -> ChiefRays:
     return ChiefRays(ideal, seen_slopes(sheet, ideal * focal_length_mm, focal_length_mm))
 
 
-def seen_at(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:
-    """Position in an undistorted picture that shows what the camera's lens shows at (x, y), pixels."""
+def undistort_position(view: PinholeView, camera: Camera, x: float, y: float) -> tuple[float, float]:
+    """Return the pixel position in an undistorted picture of what the camera's lens images at (x, y)."""
     chief = chief_rays(camera)
     if chief is None:
         return x, y
-    slope_x, slope_y = chief.seen_at(np.array([(x - view.cx) / view.fx, (y - view.cy) / view.fy]))
+    slope_x, slope_y = chief.undistort_slopes(np.array([(x - view.cx) / view.fx, (y - view.cy) / view.fy]))
     return float(view.cx + view.fx * slope_x), float(view.cy + view.fy * slope_y)
 
 
-def shown_at(view: PinholeView, camera: Camera, places: DoubleArray) -> DoubleArray:
-    """Positions in the camera's picture of the points at ``(n, 2)`` in an undistorted picture, pixels; NaN stays."""
+def distort_positions(view: PinholeView, camera: Camera, places: DoubleArray) -> DoubleArray:
+    """Return the pixel positions in the camera's picture of positions ``(n, 2)`` in an undistorted picture; NaN stays NaN."""
     chief = chief_rays(camera)
     if chief is None:
         return places
     centre, focal = np.array([view.cx, view.cy]), np.array([view.fx, view.fy])
-    return np.asarray(centre + focal * chief.shown_at((places - centre) / focal))
+    return np.asarray(centre + focal * chief.distort_slopes((places - centre) / focal))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from render.engines import engine_of
+from render.engines import engine_class
 from render.gl.resources import Resources
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -43,7 +43,7 @@ def add_flare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: F
     Raises:
         GraphicsError: the device refuses.
     """
-    if engine_of(settings).is_sharp or camera.f_stop <= 0 or camera.lens.model == "pinhole":
+    if engine_class(settings).is_sharp or camera.f_stop <= 0 or camera.lens.model == "pinhole":
         return frame
     ghosts = (
         _draw_ghosts(renderer, scene, camera, settings) if camera.lens.ghosts > 0 and has_surfaces(camera) else None

@@ -1,7 +1,7 @@
 """Image space: the errors of a lens by its data sheet applied to a finished picture, for engines that trace no rays through it.
 
 The frame is rendered with a margin, since the lens bends and blurs light from there into the picture. Then the errors are applied
-(`render.postblur.passes`) and the margin is cut off.
+(`render.postblur.aberrate_passes`) and the margin is cut off.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from render.engines import engine_of
+from render.engines import engine_class
 from render.model.arrays import IndexArray
 from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # so that a process without GL can import the shot
 def renders_in_image_space(camera: Camera, settings: FrameSettings) -> bool:
     """Tell whether the camera's lens is applied to the finished picture."""
     has_sheet = camera.lens.model == "dataSheet" and camera.lens.data_sheet is not None
-    return engine_of(settings).uses_image_space and has_sheet and camera.f_stop > 0
+    return engine_class(settings).uses_image_space and has_sheet and camera.f_stop > 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class ImageSpace:
                 last_slope=float(np.hypot(x, y)),
                 squeeze=camera.lens.squeeze,
                 colours=settings.wavelengths > 1,
-                axis_is_drawn=engine_of(settings).draws_axis_aberrations,
+                axis_is_drawn=engine_class(settings).draws_axis_aberrations,
             )
 
         margin = errors_in(view).margin(view)

@@ -11,7 +11,7 @@ from render.errors import CameraError
 from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.moment import Moment, ShutterScenes
-from render.model.shutter import at_once, moments, shares
+from render.model.shutter import moments, moments_per_pixel, shares
 from render.pictures.image_space import ImageSpace
 from render.shot.shot import Shot
 
@@ -75,7 +75,9 @@ def render_moving_frame(
         )
 
     if settings.motion_by == "moments":
-        return renderer.render_moving(count, moment_at, space.settings, on_progress, at_once=at_once(parts))
+        return renderer.render_moving(
+            count, moment_at, space.settings, on_progress, moments_per_pixel=moments_per_pixel(parts)
+        )
     begins, ends = time + camera.shutter_open, time + camera.shutter_close + camera.shutter.delay
     return _render_swept(renderer, shot, camera_path, (begins, ends), times, parts, space, on_progress)
 
@@ -99,4 +101,6 @@ def _render_swept(
         for at, part in zip(times, parts, strict=True)
     ]
     camera = space.widen_camera(shot.camera_at(camera_path, middle, *size))
-    return renderer.render_swept(scenes, camera, samples, space.settings, on_progress, at_once=at_once(parts))
+    return renderer.render_swept(
+        scenes, camera, samples, space.settings, on_progress, moments_per_pixel=moments_per_pixel(parts)
+    )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pxr import Usd
 
-from render.engines import check_settings, engine_of
+from render.engines import check_settings, engine_class
 from render.film import Grade, GradeChoice
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -171,7 +171,7 @@ def apply_vignetting(radiance: FloatArray, camera: Camera, settings: FrameSettin
         settings: they name the engine.
     """
     height, width, _ = radiance.shape
-    engine = engine_of(settings)
+    engine = engine_class(settings)
     light = light_over_picture(camera, width, height, is_pinhole=engine.is_sharp)
     if light is not None:
         radiance[..., :3] *= light[..., None]

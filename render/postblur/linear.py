@@ -3,10 +3,10 @@
 "A Lens and Aperture Camera Model for Synthetic Image Generation". A pixel is the sum of the weighted light that falls
 on it over the sum of the weights. Time grows with the area of the circles.
 
-It is the baseline of `render.postblur.importance`, which updates the same sums by the changes. Both are exact, so that
-an effect can be subtracted again: light is rounded to 29 bits of a scale above the brightest light in the picture,
-weights to 20, and sums of their products lose nothing in doubles while the weights add up to less than 16, which holds
-for circles of up to 96 pixels.
+It is the baseline of `render.postblur.importance`, which updates the same sums where pixels have changed. Both are
+exact, so that the effect of a pixel can be subtracted again: light is rounded to 29 bits of a scale above the brightest
+light in the picture, weights to 20. Sums of their products are exact in doubles while the weights add up to less than
+16, which holds for circles of up to 96 pixels.
 
 Beyond the paper: the near and the far field are spread apart and composited, as in every engine here; and a pixel that
 is farther and blurred much more than another does not spread onto it (Fearing 1995, section 5), so that sharp pixels
@@ -37,9 +37,11 @@ For a sharp pixel these are Fearing's 3 pixels of diameter; a blurred pixel hide
 NO_CUTOFF = 1e9
 """No cut-off: the method as in Potmesil & Chakravarty."""
 LIGHT_BITS = 29
+"""Light is rounded to this many bits."""
 TILE, LANES = 8, 64
+"""Side of a tile in pixels, and invocations of a work group."""
 Buffers = tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]
-"""Buffers that light is spread from: half tiles, their reach, and the list of tiles."""
+"""Emitters, reaches and tile bits, as the attributes of `FieldSpreader` of these names."""
 _HEADROOM = 2  # powers of 2 above the brightest light, so that a brighter one can join
 _LESS_LIGHT = 4  # powers of 2 by which light must fall for a finer scale
 _SPARE_STEPS = 8  # tables beyond those that a picture needs
@@ -51,14 +53,14 @@ class FieldSpreader:
     Args:
         ctx: the context.
         programs: programs of the context.
-        step_px: step of the radius; smaller changes do not count.
+        step_px: step that radii are rounded to.
         cutoff_px: blur radius from which a sharp pixel hides a farther one; `NO_CUTOFF` for never.
 
     Attributes:
         light: light of the field, rounded.
         state: table number and radius of each pixel.
         emitters: bits of the pixels of each half tile that have light (`linear/linear_load.comp`).
-        reaches: greatest distance to which each half tile spreads light.
+        reaches: greatest distance to which each half tile spreads light, px.
         tile_bits: a bit for each tile with light.
         result: the sum of weighted light, and the sum of weights.
     """
@@ -76,10 +78,10 @@ class FieldSpreader:
         self._ctx, self._programs = ctx, programs
         self._step_px, self._cutoff_px = step_px, cutoff_px
         is_software = "llvmpipe" in ctx.info["GL_RENDERER"] or "softpipe" in ctx.info["GL_RENDERER"]
-        self._rows = 8 if is_software else 2  # of pixels to a lane: few lanes with much to do each, or many
+        self._rows = 8 if is_software else 2  # pixel rows per invocation: software renderers prefer fewer, longer ones
         self._piece = PieceSize(8)  # rows of tiles
         self._summary = ctx.buffer(reserve=8)
-        self._scale: int | None = None  # power of 2 that no light is above
+        self._scale: int | None = None  # exponent of the power of 2 that no light exceeds
         self._tables: SpreadTables | None = None
         self._resources = Resources()
         self.size = (0, 0)
@@ -107,7 +109,7 @@ class FieldSpreader:
         return self._tables
 
     def resize(self, size: tuple[int, int]) -> bool:
-        """Allocate for fields of a size; true where that size is new."""
+        """Allocate for fields of a size; return True if the size is new."""
         if size == self.size:
             return False
         self._resources.close()
@@ -116,7 +118,7 @@ class FieldSpreader:
         self.light, self.result = (keep(texture(size, 4, dtype="f4")) for _ in range(2))
         self.state = keep(texture(size, 2, dtype="f4"))
         self.size = size
-        self.emitters, self.reaches = (keep(buffer(reserve=size_ * self.half_tiles)) for size_ in (16, 4))
+        self.emitters, self.reaches = (keep(buffer(reserve=entry_bytes * self.half_tiles)) for entry_bytes in (16, 4))
         self.tile_bits = keep(self.make_tile_bits())
         return True
 
@@ -129,11 +131,11 @@ class FieldSpreader:
         return self.tiles[0] // 32 + 2  # one spare word, for reads across its end
 
     def update_tables(self, spread: Spread, most_px: float) -> bool:
-        """Make tables for radii up to ``most_px``; true where they are of another spread than the last ones."""
+        """Make tables for radii up to ``most_px``; return True if the spread differs from that of the last tables."""
         old = self._tables
         if old is not None and old.cover(spread, most_px):
             return False
-        alike = old is not None and old.spread == spread
+        is_same_spread = old is not None and old.spread == spread
         self._tables = SpreadTables(
             self._ctx,
             spread,
@@ -143,7 +145,7 @@ class FieldSpreader:
         )
         if old is not None:
             old.release()
-        return not alike
+        return not is_same_spread
 
     def load(self, field: Field, side: float) -> None:
         """Load a field into `light` and `state`, and find the pixels that have light.
@@ -155,7 +157,7 @@ class FieldSpreader:
         program = self._programs.compute("linear/linear_load.comp")
         buffers = self.emitters, self.reaches, self.tile_bits
         if not self.run_load(program, field, side, buffers)[0]:
-            self.run_load(program, field, side, buffers)  # again, at its own scale
+            self.run_load(program, field, side, buffers)  # once more, rounded by this field's own scale
 
     def run_load(
         self,
@@ -169,7 +171,7 @@ class FieldSpreader:
 
         Returns:
             Whether the field fits the scale that it was rounded by, and the number of its pixels that have changed. If it does
-            not fit, the next load uses this field's scale.
+            not fit, the scale is set to this field's own for the next load.
         """
         tables = self.tables
         self._summary.write(bytes(8))
@@ -218,7 +220,7 @@ class FieldSpreader:
             first += rows
 
     def spread_program(self, **defines: int) -> moderngl.ComputeShader:
-        """Variant of linear_spread.comp with these defines."""
+        """Return the variant of linear_spread.comp with these defines."""
         return self._programs.compute("linear/linear_spread.comp", {"ROWS": self._rows, **defines})
 
     def bind_spread(self, program: moderngl.ComputeShader, buffers: Buffers) -> None:
@@ -254,7 +256,7 @@ class FieldSpreader:
 
 
 class LinearField:
-    """Spreads a field from nothing each time."""
+    """Spreads all of a field each time, in contrast to `render.postblur.importance_field`."""
 
     def __init__(self, spreader: FieldSpreader) -> None:
         self._spreader = spreader
@@ -295,7 +297,7 @@ class LinearField:
 
 
 class LinearBlur:
-    """The engine ``linear``: near and far field spread over the iris's image, and composited."""
+    """Blur of the engine ``linear``: near and far field are spread over the iris's image and composited."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
@@ -318,6 +320,6 @@ class LinearBlur:
 
 
 def split_fields(split: FocusSplit) -> tuple[tuple[Field, float, Spread], tuple[Field, float, Spread]]:
-    """Near and far fields with their sign and their spread."""
+    """Return the near and the far field, each with its side (1 in front of the focus, -1 behind) and its spread."""
     near, far = (IrisImage(split.iris, is_behind=behind, squeeze=split.squeeze) for behind in (False, True))
     return (Field(split.near, split.radii, 0), 1.0, near), (Field(split.far, split.radii, 1), -1.0, far)

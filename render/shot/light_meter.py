@@ -24,7 +24,7 @@ from render.model.camera import Camera
 from render.model.frame_settings import FrameSettings
 from render.model.lens import Lens
 from render.near_names import hint
-from render.optics.distortion import seen_at, shown_at
+from render.optics.distortion import distort_positions, undistort_position
 from render.optics.photometry.exposure import MAX_COMPENSATION_STOPS, ExposureSettings
 from render.optics.photometry.metering import SPOT_ANGLE_RAD, MeterMode, meter, smoothed_keys
 from render.optics.view import PinholeView
@@ -167,9 +167,9 @@ class LightMeter:
         view = PinholeView.from_camera(camera, 1, 1)
         if metering.focus_point:
             straight = self._point(time, metering.focus_point, view)
-            shown = shown_at(view, camera, np.array([straight]))[0].tolist()
+            shown = distort_positions(view, camera, np.array([straight]))[0].tolist()
         else:
-            straight, shown = seen_at(view, camera, *metering.spot), list(metering.spot)
+            straight, shown = undistort_position(view, camera, *metering.spot), list(metering.spot)
         return _Spot((shown[0], shown[1]), straight) if all(0 <= side <= 1 for side in shown) else None
 
     def _point(self, time: float, name: str, view: PinholeView) -> Place:

@@ -1,4 +1,4 @@
-"""One opened shot: what the command line and the service both work on, so that both give the same pixels."""
+"""One opened shot. The command line and the service both render from it, so both give the same pixels."""
 
 from __future__ import annotations
 
@@ -86,14 +86,14 @@ class Shot:
 
         Args:
             path: a USD file.
-            confined_to: folder that nothing the stage refers to may lie outside of; None for anywhere.
+            confined_to: folder that must hold every file of the stage; None allows any folder.
             purposes: which of USD's purposes are drawn.
             mask: only what lies at, below or above these prim paths is drawn; None for everything.
             complexity: how finely surfaces are refined, as in usdrecord.
             edits: a layer that `Edits.save` wrote, to start from. The file itself is not written to.
 
         Raises:
-            StageError: a file is no USD, is damaged, or refers to what is missing or outside ``confined_to``.
+            StageError: a file is not USD, is damaged, or refers to a file that is missing or outside ``confined_to``.
         """
         layer = Edits(edits)
         stage = open_stage(Path(path), edit_layer=layer.layer, confined_to=confined_to)
@@ -102,19 +102,19 @@ class Shot:
 
     @property
     def frame_range(self) -> FrameRange:
-        """First and last frame as time codes, and how many pass in a second."""
+        """First and last frame as time codes, and the frames per second."""
         return frame_range(self.stage)
 
     def cameras(self) -> list[str]:
-        """Prim paths of all cameras."""
+        """List the prim paths of all cameras."""
         return self._cameras.paths()
 
     def default_camera(self) -> CameraChoice:
-        """The camera that is used when none is named, and why."""
+        """Choose the camera that is used when none is named, and say why."""
         return self._cameras.default()
 
     def findings(self) -> list[Finding]:
-        """Everything known so far that is not honoured, or could not be used."""
+        """List the features of the stage found so far that are not supported, and the values that cannot be used."""
         return self._findings.all()
 
     def scene_at(self, time: float) -> Scene:
@@ -124,14 +124,14 @@ class Shot:
         return scene
 
     def camera_at(self, camera_path: str | None, time: float, width: int, height: int) -> Camera:
-        """The camera for a picture, its focus solved.
+        """Make the camera of a picture, with its focus solved.
 
-        Where ``focus:mode`` says points, the focus distance is the one that serves the focus points best. A camera whose
-        mode is not authored is focused by hand, even where points exist: manual is what the schema falls back to, and
-        what every other tool sees. Where no camera is named and none is to be preferred, one frames the whole stage.
+        Where ``focus:mode`` is ``points``, the focus distance is the weighted best one for the focus points. A camera
+        without an authored mode is focused by hand, even where it has points: ``manual`` is the fallback of the schema, and
+        what other tools show. Without a camera path or a default camera, a camera that frames the whole stage is made.
 
         Args:
-            camera_path: of a camera.
+            camera_path: prim path of a camera.
             time: USD time code.
             width: of the picture in pixels.
             height: of the picture in pixels.
@@ -140,12 +140,12 @@ class Shot:
             SettingsError: the picture has no pixels.
         """
         if width < 1 or height < 1:
-            raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was asked for")
+            raise SettingsError(f"a picture must be at least 1 × 1 pixels, but {width} × {height} was requested")
         focused = self._solver.solve(camera_path, time)
         return with_exposure(self.stage, self._solver.fit_to_picture(focused, time, width / height), time)
 
     def check_not_own(self, path: Path) -> None:
-        """Refuse to write a result over a file that the shot uses: a layer, a texture, or the saved edits over it.
+        """Refuse to overwrite a file that the shot itself uses: a layer, a texture, or the saved edits.
 
         Args:
             path: of the file to be written.
@@ -162,14 +162,14 @@ class Shot:
 
     @contextmanager
     def keep_usable(self, camera_path: str | None, time: float) -> Iterator[None]:
-        """Refuse edits after which no picture can be made that could be made before.
+        """Refuse the edits of the block if they leave a camera that cannot make a picture, but could before.
 
         Args:
             camera_path: of the camera that is edited.
             time: USD time code of the picture.
 
         Raises:
-            PullfocusError: what the next picture would be refused with.
+            PullfocusError: the error that the next picture would end with.
         """
         before = self._refusal(camera_path, time)
         yield
@@ -178,7 +178,7 @@ class Shot:
             raise after
 
     def _refusal(self, camera_path: str | None, time: float) -> PullfocusError | None:
-        """The error that a picture would end with; None where it can be made."""
+        """Return the error that a picture would end with; None where it can be made."""
         try:
             camera = self.camera_at(camera_path, time, *_TRIAL_PX)
             self.film.finish(camera, time)

@@ -59,7 +59,7 @@ def _nearest(
         return read_surfaces(peeler, view)
     x, y = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     slopes = np.stack([(x - view.cx) / view.fx, (y - view.cy) / view.fy], axis=-1)
-    seen = chief.seen_at(slopes)
+    seen = chief.undistort_slopes(slopes)
     seen *= MAX_SLOPE / np.maximum(np.hypot(*np.moveaxis(seen, -1, 0)), MAX_SLOPE)[..., None]  # the lens is dark beyond
     scale = _scale(seen, view)
     seen *= np.array([view.fx, view.fy]) * scale

@@ -44,7 +44,7 @@ class PictureFocus:
     def at(self, places_px: DoubleArray) -> tuple[DoubleArray, DoubleArray]:
         """w_f ``(...)`` in 1/m and relative pupil radius ``(...)`` at positions ``(..., 2)`` in pixels."""
         slopes = (places_px - [self.view.cx, self.view.cy]) / [self.view.fx, self.view.fy]
-        seen = slopes if self.chief is None else self.chief.seen_at(slopes)
+        seen = slopes if self.chief is None else self.chief.undistort_slopes(slopes)
         return focused_at(self.surface, seen * [1.0, -1.0])
 
     def over_picture(self) -> tuple[DoubleArray, DoubleArray]:

@@ -26,20 +26,19 @@ RAYS_PER_PASS = 128
 _RAYS_PER_DISPATCH = 1 << 24
 """Rays of one dispatch. A picture is traced in bands of lines, so that no dispatch runs into a display driver's timeout."""
 _FIRST_UNIT = 0
+"""First texture unit of the tracer."""
 _LAYER_UNITS = 11
-"""Texture units of layers, N-buffers, focus and motion."""
-_TILE = 8  # side of the shader's work groups
-
-Progress = Callable[[float], None]
+"""Number of texture units for layers, N-buffers, focal map and movers, which have the last two; the ray buffers come after."""
+_TILE = 8  # side of the shader's work groups, px
 
 
 @dataclass(frozen=True)
 class TracePass:
-    """Progress of a picture.
+    """Progress of a picture after a tile.
 
     Attributes:
-        rays: rays traced per pixel, in whole passes.
-        share: share of all rays of all pixels, 0 to 1.
+        rays: rays per pixel of the passes that are complete.
+        share: share of all rays of all pixels that were traced, 0 to 1.
     """
 
     rays: int
@@ -47,7 +46,7 @@ class TracePass:
 
 
 class Tracer:
-    """Traces pictures, keeping its accumulation image and ray buffers for pictures of the same size."""
+    """Traces pictures. The accumulation image and the ray buffers are reused for pictures of the same size."""
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
@@ -75,19 +74,23 @@ class Tracer:
         movers: Movers | None = None,
         lines: tuple[int, int] | None = None,
     ) -> Iterator[TracePass]:
-        """Trace a picture pass by pass; after each, `picture` has the mean over the rays of all whole passes.
+        """Trace a picture pass by pass, and each pass tile by tile. `picture` has the mean over all rays after the last tile;
+        `partial_picture` has the mean over the rays traced so far after any tile.
 
         Args:
             layers: layers from the picture's own eye (or that of ``moment_view``), at any resolution and with any margin.
             nbuffers: N-buffers of those layers.
             bundle: rays of the lens.
             focus: focal surface.
-            view: view of the picture.
+            view: projection of the picture.
             rays_per_pass: largest number of rays per pixel in a pass.
-            bound_by_rays: bound a pixel's footprint by the quad around all its rays, not in closed form; so with ``moment_view``.
-            moment_view: view at a moment, where the camera may have moved since the layers were peeled.
-            movers: movers of the layers, at that moment.
+            bound_by_rays: bound a pixel's footprint by the quad around its rays, not in closed form; always with ``moment_view``.
+            moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
+            movers: moving surfaces of the layers, set to that moment.
             lines: half-open range of the picture's lines to trace; None for all. Other lines may stay empty.
+
+        Yields:
+            Progress after each tile.
         """
         self._shares = np.zeros((view.height, view.width), np.float32)
         self._allocate_sum((view.width, view.height)).write(
@@ -126,21 +129,21 @@ class Tracer:
         program: moderngl.ComputeShader,
         bundle: RayBundle,
         width: int,
-        span: tuple[int, int],
+        lines: tuple[int, int],
         rays: int,
     ) -> Iterator[float]:
         """Trace the picture tile by tile, and yield the share that is done."""
         light = (
             np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
         )
-        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, span):
+        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, lines):
             if not self._is_bound:
                 bind()
                 self._is_bound = True
             set_uniforms(program, first_pixel=(x, y), end_pixel=(x + across, y + down))
-            for number in range(len(bundle.rgb)):
-                set_uniforms(program, light=tuple(light[number]))
-                self._buffers.choose_wavelength(program, bundle, number)
+            for wavelength in range(len(bundle.rgb)):
+                set_uniforms(program, light=tuple(light[wavelength]))
+                self._buffers.choose_wavelength(program, bundle, wavelength)
                 program.run(-(-across // _TILE), -(-down // _TILE))
                 self._ctx.memory_barrier()
             if self._cancellation.is_cancellable:
@@ -148,29 +151,29 @@ class Tracer:
             else:
                 self._ctx.finish()
             self._shares[y : y + down, x : x + across] += rays / bundle.count
-            yield (y - span[0] + down * (x + across) / width) / (span[1] - span[0])
+            yield (y - lines[0] + down * (x + across) / width) / (lines[1] - lines[0])
 
-    def _tiles(self, work: int, width: int, span: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
-        """Tiles of some lines as left, top, width and height; their size depends on the work per pixel."""
-        x, y = 0, span[0]
-        while y < span[1]:
-            pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // work
+    def _tiles(self, rays_per_pixel: int, width: int, lines: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
+        """Cut lines of the picture into tiles ``(left, top, width, height)``: short enough to cancel between, or bands."""
+        x, y = 0, lines[0]
+        while y < lines[1]:
+            pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // rays_per_pixel
             if (x == 0 and pixels >= width * _TILE) or not self._cancellation.is_cancellable:
-                down = min(max(_TILE, pixels // width // _TILE * _TILE), span[1] - y)
+                down = min(max(_TILE, pixels // width // _TILE * _TILE), lines[1] - y)
                 yield 0, y, width, down
                 y += down
                 continue
-            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, span[1] - y)
+            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, lines[1] - y)
             yield x, y, across, down
             x += across
             if x == width:
                 x, y = 0, y + down
 
     def picture(self) -> FloatArray:
-        """Return the mean over all rays.
+        """Return the mean over all rays of the picture. Call it after the last pass.
 
         Returns:
-            ``(height, width, 4)`` float32: radiance premultiplied by coverage (with the background behind), coverage.
+            ``(height, width, 4)`` float32: radiance, premultiplied, over the background; alpha is coverage.
         """
         image = self._sum
         if image is None:
@@ -178,9 +181,9 @@ class Tracer:
         return np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4).copy()
 
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
-        """Mean over the rays so far, and ``(height, width, 1)`` the share of all rays that were traced: 0 where none were.
+        """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
 
-        The device may do other work before the next pass; layers and buffers of the picture must not change.
+        The device may do other work before the next tile; the picture's layers and N-buffers must not change.
         """
         shares = self._shares[..., None].copy()
         self._is_bound = False

@@ -1,7 +1,8 @@
 """Apply functions of the edit language: one for each model of `service.models.changes`.
 
-They run in the stage process, which keeps an edit, and in the picture process, which applies changes to a live picture only. They
-raise the errors of the shot's own edits: `CameraError`, `NotFoundError`, `SettingsError` and `InputError`.
+They run in two processes: in the stage process, where the edit is saved, and in the picture process, where unsaved changes are
+shown in a live picture. They raise the errors of the shot's own edits: `CameraError`, `NotFoundError`, `SettingsError` and
+`InputError`.
 """
 
 from __future__ import annotations
@@ -52,6 +53,7 @@ from usd_schemas import Key, Tangents
 from usd_schemas.racks import WeightRack
 
 SWITCHES = ("enabled", "solveStop", "drivenByPoints")
+"""Attributes that are true or false, and keyed as 1 or 0."""
 _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt", "swing"]], ...] = (
     ("focus_distance_m", "focusDistance"),
     ("f_stop", "fStop"),
@@ -59,6 +61,7 @@ _DRIVES: tuple[tuple[str, Literal["focusDistance", "fStop", "focalLength", "tilt
     ("tilt_rad", "tilt"),
     ("swing_rad", "swing"),
 )
+"""Columns of a focus curve, with the names over REST of the attributes that they drive."""
 
 Outcome = Rack | ImportedCurve | str | None
 """Result of a change: the authored rack, the report of an import, the name of an added focus point, or None."""
@@ -69,9 +72,9 @@ class EditedCamera:
     """The camera that changes are applied to.
 
     Attributes:
-        shot: opened, within an edit.
-        path: of the camera; None for the default camera.
-        max_curve_frames: frames of an imported curve.
+        shot: the opened shot, inside a transaction of its edits.
+        path: prim path of the camera; None for the default camera.
+        max_curve_frames: largest number of frames of an imported curve.
     """
 
     shot: Shot
@@ -85,7 +88,7 @@ class MeteredFrame:
 
     Attributes:
         time: USD time code.
-        compensation_stops: in place of the camera's; nan for a black frame.
+        compensation_stops: exposure compensation to key, stops; NaN for a black frame.
     """
 
     time: float
@@ -97,7 +100,7 @@ def apply_changes(camera: EditedCamera, changes: Sequence[Change]) -> list[Outco
 
     Args:
         camera: the edited camera and its shot.
-        changes: with anchors in place of places of the picture (`service.models.changes.anchor_spots`).
+        changes: changes whose picture positions were replaced by anchors (`service.models.changes.anchor_spots`).
 
     Raises:
         PullfocusError: a change cannot be applied; among several, the message begins with its number.
@@ -137,7 +140,7 @@ def _add_point(change: AddPoint, camera: EditedCamera) -> Outcome:
 @apply_change.register
 def _move_point(change: MovePoint, camera: EditedCamera) -> Outcome:
     if change.anchor is None:
-        raise SettingsError(f"focus point {change.name!r} moves to a place that was not looked up", path=change.name)
+        raise SettingsError(f"focus point {change.name!r} moves to a place that has no anchor yet", path=change.name)
     fields = point_fields(FocusPointEdit(**change.anchor.model_dump()))
     camera.shot.focus.update_point(camera.path, change.name, time=change.time, **fields)
     return None
@@ -295,14 +298,14 @@ def _mount_lens_file(change: MountLensFile, camera: EditedCamera) -> Outcome:
 
 
 def schema_key(key: KeyEdit, attribute: str) -> Key:
-    """A key as the schemas have it.
+    """Make the schemas' key from a key over REST.
 
     Args:
-        key: as it was sent.
-        attribute: name of what is keyed, over REST; a switch is 0 or 1, and held.
+        key: the key that was sent.
+        attribute: name over REST of the keyed attribute; one of `SWITCHES` takes 0 or 1, and is held.
 
     Raises:
-        SettingsError: a switch is neither, or tangents were sent with a key that has none.
+        SettingsError: the value of a switch is not 0 or 1, or tangents were sent with a key that is not bezier.
     """
     if key.tangents is not None and key.interpolation != "bezier":
         raise SettingsError(
@@ -317,7 +320,7 @@ def schema_key(key: KeyEdit, attribute: str) -> Key:
 
 
 def _sent_values(edit: FocusSettingsEdit | ExposureSettingsEdit | FilmSettingsEdit) -> dict[str, Any]:
-    """The values of an edit that were sent; null is left out."""
+    """Return the values of an edit that were sent and are not null."""
     return edit.model_dump(exclude={"time"}, exclude_none=True)
 
 
@@ -326,7 +329,7 @@ def _stops_or_nan(stops: float | None) -> float:
 
 
 def _with_tangents(keys: Sequence[Key], time: float, tangents: TangentsEdit, what: str) -> Key:
-    """The key at a time as a bezier key. Raises `NotFoundError`: there is none."""
+    """Return the key at a time as a bezier key with these tangents. Raises `NotFoundError` where there is none."""
     for key in keys:
         if key.time == time:
             return replace(key, interpolation="bezier", tangents=Tangents(**tangents.model_dump()))

@@ -25,7 +25,7 @@ _registered: dict[str, Callable[..., Any]] = {}
 
 
 class UnregisteredFunctionError(Exception):
-    """A name was sent to a worker that no registered function has."""
+    """No registered function has the name that was sent to a worker."""
 
 
 def register(function: Registered) -> Registered:
@@ -35,7 +35,7 @@ def register(function: Registered) -> Registered:
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """Module and qualified name of a function or of a reference to one: ``service.stage.shots:describe_shot``."""
+    """Return module and qualified name of a function, or of a reference to one: ``service.stage.shots:describe_shot``."""
     return f"{function.__module__}:{function.__qualname__}"
 
 

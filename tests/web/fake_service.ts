@@ -6,7 +6,7 @@ import type { Quality } from "@/model/quality";
 import type { FocusSettings, Readout, Shot } from "@/model/shot";
 import { errorOf } from "@/net/errors";
 import type { LiveListener, LiveLink, LivePicture, PictureRequest } from "@/net/live_link";
-import type { Edit, Edited, Service } from "@/net/service";
+import type { Edit, EditResult, Service } from "@/net/service";
 import type { View } from "@/net/view";
 
 export const SHOT: Shot = {
@@ -56,7 +56,7 @@ export class FakeService implements Partial<Service> {
   /** Edits with a change of this type fail, as a whole. */
   failing: Change["type"] | null = null;
   /** State that answers have; null as where the service could not read any. */
-  state: Omit<Edited, "history"> | null = null;
+  state: Omit<EditResult, "history"> | null = null;
   /** Called for each edit, before it is made; a test may hold it up. */
   gate: () => Promise<void> = () => Promise.resolve();
 
@@ -70,7 +70,7 @@ export class FakeService implements Partial<Service> {
     return this.#states[this.#now]?.done ?? [];
   }
 
-  async edit(_: View, { label, changes }: Edit): Promise<Edited> {
+  async edit(_: View, { label, changes }: Edit): Promise<EditResult> {
     await this.gate();
     if (changes.some(({ type }) => type === this.failing)) throw new Error(`no ${String(this.failing)}`);
     this.made.push(changes);

@@ -16,16 +16,16 @@ from render.trace.motion_tracer import ShutterSample
 from render.trace.rays import RayPattern, make_ray_pattern
 
 
-def shutter_samples(
-    moments: Sequence[Moment], settings: FrameSettings, apart: int, close_iris: Callable[[Camera], Camera]
+def make_shutter_samples(
+    moments: Sequence[Moment], settings: FrameSettings, ray_parts: int, close_iris: Callable[[Camera], Camera]
 ) -> list[ShutterSample]:
     """Make a sample of each moment.
 
     Args:
         moments: evenly over the shutter's opening, in order; their scenes do not matter.
         settings: size, rays and seed.
-        apart: moments in a row over which all rays are spread.
-        close_iris: gives the camera as the engine has it.
+        ray_parts: number of successive moments over which all rays are spread.
+        close_iris: closes the iris of a camera where the engine is sharp.
     """
 
     @lru_cache(maxsize=1)  # the iris mostly stays the same
@@ -37,7 +37,7 @@ def shutter_samples(
         camera = close_iris(moment.camera)
         view = PinholeView.from_camera(camera, settings.width, settings.height)
         shutter_time = (i + 0.5) / len(moments) - 0.5
-        pattern = pattern_of(camera.iris).part(i % apart, apart)
+        pattern = pattern_of(camera.iris).part(i % ray_parts, ray_parts)
         samples.append(ShutterSample(camera, view, shutter_time, pattern, _exposed_lines(moment, settings)))
     return samples
 

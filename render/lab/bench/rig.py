@@ -10,7 +10,7 @@ from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Peeler
-from render.layers.shadows import shadow_interest
+from render.layers.shadows import shadow_region
 from render.layers.umbra import umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -56,7 +56,7 @@ class LensRig:
 
     def load(self, scene: Scene, camera: Camera) -> None:
         """Upload a scene, for both engines."""
-        self._peeler.load(scene, shadow_interest(camera))
+        self._peeler.load(scene, shadow_region(camera))
 
     def trace(self, camera: Camera, settings: FrameSettings, repeats: Repeats) -> Traced:
         """Trace the loaded scene's picture: with one ray to compile shaders and make the lens's table, then for the clock.

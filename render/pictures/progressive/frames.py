@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from render.engines import DrawRequest, engine_of
+from render.engines import DrawRequest, engine_class
 from render.frame import Frame, FrameRenderer
 from render.layers.peel import Layers
 from render.model.arrays import FloatArray
@@ -65,7 +65,7 @@ class LiveFrames:
         largest = view.resize(*self._planner.largest_size(view.width, view.height))
         with renderer.on_device():
             camera = renderer.load(scene, camera, settings, is_preview=True)
-            is_blurred = engine_of(settings).preview == "blur" and camera.f_stop > 0
+            is_blurred = engine_class(settings).preview == "blur" and camera.f_stop > 0
             sketch: Sketch = "never" if rays is not None else "new"
             if is_blurred and not self._planner.can_blur(*largest.size, budget_ms):
                 sketch = "always"
@@ -114,7 +114,7 @@ class LiveFrames:
             settings: engine, size and sampling.
 
         Yields:
-            The share that is done; `unfinished` has the picture then.
+            Share that is done; `partial_picture` can be read between steps.
 
         Raises:
             CameraError: the camera's numbers make no picture.
@@ -127,7 +127,7 @@ class LiveFrames:
             color = yield from renderer.engine(settings).draw_in_steps(request)
             return renderer.measure(color, scene, request)
 
-    def unfinished(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
+    def partial_picture(self, settings: FrameSettings, under: FloatArray) -> FloatArray:
         """Read the picture that `draw_in_steps` is drawing, over another one where it has no rays yet.
 
         Args:
@@ -138,7 +138,7 @@ class LiveFrames:
             ``(height, width, 4)`` float32, premultiplied.
         """
         with self._renderer.on_device():
-            picture, shares = self._renderer.engine(settings).unfinished()
+            picture, shares = self._renderer.engine(settings).partial_picture()
         return np.where(shares > 0, picture, enlarge(under, picture.shape[1], picture.shape[0]))
 
 

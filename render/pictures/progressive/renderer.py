@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 
-from render.engines import engine_of
+from render.engines import engine_class
 from render.frame import Frame, FrameRenderer
 from render.gl.cancellation import Cancelled
 from render.model.arrays import FloatArray
@@ -168,7 +168,7 @@ class ProgressiveRenderer:
     def _expose(self, job: _Job, light: FloatArray, rays: int) -> Generator[ProgressivePicture, None, Frame]:
         """Render the light on the film, after a preview of so many rays; yields pictures before it is done."""
         settings, shot = job.settings, self._shot
-        if not engine_of(settings).draws_in_steps or has_motion(job.camera, settings):
+        if not engine_class(settings).draws_in_steps or has_motion(job.camera, settings):
             path, time = job.request.camera_path, job.request.time
             frame = expose_frame(self._renderer, shot, path, job.camera, time, settings)
             job.clock.note("blur")
@@ -200,7 +200,7 @@ class ProgressiveRenderer:
                 return frame
             if share < 1 and 1000 * (perf_counter() - last) > REFRESH_MS:
                 job.clock.note("blur")
-                unfinished = self._frames.unfinished(settings, under)
+                unfinished = self._frames.partial_picture(settings, under)
                 yield self._show(job, "refining", unfinished, settings.rays, share)
                 last = perf_counter()
 

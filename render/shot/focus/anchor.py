@@ -7,8 +7,8 @@ from typing import Protocol
 from usd_schemas import FocusPoint
 
 
-class Picked(Protocol):
-    """Surface under a click, such as `render.frame.Pick`."""
+class SurfacePoint(Protocol):
+    """Point of a surface under a click, such as `render.frame.Pick`."""
 
     @property
     def prim_path(self) -> str: ...
@@ -24,20 +24,20 @@ class Picked(Protocol):
     def instance(self) -> int: ...
 
 
-def make_point(name: str, picked: Picked) -> FocusPoint:
+def make_point(name: str, surface: SurfacePoint) -> FocusPoint:
     """Make a sharp focus point at the spot that was hit.
 
     Args:
         name: of the new point.
-        picked: the surface that was hit.
+        surface: point of the surface that was hit.
     """
-    target = (picked.prim_path,) if picked.prototype_path is None else (picked.prim_path, picked.prototype_path)
-    a, b, c = (float(weight) for weight in picked.barycentric)
+    target = (surface.prim_path,) if surface.prototype_path is None else (surface.prim_path, surface.prototype_path)
+    a, b, c = (float(weight) for weight in surface.barycentric)
     return FocusPoint(
         name=name,
         target=target,
-        face=int(picked.face),
-        fan_triangle=int(picked.fan_triangle),
+        face=int(surface.face),
+        fan_triangle=int(surface.fan_triangle),
         barycentric=(a, b, c),
-        instance=int(picked.instance),
+        instance=int(surface.instance),
     )

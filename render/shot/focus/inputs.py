@@ -18,7 +18,7 @@ from render.model.arrays import DoubleArray
 from render.model.camera import Camera
 from render.model.scene import Scene
 from render.optics.depth_of_field import default_coc_limit_mm
-from render.optics.distortion import shown_at
+from render.optics.distortion import distort_positions
 from render.optics.thin_lens import focus_w
 from render.optics.view import PinholeView
 from render.shot.focus.checks import NUMBERS, PointNumbers, check_settings
@@ -253,7 +253,7 @@ def project_points(camera: Camera, positions_m: DoubleArray) -> ProjectedPoints:
     """
     view = PinholeView.from_camera(camera, 1, 1)  # a picture of 1 × 1 pixels
     straight, depths_m = view.project(positions_m)
-    screens = shown_at(view, camera, straight)
+    screens = distort_positions(view, camera, straight)
     with np.errstate(invalid="ignore"):
         inside = np.all((screens >= 0) & (screens <= 1), axis=-1)
         inside &= (depths_m >= camera.near_m) & (depths_m <= camera.far_m)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from render.errors import InputError, NotFoundError, SettingsError
 from render.model.camera import Camera
-from render.optics.distortion import seen_at
+from render.optics.distortion import undistort_position
 from render.optics.view import PinholeView
 from render.shot.focus.focused_camera import FocusedCamera
 from render.shot.focus.inputs import project_points
@@ -60,7 +60,7 @@ def read_place(focused: FocusedCamera, picture: Camera, screen: tuple[float, flo
     if not depth_m > 0:
         raise SettingsError(f"a depth to read off must be in front of the camera, got {depth_m:g} m", code="bad_place")
     view = PinholeView.from_camera(picture, 1, 1)
-    x, y = seen_at(view, picture, *screen)
+    x, y = undistort_position(view, picture, *screen)
     return _read(focused, ((x - view.cx) / view.fx, -(y - view.cy) / view.fy), screen, depth_m)
 
 

@@ -15,7 +15,7 @@ from render.focus.racks import Rack
 from render.shot.camera.attributes import author_settings, set_focus_mode, setting_label
 from render.shot.camera.lookup import CameraLookup
 from render.shot.edits.edit_layer import Edits, schema_errors_as_settings
-from render.shot.focus.anchor import Picked, make_point
+from render.shot.focus.anchor import SurfacePoint, make_point
 from render.shot.focus.curve import focus_layer, solve_curve
 from render.shot.focus.curve_layer import author_curve
 from render.shot.focus.place_readout import PlaceReadout, read_place, read_point
@@ -41,7 +41,7 @@ class ShotFocus:
         stage: the shot.
         edits: where edits go.
         cameras: finds cameras by path.
-        anchors: finds focus points on the stage.
+        anchors: finds the positions of focus points on the stage.
         solver: solves the focus.
     """
 
@@ -72,17 +72,17 @@ class ShotFocus:
         *,
         aspect: float | None = None,
     ) -> PlaceReadout:
-        """Read the depth of field at a place of the picture, and the circle of confusion of a thing there.
+        """Read the depth of field at a position of the picture, and the circle of confusion of an object there.
 
         Args:
             camera_path: of a camera.
             time: USD time code.
-            screen: the place: (0, 0) is the top left corner of the picture and (1, 1) the bottom right one.
-            depth_m: of the thing, along the view axis; may be infinite.
+            screen: the position: (0, 0) is the top left corner of the picture and (1, 1) the bottom right one.
+            depth_m: depth of the object along the view axis; may be infinite.
             aspect: width over height of the picture; None takes the camera's own film gate.
 
         Raises:
-            SettingsError: the place is no number, or the depth is not in front of the camera.
+            SettingsError: the position is not a number, or the depth is not in front of the camera.
         """
         focused = self._solver.solve(camera_path, time)
         return read_place(focused, self._solver.fit_to_picture(focused, time, aspect), screen, depth_m)
@@ -100,13 +100,13 @@ class ShotFocus:
 
         Raises:
             NotFoundError: the camera has no such point.
-            InputError: the point has no place, or none in front of the camera.
+            InputError: the point has no position, or one behind the camera.
         """
         focused = self._solver.solve(camera_path, time)
         return read_point(focused, self._solver.fit_to_picture(focused, time, aspect), name)
 
     def points(self, camera_path: str | None, time: float, *, aspect: float | None = None) -> list[PlacedPoint]:
-        """A camera's focus points as they stand in its picture.
+        """List a camera's focus points with their positions in its picture.
 
         Args:
             camera_path: of a camera.
@@ -116,16 +116,16 @@ class ShotFocus:
         focused = self._solver.solve(camera_path, time)
         return place_points(focused, self._solver.fit_to_picture(focused, time, aspect))
 
-    def add_point(self, camera_path: str | None, name: str, anchor: Picked | FocusPoint) -> FocusPoint:
-        """Add a focus point; a camera that was focused by hand is focused by its points from then on.
+    def add_point(self, camera_path: str | None, name: str, anchor: SurfacePoint | FocusPoint) -> FocusPoint:
+        """Add a focus point. A camera in manual mode is switched to focus by its points.
 
-        The faces of the target are noted with the point (`usd_schemas.topology`), so that a re-export with other faces can be
-        detected.
+        The topology of the target mesh is recorded with the point (`usd_schemas.topology`), so that a re-export with other faces
+        can be detected.
 
         Args:
             camera_path: of a camera.
             name: an identifier (letters, digits and ``_``, no digit first) that no other focus point of the camera has.
-            anchor: what was clicked on, or all of a focus point (its own name does not matter).
+            anchor: the point of a surface that was clicked on, or a whole focus point (its own name is ignored).
 
         Returns:
             The point as it was authored.
@@ -141,7 +141,7 @@ class ShotFocus:
         with self._edits.transaction(f"add focus point {name}"):
             view = camera.add_focus_point(name, replace(point, name=name))
             if not point.topology:
-                _note_topology(view, None)
+                _record_topology(view, None)
             if camera.focus.read().mode == "manual":
                 set_focus_mode(camera, "points")
         return view.read()
@@ -152,7 +152,7 @@ class ShotFocus:
         """Change some fields of a focus point.
 
         A field that has keys gets one at the time; a field that has none is changed for all time. Where the target or its face
-        changes and no topology is given, the faces of the new target are noted.
+        changes and no topology is given, the topology of the new target is recorded.
 
         Args:
             camera_path: of a camera.
@@ -177,7 +177,7 @@ class ShotFocus:
                 view.author(replace(view.read(time), **{field: changes[field] for field in keyed}), time)
             view.author(replace(view.read(), **{field: v for field, v in changes.items() if field not in keyed}))
             if changes.keys() & {"target", "face", "fan_triangle"} and "topology" not in changes:
-                _note_topology(view, time)
+                _record_topology(view, time)
         return view.read(time)
 
     def remove_point(self, camera_path: str | None, name: str) -> None:
@@ -191,7 +191,7 @@ class ShotFocus:
             self._cameras.editable(camera_path).remove_focus_point(name)
 
     def keys(self, camera_path: str | None, name: str, attribute: str) -> list[Key]:
-        """Keys of one attribute of a focus point, such as ``weight`` or ``enabled``, in order of time.
+        """List the keys of one attribute of a focus point, such as ``weight`` or ``enabled``, in order of time.
 
         Raises:
             NotFoundError: the camera has no such point.
@@ -218,8 +218,9 @@ class ShotFocus:
             attribute: such as ``weight`` or ``enabled``; target, kind and topology take no keys.
             time: USD time code.
             value: in the attribute's own unit.
-            interpolation: how the value goes on to the next key: linear, held, bezier or auto; None suits the attribute.
-            tangents: of a bezier key; None gives it those that an auto key would have now.
+            interpolation: how the value goes on to the next key: linear, held, bezier or auto; None is linear,
+                or held where values cannot be interpolated.
+            tangents: of a bezier key; None gives it the tangents of an auto key.
 
         Raises:
             NotFoundError: the camera has no such point.
@@ -247,14 +248,14 @@ class ShotFocus:
             view.remove_key(attribute, time)
 
     def rack(self, camera_path: str | None, rack: WeightRack) -> tuple[WeightRack, Rack]:
-        """Take the focus from one focus point to another, by keys of their weights.
+        """Rack the focus from one focus point to another, by keys of their weights.
 
         Args:
             camera_path: of a camera.
             rack: from which to which, when, and how.
 
         Returns:
-            The rack as authored, which ends later where the hand cannot turn the ring that fast, and what the lens does.
+            The rack as authored, which ends later where the ring cannot be turned that fast, and the resulting focus distances.
 
         Raises:
             NotFoundError: the camera has no such point.
@@ -267,7 +268,7 @@ class ShotFocus:
             return pull_rack(self._stage, self._anchors, self._cameras.path(camera_path), rack)
 
     def settings(self, camera_path: str | None, time: float) -> tuple[FocusData, TiltShiftData]:
-        """Focus settings of a camera, and tilt and shift of its lens.
+        """Read the focus settings of a camera, and tilt and shift of its lens.
 
         Args:
             camera_path: of a camera.
@@ -278,12 +279,12 @@ class ShotFocus:
             return camera.focus.read(check_time(time)), camera.tilt_shift.read(time)
 
     def set(self, camera_path: str | None, *, time: float | None = None, **settings: Any) -> None:
-        """Change how a camera's focus is found, or how its lens is tilted.
+        """Change focus settings of a camera, or the tilt and shift of its lens.
 
         Args:
             camera_path: of a camera.
-            time: USD time code of the keys; None drops the keys there are and holds the values for all time. Modes and other
-                words hold for all time either way.
+            time: USD time code of the keys; None drops the keys there are and holds the values for all time. Settings that are
+                words, such as modes, always hold for all time.
             settings: by the names of the fields of `FocusData` and `TiltShiftData`.
 
         Raises:
@@ -298,7 +299,7 @@ class ShotFocus:
             author_settings(camera, settings, time)
 
     def curve(self, camera_path: str | None, frames: Sequence[float]) -> FocusCurve:
-        """Solve the focus curve: the lens over some frames.
+        """Solve the focus curve: focus, f-number and tilt at each frame.
 
         Args:
             camera_path: of a camera.
@@ -318,21 +319,21 @@ class ShotFocus:
         Args:
             camera_path: of a camera.
             frames: rising USD time codes.
-            baked: time samples, for tools that read no splines, in place of native splines.
+            baked: write time samples, for tools that read no splines, in place of native splines.
             tolerance: how far a spline may be off, relative to the value; more makes fewer knots.
 
         Raises:
-            SettingsError: there are no frames, too many, or they do not rise; or the tolerance is no share.
+            SettingsError: there are no frames, too many, or they do not rise; or the tolerance is not a share.
         """
         return focus_layer(self._stage, self.curve(camera_path, frames), baked=baked, tolerance=tolerance)
 
     def import_curve(self, camera_path: str | None, read: ReadCurve, *, baked: bool = False) -> None:
-        """Give a camera the focus curve of a file, and let it be focused by hand.
+        """Author an imported focus curve on a camera, and switch the camera to manual focus.
 
         Args:
             camera_path: of a camera.
-            read: as `render.shot.focus.curve_import.read_for_shot` reads it.
-            baked: time samples in place of native splines.
+            read: result of `render.shot.focus.curve_import.read_for_shot`.
+            baked: write time samples in place of native splines.
 
         Raises:
             SettingsError: a value is beyond what the camera's attribute allows.
@@ -342,11 +343,11 @@ class ShotFocus:
             author_curve(camera, read.curve, read.given, baked=baked)
 
     def edited_properties(self, camera_path: str | None, name: str | None = None) -> tuple[str, ...]:
-        """Edited properties of focus points as usda text: the same strings until an edit changes them.
+        """List the edited properties of focus points as usda text, for entity tags: the strings differ after an edit.
 
         Args:
             camera_path: of a camera.
-            name: of a focus point; None for all of them, and which there are.
+            name: of a focus point; None for all points, with the list of their names.
 
         Raises:
             CameraError: there is no such camera.
@@ -356,11 +357,15 @@ class ShotFocus:
         path = camera.prim.GetPath()
         if name is None:
             names = [view.name for view in camera.focus_points()]
-            return (str(path), *names, *self._edits.properties(path, lambda name: name.startswith(FOCUS_POINTS)))
+            return (
+                str(path),
+                *names,
+                *self._edits.properties(path, lambda property_name: property_name.startswith(FOCUS_POINTS)),
+            )
         prefix = f"{FOCUS_POINTS}{self._cameras.point(camera_path, name).name}:"
-        return (str(path), name, *self._edits.properties(path, lambda name: name.startswith(prefix)))
+        return (str(path), name, *self._edits.properties(path, lambda property_name: property_name.startswith(prefix)))
 
 
-def _note_topology(view: FocusPointView, time: float | None) -> None:
-    """Note with a focus point the faces of the mesh that it is on at a time."""
+def _record_topology(view: FocusPointView, time: float | None) -> None:
+    """Record in a focus point the topology of the mesh under it at a time."""
     view.author(replace(view.read(), topology=topology_under(view.prim.GetStage(), view.read(time))))

@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from render.engines import DrawRequest, Engine, check_settings, engine_names, engine_of, register, unregister
+from render.engines import DrawRequest, Engine, check_settings, engine_class, engine_names, register, unregister
 from render.errors import SettingsError
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import spheres_over_checkerboard
@@ -128,4 +128,4 @@ def test_two_engines_of_one_name_are_refused(toy: type[Toy]) -> None:
 
     with pytest.raises(ValueError, match="two engines of the name toy"):
         register(Other)
-    assert engine_of(SETTINGS) is toy
+    assert engine_class(SETTINGS) is toy

@@ -48,7 +48,7 @@ def test_what_an_engine_says_it_can_do_it_has(engine: type[Engine]) -> None:
     assert engine.draw is not Engine.draw
     assert engine.takes_velocities == (engine.draw_swept is not Engine.draw_swept)
     assert engine.draws_in_steps == (engine.draw_in_steps is not Engine.draw_in_steps)
-    assert engine.draws_in_steps == (engine.unfinished is not Engine.unfinished)
+    assert engine.draws_in_steps == (engine.partial_picture is not Engine.partial_picture)
 
 
 def test_nothing_outside_the_engines_compares_or_lists_their_names() -> None:

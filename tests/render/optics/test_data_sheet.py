@@ -133,7 +133,7 @@ def test_places_and_sharpness_know_the_sheet() -> None:
     chief = chief_rays(camera)
     assert chief is not None
     np.testing.assert_allclose(
-        chief.seen_at(np.array([[0.3, 0.0]])), [[15 / (1 - 0.015) / 50, 0]], rtol=1e-5
+        chief.undistort_slopes(np.array([[0.3, 0.0]])), [[15 / (1 - 0.015) / 50, 0]], rtol=1e-5
     )  # 15 mm on the film
     sharp = field_focus(camera)
     assert sharp is not None

@@ -14,7 +14,7 @@ from pxr import Gf, Usd, UsdGeom
 from render.errors import SettingsError
 from render.film import Grade
 from render.frame import FrameRenderer
-from render.model.shutter import Shutter, at_once, moments, shares
+from render.model.shutter import Shutter, moments, moments_per_pixel, shares
 from render.pictures.picture import make_picture
 from render.shot import Shot
 from tests.render.kits.moving_shots import STILL, coverage, write_moving
@@ -169,6 +169,6 @@ def test_where_lines_are_bared_one_by_one_each_has_all_of_its_rays() -> None:
     """A slit that bares a line for a quarter of the way's time shows it at a quarter of the moments, not at all of them."""
     slit = Shutter("focalPlane", "down", travel=0.75)
     parts = shares(0.0, 0.25, slit, 16, 8, 64)
-    assert at_once(parts) == 5  # four, and one that is cut at both ends
-    assert at_once(shares(0.0, 0.25, Shutter(), 16, 8, 64)) == 16
-    assert at_once(shares(0.0, 0.0, slit, 16, 8, 64)) == 1
+    assert moments_per_pixel(parts) == 5  # four, and one that is cut at both ends
+    assert moments_per_pixel(shares(0.0, 0.25, Shutter(), 16, 8, 64)) == 16
+    assert moments_per_pixel(shares(0.0, 0.0, slit, 16, 8, 64)) == 1

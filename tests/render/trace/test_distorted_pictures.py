@@ -49,9 +49,9 @@ def test_shown_and_seen_undo_each_other(squeeze: float) -> None:
     places = np.random.default_rng(3).uniform(-2, 2, (500, 2))
     for seen in (np.tan(ideal), np.arctan(ideal)):  # of a fisheye, and of a pincushion
         rays = ChiefRays(ideal, seen, squeeze)
-        np.testing.assert_allclose(rays.shown_at(rays.seen_at(places)), places, rtol=1e-9, atol=1e-9)
-    assert np.isnan(rays.shown_at(np.array([[np.nan, np.nan]]))).all()
-    np.testing.assert_array_equal(rays.shown_at(np.zeros((1, 2))), 0.0)
+        np.testing.assert_allclose(rays.distort_slopes(rays.undistort_slopes(places)), places, rtol=1e-9, atol=1e-9)
+    assert np.isnan(rays.distort_slopes(np.array([[np.nan, np.nan]]))).all()
+    np.testing.assert_array_equal(rays.distort_slopes(np.zeros((1, 2))), 0.0)
 
 
 def test_chief_rays_are_those_of_the_reference() -> None:
@@ -60,7 +60,9 @@ def test_chief_rays_are_those_of_the_reference() -> None:
     through = chief_rays(camera)
     assert through is not None
     reference = lens_rays(camera, np.zeros((1, 2)), (0.36, 0.27)).rays(0, places[None], 587.5618)
-    np.testing.assert_allclose(through.seen_at(places), reference.slopes[0], atol=5e-5)  # chief rays are interpolated
+    np.testing.assert_allclose(
+        through.undistort_slopes(places), reference.slopes[0], atol=5e-5
+    )  # chief rays are interpolated
 
 
 def test_a_fisheye_is_measured_however_far_it_sees(renderer: FrameRenderer) -> None:

@@ -1,4 +1,4 @@
-/** One shot as the service has it: its focus points, lens and curve, and the edits that change them. */
+/** One shot of the service, as the editor shows it: its focus points, lens and curve, and the edits that change them. */
 
 import { batch, computed, signal, type ReadonlySignal } from "@preact/signals";
 import type { Changes } from "../model/changes";
@@ -9,11 +9,11 @@ import { frameCount, sameTime } from "../model/time";
 import { isAbort } from "../net/errors";
 import { NewestWins } from "../net/newest";
 import { Recent } from "../net/recent";
-import type { Edited, Service } from "../net/service";
+import type { EditResult, Service } from "../net/service";
 import type { View } from "../net/view";
 
 const NO_CHANGES: Changes = [];
-/** Frames of a shot whose focus curve comes with the answer to an edit; that of a longer one is read after it. */
+/** Shots of up to this many frames get their focus curve with the result of each edit; longer ones read it afterwards. */
 const MOST_CURVE_FRAMES = 500;
 
 type Fail = (error: unknown) => void;
@@ -35,7 +35,7 @@ export interface Drag<Value> {
 export class ShotDocument {
   readonly shot: Shot;
   readonly view: View;
-  /** Goes up with every edit; data of a lower one is stale. */
+  /** Counts the edits, undos and reloads seen here; data of an earlier revision is stale. */
   readonly revision = signal(0);
   readonly points = signal<readonly FocusPoint[]>([]);
   readonly curve = signal<Curve>([]);
@@ -55,8 +55,8 @@ export class ShotDocument {
 
   readonly #service: Service;
   readonly #fail: Fail;
-  /** The shot as the last edit left it. */
-  #edited: (Edited & At) | null = null;
+  /** Result of the last edit. */
+  #lastEdit: (EditResult & At) | null = null;
   readonly #pointsAt = new Recent<Promise<readonly FocusPoint[]>>(512);
   readonly #followPoints: NewestWins<number, readonly FocusPoint[]>;
   readonly #followReadout: NewestWins<At, Readout>;
@@ -106,11 +106,11 @@ export class ShotDocument {
     return this.view.camera !== null;
   }
 
-  /** The lens now: of the unsaved changes, else of the present revision, else of the curve, else as last read. */
+  /** Readout of the lens now: with the unsaved changes, else of the present revision, else from the curve, else as last read. */
   readonly readout = computed<Readout | null>(() => {
     const saved = this.#readout.value;
-    const unsaved = this.#previewReadout.value;
-    if (unsaved && sameTime(unsaved.time, this.#time.value)) return unsaved.value;
+    const preview = this.#previewReadout.value;
+    if (preview && sameTime(preview.time, this.#time.value)) return preview.value;
     if (saved?.revision === this.revision.value && sameTime(saved.time, this.#time.value)) return saved.value;
     const sample =
       this.#curveRevision.value === this.revision.value ? sampleAt(this.curve.value, this.#time.value) : null;
@@ -128,48 +128,48 @@ export class ShotDocument {
       this.#settings.value?.revision === this.revision.value,
   );
 
-  /** Reads the state at a time of a revision; while something moves only the focus points. */
+  /** Reads focus points, readout and focus settings at a time; while the time or a drag is moving, the focus points alone. */
   follow(time: number, moving: boolean, revision: number): void {
     if (!this.hasLens) return;
     this.#followPoints.load(time);
     if (moving) return;
     const at = { time, revision };
-    const edited = this.edited(at);
-    if (edited?.readout) {
+    const result = this.resultOf(at);
+    if (result?.readout) {
       this.#followReadout.clear(); // a reading under way is of an earlier revision
-      this.#takeReadout(edited.readout, at);
+      this.#takeReadout(result.readout, at);
     } else this.#followReadout.load(at);
-    if (edited?.focusSettings) {
+    if (result?.focusSettings) {
       this.#followSettings.clear();
-      this.#settings.value = { revision, value: edited.focusSettings };
+      this.#settings.value = { revision, value: result.focusSettings };
     } else this.#followSettings.load(at);
   }
 
   /** Reads the curve of a revision. */
   refreshCurve(revision: number): void {
     if (!this.hasLens) return;
-    if (this.#edited?.revision === revision && this.#edited.curve) {
+    if (this.#lastEdit?.revision === revision && this.#lastEdit.curve) {
       this.#followCurve.clear();
-      this.curve.value = this.#edited.curve;
+      this.curve.value = this.#lastEdit.curve;
       this.#curveRevision.value = revision;
     } else this.#followCurve.load(revision);
   }
 
-  /** The answer to the edit that led to a revision, if it is of that time; null otherwise. */
-  edited({ time, revision }: At): Edited | null {
-    return this.#edited?.revision === revision && sameTime(this.#edited.time, time) ? this.#edited : null;
+  /** Result of the edit that led to a revision, if it is for that time; null otherwise. */
+  resultOf({ time, revision }: At): EditResult | null {
+    return this.#lastEdit?.revision === revision && sameTime(this.#lastEdit.time, time) ? this.#lastEdit : null;
   }
 
   /** The focus points at a time, read once in each revision. */
   pointsAt(time: number): Promise<readonly FocusPoint[]> {
     if (!this.hasLens) return Promise.resolve([]);
-    const name = nameOf({ time, revision: this.revision.value });
-    const known = this.#pointsAt.get(name);
-    if (known) return known;
+    const key = pointsKey({ time, revision: this.revision.value });
+    const cached = this.#pointsAt.get(key);
+    if (cached) return cached;
     const points = this.#service.focusPoints(this.view, time);
-    this.#pointsAt.set(name, points);
+    this.#pointsAt.set(key, points);
     points.catch(() => {
-      this.#pointsAt.delete(name);
+      this.#pointsAt.delete(key);
     });
     return points;
   }
@@ -178,10 +178,10 @@ export class ShotDocument {
   readonly redoLabel = computed(() => redoLabel(this.history.value));
 
   /**
-   * Makes an edit: one request, all of it or nothing, one step of undo. Resolves to whether it was made.
+   * Sends an edit: one request, applied whole or not at all, one step of undo. Resolves to whether it was applied.
    *
    * @param changes of the edit; a promise where a file has to be read first.
-   * @param unsaved changes that the picture shows until the edit is made.
+   * @param unsaved changes that the picture shows until the edit is applied.
    */
   edit(label: string, changes: Changes | Promise<Changes>, unsaved?: Changes): Promise<boolean> {
     if (!(changes instanceof Promise) && changes.length === 0) {
@@ -191,9 +191,9 @@ export class ShotDocument {
     const time = this.#time.peek();
     const withCurve = frameCount(this.shot.range) <= MOST_CURVE_FRAMES;
     return this.#inTurn(async () => {
-      const edited = await this.#service.edit(this.view, { label, changes: await changes, time, withCurve });
-      this.history.value = edited.history;
-      return { ...edited, time };
+      const result = await this.#service.edit(this.view, { label, changes: await changes, time, withCurve });
+      this.history.value = result.history;
+      return { ...result, time };
     }, unsaved);
   }
 
@@ -233,15 +233,15 @@ export class ShotDocument {
   /**
    * Starts a drag. Its values are previewed in the picture; the last one is an edit.
    *
-   * @param make the changes to a value.
+   * @param changesTo gives the changes that set a value.
    */
-  drag<Value>(label: string, make: (value: Value) => Changes): Drag<Value> {
+  drag<Value>(label: string, changesTo: (value: Value) => Changes): Drag<Value> {
     return {
       move: (value) => {
-        this.preview(make(value));
+        this.preview(changesTo(value));
       },
       commit: (value) => {
-        const changes = make(value);
+        const changes = changesTo(value);
         this.unsaved.value = changes;
         void this.edit(label, changes, changes);
         this.dragging.value = false;
@@ -252,7 +252,7 @@ export class ShotDocument {
     };
   }
 
-  /** Shows unsaved changes in the picture, in place of those before. */
+  /** Shows unsaved changes in the picture, in place of earlier ones. */
   preview(unsaved: Changes): void {
     batch(() => {
       this.unsaved.value = unsaved;
@@ -269,27 +269,27 @@ export class ShotDocument {
     });
   }
 
-  /** Takes the readout of the lens in a picture with unsaved changes. */
+  /** Shows the readout that came with a picture of unsaved changes. */
   showReadout(readout: Readout, unsaved: Changes): void {
     if (unsaved === this.unsaved.value || this.dragging.value)
       this.#previewReadout.value = { time: this.#time.peek(), value: readout };
   }
 
   /**
-   * Shows the shot as it is now.
+   * Begins a new revision, whose data is then read.
    *
-   * @param edited answer to an edit, which is shown as it is; null reads everything again.
+   * @param result of an edit, which saves reading its parts; null reads everything again.
    */
-  refresh(edited: (Edited & { readonly time: number }) | null = null): void {
+  refresh(result: (EditResult & { readonly time: number }) | null = null): void {
     const revision = this.revision.value + 1;
     this.#service.forget(this.shot.id);
     this.#pointsAt.clear();
-    this.#edited = edited && { ...edited, revision };
-    if (edited?.points) this.#pointsAt.set(nameOf({ time: edited.time, revision }), Promise.resolve(edited.points));
+    this.#lastEdit = result && { ...result, revision };
+    if (result?.points) this.#pointsAt.set(pointsKey({ time: result.time, revision }), Promise.resolve(result.points));
     this.revision.value = revision;
   }
 
-  /** Cancels all that is under way. */
+  /** Cancels all reading under way. */
   close(): void {
     for (const follower of [this.#followPoints, this.#followReadout, this.#followSettings, this.#followCurve])
       follower.clear();
@@ -303,17 +303,17 @@ export class ShotDocument {
   }
 
   /**
-   * Runs a task after those before it, and then shows the shot as it is. Resolves to whether the task succeeded.
+   * Runs a task after those queued before it, and then refreshes. Resolves to whether the task succeeded.
    *
-   * @param task resolves to the answer to an edit, or to null to read everything again.
+   * @param task resolves to the result of an edit, or to null to read everything again.
    * @param unsaved changes whose preview ends with the task.
    */
-  #inTurn(task: () => Promise<(Edited & { readonly time: number }) | null>, unsaved?: Changes): Promise<boolean> {
+  #inTurn(task: () => Promise<(EditResult & { readonly time: number }) | null>, unsaved?: Changes): Promise<boolean> {
     this.pending.value += 1;
     const done = this.#queue.then(async () => {
-      let edited: (Edited & { readonly time: number }) | null = null;
+      let result: (EditResult & { readonly time: number }) | null = null;
       try {
-        edited = await task();
+        result = await task();
         return true;
       } catch (error) {
         if (!isAbort(error)) this.#fail(error);
@@ -323,7 +323,7 @@ export class ShotDocument {
       } finally {
         batch(() => {
           if (unsaved && this.unsaved.value === unsaved) this.unsaved.value = NO_CHANGES;
-          this.refresh(edited);
+          this.refresh(result);
           this.pending.value -= 1;
         });
       }
@@ -333,7 +333,7 @@ export class ShotDocument {
   }
 }
 
-/** Key of what was read at a time of a revision. */
-function nameOf({ time, revision }: At): string {
+/** Cache key of the focus points at a time in a revision. */
+function pointsKey({ time, revision }: At): string {
   return `${revision}@${time}`;
 }

@@ -70,7 +70,7 @@ export class CameraPhotography {
     // While something moves the dragged value is shown, and the rest can wait.
     if (!this.#document.hasLens || (moving && this.current.peek() !== null)) return;
     const at = { time, revision };
-    const photography = this.#document.edited(at)?.photography;
+    const photography = this.#document.resultOf(at)?.photography;
     if (photography) {
       this.#follow.clear(); // a reading under way is of an earlier revision
       this.current.value = { ...photography, ...at };

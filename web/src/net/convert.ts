@@ -18,7 +18,7 @@ import {
   type ShotSummary,
 } from "../model/shot";
 import type { components } from "./schema";
-import type { Edited } from "./service";
+import type { EditResult } from "./service";
 
 export type Json = components["schemas"];
 
@@ -137,7 +137,7 @@ export function toHistory(json: Json["EditHistory"]): EditHistory {
   };
 }
 
-export function toEdited({ history, state }: Json["EditResult"]): Edited {
+export function toEditResult({ history, state }: Json["EditResult"]): EditResult {
   const { exposure, film, exposureReadout } = state ?? {};
   return {
     history: { ...history, undo: history.undo ?? "", redo: history.redo ?? "" },

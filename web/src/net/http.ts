@@ -9,7 +9,7 @@ import type { Quality } from "../model/quality";
 import type { FocusPoint, FocusSettings, Note, Pick, Readout, Shot, ShotSummary } from "../model/shot";
 import {
   toCurve,
-  toEdited,
+  toEditResult,
   toFilm,
   toFocusSettings,
   toHistory,
@@ -27,7 +27,7 @@ import { errorOf, isAbort, UnreachableError } from "./errors";
 import { LiveSocket, liveAddress } from "./live";
 import type { LiveListener, LiveLink } from "./live_link";
 import type { paths } from "./schema";
-import type { CurveFormat, Download, Edit, Edited, PictureFormat, Service } from "./service";
+import type { CurveFormat, Download, Edit, EditResult, PictureFormat, Service } from "./service";
 import { CAMERA, pointAddress, POINTS, TagBook } from "./tags";
 import { sendFile } from "./upload";
 import { cameraOf, type View } from "./view";
@@ -173,7 +173,7 @@ export class HttpService implements Service {
     return toPick(await result(this.#client.POST("/v1/shots/{shot}/pick", { params: { path }, body })));
   }
 
-  async edit(view: View, { label, changes, time, withCurve }: Edit): Promise<Edited> {
+  async edit(view: View, { label, changes, time, withCurve }: Edit): Promise<EditResult> {
     const tags = this.#tagsOf(view);
     const ifMatch = tags.ifMatch(changes);
     const params = { path: { shot: view.shot }, header: ifMatch === null ? {} : { "if-match": ifMatch } };
@@ -182,7 +182,7 @@ export class HttpService implements Service {
     try {
       const edited = await result(this.#client.POST("/v1/shots/{shot}/edits", { params, body }));
       tags.take(edited.changed);
-      return toEdited(edited);
+      return toEditResult(edited);
     } catch (error) {
       tags.forget(changes);
       throw error;

@@ -22,7 +22,7 @@ export interface Edit {
 }
 
 /** The shot after an edit, at the edit's time; a part that the service could not read is null. */
-export interface Edited {
+export interface EditResult {
   readonly history: EditHistory;
   readonly points: readonly FocusPoint[] | null;
   readonly readout: Readout | null;
@@ -72,7 +72,7 @@ export interface Service {
   /** Picks the surface at a place of the picture (0 to 1 from its top left); null for none. */
   pick(view: View, time: number, at: readonly [number, number], quality: Quality): Promise<Pick | null>;
   /** Makes an edit, all of it or nothing. Fails where another editor has changed the same resource since it was read. */
-  edit(view: View, edit: Edit): Promise<Edited>;
+  edit(view: View, edit: Edit): Promise<EditResult>;
   /** Drops the tags of a shot's resources that are read again from now on. */
   forget(shot: string): void;
   downloadFrame(view: View, time: number, quality: Quality, format: PictureFormat): Promise<Download>;

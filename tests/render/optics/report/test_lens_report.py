@@ -144,11 +144,11 @@ def test_squeeze_narrows_the_distortion_from_side_to_side(w311: float) -> None:
         right, up = camera.horizontal_aperture_mm / 100, camera.vertical_aperture_mm / 100
         chief = chief_rays(camera)
         assert chief is not None
-        slopes = chief.seen_at(np.array([[right, 0.0], [0.0, up], [right, up]]))
+        slopes = chief.undistort_slopes(np.array([[right, 0.0], [0.0, up], [right, up]]))
         expected = 2 * np.degrees(np.arctan(np.linalg.norm(slopes, axis=-1)))
         assert report.field_of_view_deg == pytest.approx(expected, rel=1e-4)
         corner = np.array([right, up])
-        ideal_over_seen = corner / chief.seen_at(corner)
+        ideal_over_seen = corner / chief.undistort_slopes(corner)
         distortion = [report.curves.distortion_across[-1], report.curves.distortion[-1]]
         assert distortion == pytest.approx(ideal_over_seen - 1, rel=1e-3)
     spherical, anamorphic = reports

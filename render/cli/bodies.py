@@ -24,7 +24,7 @@ def add_parser(commands: Any) -> None:
         "bodies", help="camera bodies and film formats; `bodies show NAME` has fields of view and framing guides"
     )
     parser.set_defaults(run=run_list)
-    parser.add_argument("--json", action="store_true", help="print it for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
     show = actions.add_parser("show", help="gate, crop factor, field of view and framing guides of one of them")
     show.set_defaults(run=run_show)
@@ -32,7 +32,7 @@ def add_parser(commands: Any) -> None:
     usual = ", ".join(f"{lens_mm:g}" for lens_mm in USUAL_LENSES_MM)
     show.add_argument("--lens-mm", metavar="MM", type=float, help=f"focal length of the field of view; else {usual}")
     # No default here, so that --json before `show` is kept.
-    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def gate_of(body: LibraryBody) -> Gate:
@@ -54,7 +54,7 @@ def run_list(arguments: argparse.Namespace) -> None:
         table.add_column(title, no_wrap=True)
     for title in ("gate in mm", "photosites", "crop"):
         table.add_column(title, no_wrap=True, justify="right")
-    table.add_column("what it is")
+    table.add_column("description")
     for body in library_bodies():
         crop = f"{gate_of(body).crop_factor:.2f}"
         table.add_row(
@@ -100,7 +100,7 @@ def _numbers(body: LibraryBody) -> Table:
     table = Table(box=box.SIMPLE_HEAD, show_header=False, title=body.title, title_justify="left", pad_edge=False)
     table.add_column(style="dim", no_wrap=True)
     table.add_column(overflow="fold")
-    table.add_row("what it is", body.description)
+    table.add_row("description", body.description)
     table.add_row("gate", f"{_size(*body.gate_mm)} mm, diagonal {gate.diagonal_mm:.2f} mm")
     if body.kind == "digital":
         pitch_um = 1000 * gate.width_mm / body.resolution[0]

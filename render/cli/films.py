@@ -1,4 +1,4 @@
-"""`pullfocus films`: the film library, and the report and sheet of one stock."""
+"""`pullfocus films`: the film library, and the report and the data sheet of one stock."""
 
 from __future__ import annotations
 
@@ -19,27 +19,38 @@ from usd_schemas import LibraryFilm, library_films
 
 def add_parser(commands: Any) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("films", help="the film library; `films show NAME` has the numbers and a sheet of one")
+    parser = commands.add_parser(
+        "films", help="the film library; `films show NAME` has the numbers and a data sheet of one"
+    )
     parser.set_defaults(run=run_list)
-    parser.add_argument("--json", action="store_true", help="print it for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
-    show = actions.add_parser("show", help="numbers of a stock, and with --out a sheet that draws it")
+    show = actions.add_parser("show", help="numbers of a stock, and with --out a data sheet with its curves")
     show.set_defaults(run=run_show)
-    show.add_argument("film", metavar="NAME", help="of the library, or a part of it that no other has, such as 5219")
     show.add_argument(
-        "--out", metavar="PATH", type=Path, help="draw a sheet: a .png or .svg file, or a folder to put NAME.png in"
+        "film", metavar="NAME", help="name in the library, or a part of one that no other name has, such as 5219"
     )
     show.add_argument(
-        "--push", metavar="STOPS", type=float, default=0.0, help="develop the camera stock longer; without it 0"
+        "--out",
+        metavar="PATH",
+        type=Path,
+        help="draw a data sheet: a .png or .svg file, or a folder to put NAME.png in",
+    )
+    show.add_argument(
+        "--push",
+        metavar="STOPS",
+        type=float,
+        default=0.0,
+        help="stops by which the camera stock is pushed in development; without it 0",
     )
     show.add_argument(
         "--with",
         dest="partner",
         metavar="NAME",
-        help="print stock of a negative, or negative of a print stock; without it the usual one",
+        help="print stock for a negative, or negative for a print stock; without it the usual one",
     )
     # No default here, so that --json before `show` is kept.
-    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def run_list(arguments: argparse.Namespace) -> None:
@@ -56,17 +67,17 @@ def run_list(arguments: argparse.Namespace) -> None:
         table.add_column(title, no_wrap=True)
     for title in ("ISO", "light", "year"):
         table.add_column(title, no_wrap=True, justify="right")
-    table.add_column("what it is")
+    table.add_column("description")
     for film in library_films():
         speed = f"{film.film.speed:g}" if film.film.speed else ""
         light = f"{film.balance_k:g} K" if film.balance_k else ""
-        what = f"{film.title}: {film.description}"
-        table.add_row(film.name, film.film.process, film.kind, speed, light, str(film.year), what)
+        description = f"{film.title}: {film.description}"
+        table.add_row(film.name, film.film.process, film.kind, speed, light, str(film.year), description)
     print_result(table)
 
 
 def run_show(arguments: argparse.Namespace) -> None:
-    """Print the report of one stock, and draw its sheet with --out.
+    """Print the report of one stock, and draw its data sheet with --out.
 
     Args:
         arguments: as `add_parser` declares them.

@@ -24,7 +24,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
-    parser.add_argument("--json", action="store_true", help="print it for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(arguments: argparse.Namespace) -> None:

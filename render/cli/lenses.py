@@ -28,7 +28,7 @@ def add_parser(commands: Any) -> None:
         "lenses", help="the lens library; `lenses show NAME` has the numbers and a sheet of one"
     )
     parser.set_defaults(run=run_list)
-    parser.add_argument("--json", action="store_true", help="print it for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
     show = actions.add_parser("show", help="numbers of a lens, and with --out a sheet that draws it")
     show.set_defaults(run=run_show)
@@ -50,7 +50,7 @@ def add_parser(commands: Any) -> None:
     show.add_argument("--focus", metavar="M", type=float, help="focus distance in metres; without it infinity")
     show.add_argument("--gate", metavar="WxH", help="film gate in mm; without it 36x24")
     # No default here, so that --json before `show` is kept.
-    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print it for programs")
+    show.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
 
 
 def run_list(arguments: argparse.Namespace) -> None:
@@ -79,7 +79,7 @@ def run_list(arguments: argparse.Namespace) -> None:
         table.add_column(title, no_wrap=True)
     for title in ("mm", "wide open"):
         table.add_column(title, no_wrap=True, justify="right")
-    table.add_column("what it is")
+    table.add_column("description")
     for entry in entries:
         widest = f"f/{entry.f_stop:g}" if entry.f_stop else "pinhole"
         table.add_row(entry.name, entry.lens.model, f"{entry.focal_length_mm:g}", widest, entry.description)

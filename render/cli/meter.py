@@ -59,7 +59,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--hold", action="store_true", help="with --key: one exposure for all frames")
     parser.add_argument("--baked", action="store_true", help="with --key: time samples in place of native splines")
-    parser.add_argument("--json", action="store_true", help="print it for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -17,9 +17,9 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf$|nan$)")  # argparse matches plain numbers alone
+        self._negative_number_matcher = re.compile(r"-(\d|\.\d|inf$|nan$)")  # argparse itself knows plain numbers only
 
     def error(self, message: str) -> NoReturn:
         if message.endswith("expected one argument"):
-            message += "; one that begins with - is written after a =, such as --look=-NAME"
+            message += "; a value that begins with - is written after a =, such as --look=-NAME"
         self.exit(WRONG_ARGUMENTS, f"{self.prog}: {one_line(message)} ({self.prog} --help says more)\n")

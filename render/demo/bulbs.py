@@ -11,21 +11,9 @@ from render.demo.shapes.mesh import Array, Mesh, merge
 
 BULB_SPACING_M = 0.30
 KINDS = ("BulbWarm", "BulbAmber", "BulbRose", "BulbTeal")
-PATTERN = (
-    0,
-    0,
-    1,
-    0,
-    0,
-    2,
-    0,
-    1,
-    0,
-    0,
-    3,
-    0,
-    1,
-)  # of kinds along the strings: mostly warm, a coloured one here and there
+"""Materials of bulbs, in `render.demo.looks.TABLE`."""
+PATTERN = (0, 0, 1, 0, 0, 2, 0, 1, 0, 0, 3, 0, 1)
+"""Indices into `KINDS` along a string, repeated: mostly warm bulbs, here and there a coloured one."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +21,9 @@ class LightString:
     """A wire that hangs between two hooks.
 
     Attributes:
-        start: metres.
-        end: metres.
-        sag_m: sag of its middle below the straight line.
+        start: hook in the world, metres.
+        end: the other hook, metres.
+        sag_m: distance of its middle below the straight line.
     """
 
     start: tuple[float, float, float]
@@ -43,19 +31,19 @@ class LightString:
     sag_m: float
 
     def curve(self, count: int) -> Array:
-        """``(count, 3)`` points along the wire; a parabola stands for the catenary, which it meets to third order."""
+        """Sample ``(count, 3)`` points along the wire: a parabola, which equals the catenary to third order."""
         t = np.linspace(0, 1, count)[:, None]
         line = np.asarray(self.start) * (1 - t) + np.asarray(self.end) * t
         return line - np.array([0, self.sag_m, 0]) * 4 * t * (1 - t)
 
     def bulbs(self) -> Array:
-        """``(n, 3)`` where bulbs hang, evenly spaced, none at the hooks."""
+        """Place bulbs ``(n, 3)`` along the wire, about `BULB_SPACING_M` apart, none at the hooks."""
         length = float(np.linalg.norm(np.diff(self.curve(64), axis=0), axis=1).sum())
         return self.curve(int(length / BULB_SPACING_M) + 1)[1:-1]
 
 
 def strings() -> list[LightString]:
-    """All the strings of the shot, near to far: a zigzag over the street."""
+    """List all the strings of the shot, near to far: a zigzag over the street."""
     hooks = [
         (-4.0, -7.2),
         (4.0, -8.8),
@@ -73,12 +61,12 @@ def strings() -> list[LightString]:
 
 
 def wires() -> Mesh:
-    """The strings' wires."""
+    """Build the wires of all strings."""
     return merge(tube(string.curve(40), 0.006, 5) for string in strings())
 
 
 def bulb(glow: str) -> dict[str, Mesh]:
-    """One bulb with its socket, hanging from the origin."""
+    """Build a bulb with its socket, hanging from the origin; ``glow`` is the material of its glass."""
     glass = lathe(
         smooth_curve([[0.0, -0.118], [0.026, -0.104], [0.036, -0.078], [0.020, -0.048], [0.014, -0.040]], 8), 10
     )
@@ -87,7 +75,7 @@ def bulb(glow: str) -> dict[str, Mesh]:
 
 
 def neon_cup() -> dict[str, Mesh]:
-    """A neon coffee cup on a bracket, 0.8 m across, facing +Z about the origin."""
+    """Build a neon coffee cup on a bracket, 0.8 m across, facing +Z about the origin."""
     bowl = smooth_curve(
         [[-0.30, 0.12, 0], [-0.27, -0.12, 0], [-0.14, -0.27, 0], [0.14, -0.27, 0], [0.27, -0.12, 0], [0.30, 0.12, 0]],
         40,

@@ -9,7 +9,7 @@ from render.demo.shapes.mesh import Array, Mesh, merge, rotation, translation, u
 
 
 def leaf(length: float = 0.09, width: float = 0.05, columns: int = 5, rows: int = 7) -> Mesh:
-    """One leaf that grows from the origin along +Y and faces +Z: folded at its rib and bowed; (u, v) in 0..1."""
+    """Build a leaf from the origin along +Y, facing +Z, folded at its rib and bent back; metres; texture (u, v) in 0..1."""
 
     def shape(u: Array, v: Array) -> Array:
         across = u * 2 - 1
@@ -22,12 +22,12 @@ def leaf(length: float = 0.09, width: float = 0.05, columns: int = 5, rows: int 
 
 
 def clipped_ball(radius: float, leaves: int, seed: int) -> Mesh:
-    """A ball of leaves about the origin."""
+    """Build a ball of leaves about the origin: the crown of a clipped tree. ``radius`` in metres."""
     random = np.random.default_rng(seed)
     small = leaf(0.11, 0.07, 3, 4)
     parts = []
     for k in range(leaves):
-        # A Fibonacci sphere, shaken.
+        # A Fibonacci sphere with random displacement.
         height = 1 - 2 * (k + 0.5) / leaves
         yaw = k * 180 * (3 - 5**0.5) + random.uniform(-9, 9)
         pitch = np.degrees(np.arccos(height)) + random.uniform(-28, 8)
@@ -38,7 +38,7 @@ def clipped_ball(radius: float, leaves: int, seed: int) -> Mesh:
 
 
 def branch_curves() -> list[Array]:
-    """The twigs of the branch that hangs into the picture, ``(n, 3)`` metres each, from stem to tip."""
+    """Return the twigs of the branch that hangs into the picture, ``(n, 3)`` metres each, from stem to tip."""
     stem = smooth_curve([[0.78, 1.52, -0.85], [0.61, 1.44, -0.90], [0.46, 1.37, -0.96], [0.32, 1.305, -1.02]], 24)
     side = smooth_curve([[0.61, 1.44, -0.90], [0.52, 1.31, -0.86], [0.47, 1.19, -0.88]], 14)
     high = smooth_curve([[0.50, 1.39, -0.95], [0.37, 1.38, -1.04], [0.22, 1.37, -1.10]], 14)
@@ -46,12 +46,12 @@ def branch_curves() -> list[Array]:
 
 
 def branch() -> Mesh:
-    """The wood of the branch."""
+    """Build the wood of the branch."""
     return merge(tube(curve, np.linspace(0.008, 0.003, len(curve)), 6) for curve in branch_curves())
 
 
 def leaf_poses(seed: int = 17, count: int = 96) -> tuple[Array, Array, Array]:
-    """Where the branch's leaves grow.
+    """Place the branch's leaves.
 
     Returns:
         ``(n, 3)`` metres, ``(n, 3)`` rotation in degrees about X, Y, Z, and ``(n,)`` scale.
@@ -72,7 +72,7 @@ def leaf_poses(seed: int = 17, count: int = 96) -> tuple[Array, Array, Array]:
 
 
 def railing() -> Mesh:
-    """The café's wrought-iron railing: scrolls between a top and a bottom rail, 1.2 m long along +X from the origin."""
+    """Build the café's wrought-iron railing: scrolls between a top and a bottom rail, 1.2 m long along +X from the origin."""
     parts = [tube([[0, 0.86, 0], [1.2, 0.86, 0]], 0.018, 12), rounded_box([1.2, 0.02, 0.03], 0.008, 1).at(0.6, 0.12, 0)]
     angle = np.linspace(0, 2.6 * np.pi, 36)
     spiral = 0.008 + 0.062 * angle / angle[-1]
@@ -89,7 +89,7 @@ def railing() -> Mesh:
 
 
 def ivy_poses(seed: int = 29, count: int = 110) -> tuple[Array, Array, Array]:
-    """Where ivy grows along the railing's top rail, in the railing's space; as `leaf_poses` returns them."""
+    """Place ivy leaves along the railing's top rail, in the railing's space; returns what `leaf_poses` returns."""
     random = np.random.default_rng(seed)
     along = random.uniform(0.0, 1.22, count)
     places = np.stack([along, 0.86 + random.normal(0.0, 0.035, count), random.normal(0.0, 0.03, count)], axis=1)
@@ -100,6 +100,6 @@ def ivy_poses(seed: int = 29, count: int = 110) -> tuple[Array, Array, Array]:
 
 
 def ivy_lights() -> Array:
-    """``(n, 3)`` metres in the railing's space: fairy lights wound into the ivy."""
+    """Place fairy lights in the ivy: ``(n, 3)`` metres in the railing's space."""
     along = np.linspace(0.08, 1.16, 9)
     return np.stack([along, 0.87 + 0.03 * np.sin(17 * along), 0.045 + 0.012 * np.cos(23 * along)], axis=1)

@@ -1,4 +1,4 @@
-"""The materials of the demo shot: a table of UsdPreviewSurface networks."""
+"""The materials ("looks") of the demo shot: a table of UsdPreviewSurface networks."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class Look:
-    """A UsdPreviewSurface; colours are scene-linear Rec.709, as USD has them.
+    """A material: a UsdPreviewSurface. Colours are scene-linear Rec.709, USD's default.
 
     Attributes:
-        colour: diffuseColor.
-        roughness: 0 mirror to 1 chalk.
+        colour: base colour (diffuseColor).
+        roughness: from 0, a mirror, to 1, chalk.
         metallic: 0 or 1.
         emissive: radiance that leaves the surface.
         clearcoat: amount of a second, sharp highlight (enamel, wet paint).
@@ -54,7 +54,7 @@ class Look:
 
 
 def glow(colour: Colour, radiance: float) -> Look:
-    """A black body of light: emits and reflects nothing."""
+    """Make a material that emits light and reflects none."""
     return Look((0.0, 0.0, 0.0), 0.6, emissive=(colour[0] * radiance, colour[1] * radiance, colour[2] * radiance))
 
 
@@ -67,7 +67,7 @@ _STONE = {
     "diffuseColor": Picture("./textures/setts_colour.jpg", (2.0, 2.0)),
     "roughness": Picture("./textures/setts_roughness.png", (2.0, 2.0)),
     "normal": Picture("./textures/setts_normal.png", (2.0, 2.0)),
-    # Lies over the roadway from x = -2.7, z = -3 to x = 2.7, z = -23; see glints.py.
+    # Lies over the roadway from x = -2.7, z = -3 to x = 2.7, z = -23; see `render.demo.glints`.
     "emissiveColor": Picture("./textures/glints.jpg", (5.4, 20.0), (-2.7, 3.0), 2.0, "black"),
 }
 _WOOD = {"diffuseColor": Picture("./textures/wood_colour.jpg", (0.8, 0.8))}
@@ -138,7 +138,7 @@ TABLE: dict[str, Look] = {
 
 
 def write_looks(stage: Usd.Stage, names: set[str] | None = None) -> None:
-    """Defines the materials of the table, or those named, under `LOOKS`."""
+    """Define the materials of the table, or those named, under the scope `LOOKS`."""
     UsdGeom.Scope.Define(stage, LOOKS)
     for name, look in TABLE.items():
         if names is None or name in names:
@@ -173,7 +173,7 @@ def _write_look(stage: Usd.Stage, path: str, look: Look) -> None:
 def _write_picture(
     stage: Usd.Stage, path: str, shader: UsdShade.Shader, name: str, picture: Picture, coordinates: UsdShade.Output
 ) -> None:
-    """Feeds one input of the surface from an image."""
+    """Connect one input of the surface to an image."""
     transform = UsdShade.Shader.Define(stage, f"{path}/{name}Placement")
     transform.CreateIdAttr("UsdTransform2d")
     transform.CreateInput("in", Tokens.Float2).ConnectToSource(coordinates)
@@ -187,15 +187,15 @@ def _write_picture(
     texture.CreateInput("st", Tokens.Float2).ConnectToSource(transform.CreateOutput("result", Tokens.Float2))
     texture.CreateInput("wrapS", Tokens.Token).Set(picture.wrap)
     texture.CreateInput("wrapT", Tokens.Token).Set(picture.wrap)
-    colour = name in ("diffuseColor", "emissiveColor")
-    texture.CreateInput("sourceColorSpace", Tokens.Token).Set("sRGB" if colour else "raw")
+    is_colour = name in ("diffuseColor", "emissiveColor")
+    texture.CreateInput("sourceColorSpace", Tokens.Token).Set("sRGB" if is_colour else "raw")
     if name == "normal":
         texture.CreateInput("scale", Tokens.Float4).Set(Gf.Vec4f(2, 2, 2, 1))
         texture.CreateInput("bias", Tokens.Float4).Set(Gf.Vec4f(-1, -1, -1, 0))
         kind = Tokens.Normal3f
     else:
         texture.CreateInput("scale", Tokens.Float4).Set(Gf.Vec4f(*[picture.scale] * 3, 1))
-        kind = Tokens.Color3f if colour else Tokens.Float
+        kind = Tokens.Color3f if is_colour else Tokens.Float
     source = texture.CreateOutput(
         "r" if kind == Tokens.Float else "rgb", Tokens.Float if kind == Tokens.Float else Tokens.Float3
     )

@@ -1,6 +1,6 @@
 """Pip, the near subject: a small round lamplighter robot with a scarf. It stands on the origin, 1.2 m tall, facing +Z.
 
-Each part is built about its own joint; `JOINTS` says where in its parent's space the joint is.
+Each part is built about its own joint; `JOINTS` has the position of that joint in the parent part's space, m.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ JOINTS = {
 
 
 def parts() -> dict[str, dict[str, Mesh]]:
-    """Every part's meshes by look; the key is the part's path below the robot."""
+    """Build the meshes of every part, by path below the robot, then by material (`render.demo.looks.TABLE`)."""
     return {
         "Legs": _legs(),
         "Body": _body(),
@@ -50,10 +50,10 @@ def _legs() -> dict[str, Mesh]:
 
 
 def _body() -> dict[str, Mesh]:
-    """Egg, belt, collar, chest lamp and scarf; the origin is the hip."""
+    """Build the egg-shaped body, belt, collar, chest lamp and scarf; the origin is the hip."""
     egg = smooth_curve([[0.10, 0.0], [0.185, 0.05], [0.236, 0.17], [0.226, 0.30], [0.168, 0.43], [0.10, 0.495]], 44)
     shell = lathe(np.concatenate([[[0.0, -0.01]], egg, [[0.0, 0.50]]]), 56)
-    # A teal skirt over the lower half, a hair proud of the egg.
+    # A teal skirt over the lower half, 1.2 % wider than the egg.
     lower = lathe(np.concatenate([egg[:16] * [1.012, 1.0] - [0, 0.004], [egg[16] * [1.0, 1.0]]]), 56)
     rivets = [
         ball(0.011, 10, 6).at(0.2335 * np.sin(a), 0.205, 0.2335 * np.cos(a))
@@ -74,7 +74,7 @@ def _body() -> dict[str, Mesh]:
 
 
 def _scarf() -> Mesh:
-    """Two loose turns about the neck and two tails down the front."""
+    """Build two loose turns about the neck and two tails down the front."""
     angle = np.linspace(0, 2 * np.pi, 56, endpoint=False)
     wraps = []
     for radius, height, phase in ((0.142, 0.468, 0.0), (0.128, 0.512, 1.4)):
@@ -87,7 +87,7 @@ def _scarf() -> Mesh:
 
 
 def _scarf_tail(x: float, length: float, lean: float) -> Mesh:
-    """A flat strip of knitting with a fringe, hung from the knot over the belly."""
+    """Build a flat knitted strip with a fringe that hangs from the knot over the belly; ``lean`` in degrees."""
 
     def shape(u: Array, v: Array) -> Array:
         # u runs once around the strip's flat section, v up from the fringe.
@@ -108,7 +108,7 @@ def _scarf_tail(x: float, length: float, lean: float) -> Mesh:
 
 
 def _head() -> dict[str, Mesh]:
-    """Helmet, glass face, ears, antenna; the origin is the neck."""
+    """Build helmet, glass face, ears and antenna; the origin is the neck."""
     up = 0.18
     plate = HEAD.patch(0, 0.02, 0.86, 0.60, 1.012, 3.6)
     bead = HEAD.rim(0.02, 0.87, 0.61, 1.01, 3.6, 0.011)
@@ -137,7 +137,13 @@ def _eyes() -> Mesh:
 
 
 def _arm(path: list[list[float]], wrist: tuple[float, float], curl: float) -> dict[str, Mesh]:
-    """A bendy sleeve from the shoulder with a cuff and a hand; ``wrist`` turns the hand about X, then Z, in degrees."""
+    """Build a bent sleeve from the shoulder, with a cuff and a hand.
+
+    Args:
+        path: ``(n, 3)`` points of the sleeve from the shoulder, m.
+        wrist: rotation of the hand about X, then Z, degrees.
+        curl: how far the fingers bend: 0 not at all, 1 fully.
+    """
     curve = smooth_curve(path, 26)
     sleeve = tube(curve, np.interp(np.linspace(0, 1, 26), [0, 0.5, 1], [0.036, 0.030, 0.034]), 14)
     shoulder = ball(0.062, 28, 18)
@@ -147,7 +153,7 @@ def _arm(path: list[list[float]], wrist: tuple[float, float], curl: float) -> di
 
 
 def _lantern() -> dict[str, Mesh]:
-    """A storm lantern that hangs from the origin."""
+    """Build a storm lantern that hangs from the origin."""
     handle = np.linspace(0, np.pi, 20)
     bail = tube(np.stack([0.062 * np.cos(handle), -0.085 + 0.085 * np.sin(handle), 0 * handle], axis=1), 0.005, 8)
     cap = lathe(

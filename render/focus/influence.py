@@ -15,19 +15,20 @@ from render.model.arrays import BoolArray, DoubleArray
 PointState = Literal[
     "used", "by_hand", "disabled", "zero_weight", "lost", "behind_camera", "outside_frame", "hidden", "pinhole"
 ]
-"""State of a focus point: it counts, or why it does not.
+"""State of a focus point: ``used``, or the reason why it has no influence.
 
-``by_hand``: points are not used, as the camera is focused by hand. ``lost``: it has no position, as its target is
-missing, or its numbers are not valid. ``behind_camera``: it, or the focus that it requests, is not in front of the
-camera. ``hidden``: something stands before it. ``pinhole``: it should be soft, and a pinhole blurs nothing.
+``by_hand``: the camera is focused by hand, so no point is used. ``lost``: the point has no position, since its target is
+missing or its values are not valid. ``behind_camera``: the point, or the focus that it requests, is not in front of the
+camera. ``hidden``: another surface occludes it. ``pinhole``: it must be soft, and a pinhole blurs nothing.
 """
 
 STATES: tuple[PointState, ...] = get_args(PointState)
 
 Occluded = Literal["keep", "ignore", "fade"]
+"""Policy for occluded points: use them all the same, do not use them, or reduce their weight by their visible share."""
 
 SEEN = 0.5
-"""Visible share below which a point counts as hidden."""
+"""Visible share below which a point is hidden."""
 
 _INFINITE_DEPTH_M = 1e100
 """Finite depth used for infinity in logarithms."""
@@ -36,18 +37,20 @@ _INFINITE_DEPTH_M = 1e100
 def state_codes(
     targets: FocusTargets, has_pupil: BoolArray, *, keep_outside: bool = False, occluded: Occluded = "keep"
 ) -> NDArray[np.int8]:
-    """State codes of points: counted, or the first reason why not.
+    """Find the state of each point: used, or the first reason why not.
 
     Args:
         targets: k points over n frames.
-        has_pupil: ``(n,)`` or ``(1,)`` whether the lens is no pinhole.
-        keep_outside: let points outside the picture count too.
-        occluded: what becomes of points that something stands before.
+        has_pupil: ``(n,)`` or ``(1,)`` False where the lens is a pinhole.
+        keep_outside: use points outside the picture too.
+        occluded: policy for occluded points.
 
     Returns:
         ``(n, k)`` int8 indices into `STATES`.
     """
-    hidden = {"keep": -1.0, "ignore": SEEN, "fade": 0.0}[occluded]
+    least_visible = {"keep": -1.0, "ignore": SEEN, "fade": 0.0}[
+        occluded
+    ]  # visible shares are 0 or more: none is below -1
     with np.errstate(invalid="ignore"):
         behind = ~((targets.depths_m >= NEAREST_DEPTH_M) & (targets.aims_m >= NEAREST_DEPTH_M))
     rules: dict[PointState, BoolArray] = {
@@ -56,7 +59,7 @@ def state_codes(
         "lost": np.isnan(targets.depths_m),
         "behind_camera": behind,
         "outside_frame": ~targets.in_frame & (not keep_outside),
-        "hidden": (targets.visible <= hidden) if occluded == "fade" else (targets.visible < hidden),
+        "hidden": (targets.visible <= least_visible) if occluded == "fade" else (targets.visible < least_visible),
         "pinhole": targets.is_blurred & ~has_pupil[:, None],
     }
     codes = [np.int8(STATES.index(state)) for state in rules]
@@ -66,16 +69,16 @@ def state_codes(
 def point_weights(
     targets: FocusTargets, used: BoolArray, near_priority: ArrayLike = 0.0, occluded: Occluded = "keep"
 ) -> DoubleArray:
-    """Weight of each point in the focus. Computed in logarithms, so that no weight and no exponent overflows.
+    """Compute the weight of each point in the focus, in logarithms so that nothing overflows.
 
     Args:
         targets: k points over n frames.
-        used: ``(n, k)`` which count at all.
-        near_priority: ``(n,)`` or one for all: see `solve_distances`.
-        occluded: ``fade`` reduces points by their visible share.
+        used: ``(n, k)`` points whose state is ``used``.
+        near_priority: ``(n,)`` or one for all frames: exponent of inverse depth in the weights, 0 for none.
+        occluded: policy for occluded points.
 
     Returns:
-        ``(n, k)`` that add up to 1 in every frame, or are all 0 where no point counts.
+        ``(n, k)`` weights that add up to 1 in every frame, or are all 0 where no point is used.
 
     Raises:
         SettingsError: the near priority is negative or not finite.
@@ -97,15 +100,15 @@ def point_weights(
 
 
 def strengths(targets: FocusTargets, used: BoolArray, occluded: Occluded = "keep") -> DoubleArray:
-    """Effective weights ``(n, k)``: 0 for points that do not count, reduced for points that fade or overlap others.
+    """Compute effective weights ``(n, k)``: 0 for points not used, reduced for points that fade or overlap others.
 
     Args:
         targets: k points over n frames.
-        used: ``(n, k)`` which count at all.
-        occluded: ``fade`` reduces points by their visible share.
+        used: ``(n, k)`` points whose state is ``used``.
+        occluded: policy for occluded points.
     """
-    seen = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
-    weights = np.where(used, targets.weights * seen, 0.0)
+    visible = np.minimum(targets.visible, 1.0) if occluded == "fade" else 1.0
+    weights = np.where(used, targets.weights * visible, 0.0)
     reaches = np.broadcast_to(OVERLAP_FRAME_WIDTHS * targets.frame_widths[:, None], weights.shape)
-    soft = targets.is_soft
-    return np.asarray(weights * overlap_shares(targets.slopes, reaches, weights, soft, (weights > 0) & ~soft))
+    is_soft = targets.is_soft
+    return np.asarray(weights * overlap_shares(targets.slopes, reaches, weights, is_soft, (weights > 0) & ~is_soft))

@@ -14,19 +14,19 @@ from render.pictures.contact_axes import Axis
 
 
 def record_contact_sheet(job: RecordJob, axes: tuple[Axis, ...], time: float, file: Path) -> list[dict[str, Any]]:
-    """Take the pictures and draw the sheet.
+    """Render the pictures, draw the sheet and write it.
 
     Args:
-        job: how each picture is rendered.
-        axes: what is compared.
-        time: USD time code, where frames are not compared.
-        file: to write.
+        job: the shot, its camera and the settings of each picture.
+        axes: one or two things that vary over the sheet, such as lenses or frames.
+        time: USD time code of the pictures, unless frames are an axis.
+        file: image file to write.
 
     Returns:
-        For --json, one entry.
+        One entry for ``--json``.
     """
     from render.drawing.contact_sheet import draw_contact_sheet  # matplotlib takes a second to load
-    from render.frame import FrameRenderer  # and OpenGL several: only once the shot is checked
+    from render.frame import FrameRenderer  # loads OpenGL, which takes seconds: only once the shot is checked
     from render.pictures.contact_sheet import make_contact_sheet
 
     start = clock.perf_counter()

@@ -17,11 +17,11 @@ def record_frames(job: RecordJob, plan: Sequence[tuple[float, Path]]) -> list[di
     """Render and write each frame.
 
     Args:
-        job: how the frames are rendered.
-        plan: times and files.
+        job: the shot, its camera and the settings of each picture.
+        plan: USD time code and output file of each frame.
 
     Returns:
-        For --json, an entry for each file.
+        Entries for ``--json``, one for each file.
     """
     from render.frame import FrameRenderer  # imports OpenGL, which takes seconds: only once the shot is checked
 

@@ -63,7 +63,7 @@ def film_table(report: FilmReport) -> Table:
     table = Table(box=box.SIMPLE_HEAD, show_header=False, title=entry.title, title_justify="left", pad_edge=False)
     table.add_column(style="dim", no_wrap=True)
     table.add_column(overflow="fold")
-    table.add_row("what it is", entry.description)
+    table.add_row("description", entry.description)
     if entry.film.speed:
         table.add_row("speed", f"ISO {entry.film.speed:g}")
     if entry.balance_k:

@@ -1,4 +1,4 @@
-"""Periodic noise and blur on image grids, the raw stuff of textures."""
+"""Periodic noise, blur and normal maps on image grids, from which textures are made."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Plane = NDArray[np.float32]
+"""``(height, width)`` values or ``(height, width, channels)`` colours."""
 
 
 def lattice_noise(size: int, cells: int, seed: int) -> Plane:
-    """``(size, size)`` value noise in 0..1 that tiles, with ``cells`` random values along each side."""
+    """Make ``(size, size)`` value noise in 0..1 that tiles, with ``cells`` random values along each side."""
     values = np.random.default_rng(seed).random((cells, cells), np.float32)
     position = np.arange(size, dtype=np.float32) * cells / size
     first = position.astype(int)
@@ -21,13 +22,13 @@ def lattice_noise(size: int, cells: int, seed: int) -> Plane:
 
 
 def fractal_noise(size: int, cells: int, octaves: int, seed: int) -> Plane:
-    """``(size, size)`` tiling noise in 0..1: octaves of lattice noise, each half as strong as the last."""
+    """Make ``(size, size)`` tiling noise in 0..1: octaves of `lattice_noise`, each half as strong as the one before."""
     layers = [lattice_noise(size, cells << k, seed + k) / (1 << k) for k in range(octaves)]
     return np.asarray(sum(layers) / sum(1 / (1 << k) for k in range(octaves)), np.float32)
 
 
 def blur(image: Plane, sigma_px: float) -> Plane:
-    """Gaussian blur of the first two axes, wrapping around (by the Fourier transform)."""
+    """Blur the first two axes by a Gaussian that wraps around the edges, by Fourier transform."""
     height, width = image.shape[:2]
     decay = [np.exp(-2 * (np.pi * sigma_px * np.fft.fftfreq(n)) ** 2) for n in (height, width)]
     transfer = np.outer(*decay)
@@ -37,7 +38,7 @@ def blur(image: Plane, sigma_px: float) -> Plane:
 
 
 def normal_map(height_m: Plane, size_m: float) -> Plane:
-    """Tangent-space normals of a tiling height field, packed 0..1, +Y up the picture.
+    """Make the tangent-space normal map of a tiling height field, normals packed into 0..1, +Y up the picture.
 
     Args:
         height_m: ``(h, w)`` heights, row 0 at the top.

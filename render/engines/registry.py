@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import TypeGuard
 
 from render.engines.base import Engine
 from render.errors import SettingsError
@@ -21,8 +22,12 @@ def register(engine: type[Engine]) -> None:
     """Add an engine.
 
     Raises:
-        ValueError: another engine has its name.
+        ValueError: another engine has its name, or it lacks a name or a summary.
     """
+    for attribute in ("name", "summary"):
+        value = getattr(engine, attribute, None)
+        if not isinstance(value, str) or not value:
+            raise ValueError(f"engine {engine.__name__} needs a {attribute}, got {value!r}")
     if _engines.setdefault(engine.name, engine) is not engine:
         raise ValueError(f"there are two engines of the name {engine.name}")
 
@@ -75,6 +80,9 @@ def discover(path: list[str]) -> None:
 
     Args:
         path: folders of the package, ``__path__``.
+
+    Raises:
+        ImportError: a module cannot be loaded, or holds no engine.
     """
     for module in iter_modules(path):
         if not module.ispkg and module.name not in _NOT_ENGINES:
@@ -82,6 +90,17 @@ def discover(path: list[str]) -> None:
 
 
 def _register_module(name: str) -> None:
-    for value in vars(import_module(name)).values():
-        if isinstance(value, type) and issubclass(value, Engine) and value.__module__ == name:
-            register(value)
+    """Register the engines of a module. Raises `ImportError`: it cannot be loaded, or holds no engine."""
+    try:
+        module = import_module(name)
+        engines = [value for value in vars(module).values() if _is_defined_in(name, value)]
+        for engine in engines:
+            register(engine)
+    except Exception as error:
+        raise ImportError(f"engine module {name} cannot be used: {type(error).__name__}: {error}") from error
+    if not engines:
+        raise ImportError(f"engine module {name} cannot be used: it defines no subclass of Engine")
+
+
+def _is_defined_in(name: str, value: object) -> TypeGuard[type[Engine]]:
+    return isinstance(value, type) and issubclass(value, Engine) and value.__module__ == name

@@ -51,6 +51,7 @@ from service.stage.read_photography import shutter_closes
 from service.stage.read_points import authored_point, free_name, point_fields, points_tag
 from usd_schemas import Key, Tangents
 from usd_schemas.racks import WeightRack
+from usd_schemas.settings.tables import SETTINGS
 
 SWITCHES = ("enabled", "solveStop", "drivenByPoints")
 """Attributes that are true or false, and keyed as 1 or 0."""
@@ -233,7 +234,9 @@ def _set_film(change: SetFilm, camera: EditedCamera) -> Outcome:
 
 @apply_change.register
 def _key_setting(change: KeySetting, camera: EditedCamera) -> Outcome:
-    camera.shot.camera.set_key(camera.path, setting_name(change.setting), schema_key(change.key, change.setting))
+    name = setting_name(change.setting)
+    camera.shot.camera.set_key(camera.path, name, schema_key(change.key, change.setting))
+    _check_limits(name, change)  # last: the shot's own message says more
     return None
 
 
@@ -317,6 +320,17 @@ def schema_key(key: KeyEdit, attribute: str) -> Key:
     if key.value not in (0, 1):
         raise SettingsError(f"a key of {attribute!r} is 0 or 1, got {key.value:g}", code="bad_key", path="value")
     return Key(key.time, bool(key.value), "held")
+
+
+def _check_limits(name: str, change: KeySetting) -> None:
+    """Check a key's value against the limits of the setting. Raises `SettingsError`."""
+    limits, value = SETTINGS[name].sent, change.key.value
+    if SETTINGS[name].type not in (float, int):
+        return
+    if not limits.least <= value <= limits.most or (limits.above and value == limits.least):
+        least = f"above {limits.least:g} and at most" if limits.above else f"from {limits.least:g} to"
+        detail = f"a key of {change.setting!r} must be {least} {limits.most:g}, got {value!r}"
+        raise SettingsError(detail, code="bad_key", path="value")
 
 
 def _sent_values(edit: FocusSettingsEdit | ExposureSettingsEdit | FilmSettingsEdit) -> dict[str, Any]:

@@ -271,10 +271,29 @@ def test_an_answer_to_many_unknown_fields_is_short(client, shot):
     assert len(refused.content) < 10_000
 
 
-def test_a_camera_stays_usable(client, shot):
-    refused = edit(client, shot, {"type": "setCamera", "values": {"focalLengthMm": 1e-300}})
-    assert (refused.status_code, refused.json()["code"]) == (422, "bad_camera"), refused.text
+@pytest.mark.parametrize("setting", ["focalLengthMm", "focusDistanceM", "fStop"])
+def test_a_lens_setting_too_small_for_usd_is_refused(client, shot, setting):
+    refused = edit(client, shot, {"type": "setCamera", "values": {setting: 1e-300}})
+    assert (refused.status_code, refused.json()["code"]) == (422, "bad_lens_setting"), refused.text
     assert client.get(f"{shot}/frame", params={"time": 1, "width": 8}).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("kind", "setting", "value"),
+    [("setFocus", "nearPriority", 17), ("setFocus", "riseMm", -1001), ("setExposure", "compensationStops", 101)],
+)
+def test_a_key_has_the_limits_of_its_setting(client, shot, kind, setting, value):
+    assert edit(client, shot, {"type": kind, "values": {setting: value}}).status_code == 422
+    refused = edit(client, shot, {"type": "keySetting", "setting": setting, "key": {"time": 1, "value": value}})
+    assert (refused.status_code, refused.json()["code"]) == (422, "bad_key"), refused.text
+    assert setting in refused.json()["detail"]
+
+
+def test_the_label_of_many_changes_is_short(client, shot):
+    points = [{"type": "addPoint", "point": NEAR | {"name": f"point{number}"}} for number in range(9)]
+    undo = edited(client, shot, *points)["history"]["undo"]
+    assert undo.startswith("add focus point point0, add focus point point1, ")
+    assert undo.endswith(" and 5 more")
 
 
 @pytest.mark.parametrize("name", ["/", "...", "a/"])

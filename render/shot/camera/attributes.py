@@ -25,6 +25,8 @@ from usd_schemas.settings.tables import LENS_SETTINGS, SETTINGS
 from usd_schemas.units import tenths_from_mm, units_from_metres
 from usd_schemas.values import read_value
 
+FLT_MIN = 1.17549435e-38
+"""The smallest normal 32-bit float, USD's type of these settings."""
 _LABELS = {"f_stop": "f-number", "focal_length_mm": "focal length", "focus_distance_m": "focus distance"}
 
 
@@ -127,7 +129,10 @@ class CameraAttribute:
         if self.name not in LENS_SETTINGS:
             return value
         _check_lens_setting(self.name, value)
-        return min(value, FAR_AWAY_M) * self._units if self.name == "focus_distance_m" else value * self._units
+        in_usd = (min(value, FAR_AWAY_M) if self.name == "focus_distance_m" else value) * self._units
+        if value > 0 and in_usd < FLT_MIN:  # 0 would be a pinhole, or infinity
+            raise SettingsError(f"the {setting_label(self.name)} {value:g} is too small", code="bad_lens_setting")
+        return in_usd
 
     def _scaled(self, key: Key, factor: float) -> Key:
         if factor == 1:

@@ -6,7 +6,7 @@ saved, downloaded and sublayered over the shot.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +21,9 @@ from render.shot.edits.shot_files import check_not_own
 from render.stage import quiet_diagnostics
 from usd_schemas import SchemaError, keys
 from usd_schemas.values import usd_value
+
+MAX_LABELS = 4
+"""Labels in that of a step which joins several."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class Edits:
         try:
             with self._authoring():
                 yield
-            label = label or ", ".join(dict.fromkeys(self._labels)) or "edit"
+            label = label or _join_labels(self._labels) or "edit"
         finally:
             self._labels = outer
         if outer is None:
@@ -222,6 +225,13 @@ class Edits:
         if self._stage is None:
             raise RuntimeError("Edits.attach must be called before the first edit")
         return self._stage
+
+
+def _join_labels(labels: Sequence[str]) -> str:
+    """Join the different labels of a step's transactions; of many, the first few."""
+    different = list(dict.fromkeys(labels))
+    more = len(different) - MAX_LABELS
+    return ", ".join(different[:MAX_LABELS]) + (f" and {more} more" if more > 0 else "")
 
 
 @contextmanager

@@ -14,11 +14,12 @@ import pytest
 
 import render
 import service
-from render.engines import Engine, all_engines, engine_names
+from render.engines import Engine, all_engines, engine_names, registry
 
 ROOTS = [Path(room.__path__[0]) for room in (render, service)]
 EXEMPT = ("render/engines/", "render/lab/")  # the engines themselves, and benches that name what they measure
 NAMES = set(engine_names())
+SUBCLASS = "from render.engines import Engine\nclass Toy(Engine):\n"
 
 
 def test_engines_are_listed_by_rank() -> None:
@@ -30,6 +31,29 @@ def test_listing_engines_loads_neither_opengl_nor_usd() -> None:
     code = "import sys, render.engines; print(sorted({'moderngl', 'OpenGL', 'pyrender', 'pxr'} & set(sys.modules)))"
     listed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert listed.stdout == "[]\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [
+        ("def draw(:", "SyntaxError"),
+        ("import no_such_module", "no_such_module"),
+        ("{}['key']", "KeyError"),
+        ('"""A page."""', "defines no subclass of Engine"),
+        (f"{SUBCLASS}    pass", "needs a name, got None"),
+        (f"{SUBCLASS}    name = 5", "needs a name, got 5"),
+        (f"{SUBCLASS}    name = 'toy'", "needs a summary, got None"),
+        (f"{SUBCLASS}    name, summary = 'lens', 'another'", "there are two engines of the name lens"),
+    ],
+)
+def test_a_broken_engine_module_is_named(monkeypatch, tmp_path: Path, code: str, reason: str) -> None:
+    (tmp_path / "broken_toy.py").write_text(code)
+    monkeypatch.setattr(render.engines, "__path__", [str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "render.engines.broken_toy", raising=False)
+    names = engine_names()
+    with pytest.raises(ImportError, match=f"engine module render.engines.broken_toy cannot be used: .*{reason}"):
+        registry.discover([str(tmp_path)])
+    assert engine_names() == names
 
 
 @pytest.mark.parametrize("engine", all_engines(), ids=engine_names())

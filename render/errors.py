@@ -4,7 +4,7 @@
     ├── SettingsError      an argument or a setting is out of range or of the wrong kind   (exit 2, HTTP 422)
     ├── InputError         input that cannot be used                                       (exit 1, HTTP 422)
     │   ├── StageError     a file is no USD stage, is damaged, or refers to what is missing
-    │   ├── CameraError    the named camera is missing, no camera, or has impossible numbers
+    │   ├── CameraError    the named camera is missing, no camera, or has impossible values
     │   └── NotFoundError  a named thing (focus point, key, shot) does not exist           (HTTP 404)
     ├── GraphicsError      no OpenGL context, or the driver refused a shader or a buffer   (exit 1, HTTP 503)
     └── OutputError        a result could not be written                                   (exit 1, HTTP 507)
@@ -64,7 +64,7 @@ class StageError(InputError):
 
 
 class CameraError(InputError):
-    """The named camera is missing, is no camera, or has impossible numbers."""
+    """The named camera is missing, is no camera, or has impossible values."""
 
     default_code = "bad_camera"
 

@@ -43,8 +43,8 @@ def read_value(attribute: Usd.Attribute, time: Time = None) -> Any:
     """The attribute's value at a time as plain Python: tuples for vectors and arrays, `Asset` for files.
 
     None where there is no value, or where some layer has one of another type than the schema's: USD hands that out as it
-    is, and the rule "AuthoredTypes" names it. A uniform attribute has one value for all times: keys that somebody gave it
-    nevertheless say nothing.
+    is, and the rule "AuthoredTypes" names it. A uniform attribute has one value for all times: keys authored on it are
+    ignored.
     """
     is_uniform = time is not None and attribute.GetVariability() == Sdf.VariabilityUniform
     value = _plain(attribute.Get(time_code(None if is_uniform else time)))

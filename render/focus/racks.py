@@ -32,7 +32,7 @@ class Rack:
     Attributes:
         start_s: when the ring starts to turn.
         end_s: end of the rack: later than requested where the hand is too slow.
-        asked_end_s: requested end.
+        requested_end_s: requested end.
         start_w: focus before, 1/m.
         end_w: focus after, 1/m.
         ease: ease of the motion.
@@ -40,7 +40,7 @@ class Rack:
 
     start_s: float
     end_s: float
-    asked_end_s: float
+    requested_end_s: float
     start_w: float
     end_w: float
     ease: Ease
@@ -48,7 +48,7 @@ class Rack:
     @property
     def is_stretched(self) -> bool:
         """Whether the hand needs longer than requested."""
-        return self.end_s > self.asked_end_s
+        return self.end_s > self.requested_end_s
 
     def at(self, times_s: ArrayLike) -> DoubleArray:
         """Focus in 1/m at times of any shape."""

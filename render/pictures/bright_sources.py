@@ -44,8 +44,8 @@ def find_bright_sources(renderer: FrameRenderer, scene: Scene, camera: Camera, s
         settings: of the picture; shading and seed are kept.
 
     Raises:
-        CameraError: the camera's numbers make no picture.
-        GraphicsError: the device refuses.
+        CameraError: the camera's values cannot make a picture.
+        GraphicsError: OpenGL reports an error.
     """
     height = max(1, round(_WIDTH_PX * settings.height / settings.width))
     wide_camera = replace(

@@ -95,8 +95,8 @@ def make_contact_sheet(
 
     Raises:
         SettingsError: no engine can do this, or the shot's film cannot be developed so.
-        CameraError: the camera has impossible numbers.
-        GraphicsError: the device refuses.
+        CameraError: the camera has impossible values.
+        GraphicsError: OpenGL reports an error.
     """
     maker = _SheetMaker(renderer, shot, camera_path, time, settings, stock, choice)
     before = shot.edits.snapshot()

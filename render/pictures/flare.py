@@ -41,7 +41,7 @@ def add_flare(renderer: FrameRenderer, scene: Scene, camera: Camera, settings: F
         frame: its light is changed, its AOVs are not.
 
     Raises:
-        GraphicsError: the device refuses.
+        GraphicsError: OpenGL reports an error.
     """
     if engine_class(settings).is_sharp or camera.f_stop <= 0 or camera.lens.model == "pinhole":
         return frame

@@ -97,7 +97,7 @@ class ImageSpace:
             frame: the larger frame.
 
         Raises:
-            GraphicsError: the device refuses.
+            GraphicsError: OpenGL reports an error.
         """
         if self.errors is None or self.view is None:
             return frame

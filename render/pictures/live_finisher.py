@@ -45,7 +45,7 @@ class LiveFinisher:
     """Finishes pictures on a renderer's device, in its thread. Its shader passes are kept between pictures.
 
     Args:
-        renderer: the renderer. After a fault it has another context, and the passes are made anew.
+        renderer: the renderer. After an OpenGL error it has a new context, and the passes are compiled again.
     """
 
     def __init__(self, renderer: FrameRenderer) -> None:
@@ -65,7 +65,7 @@ class LiveFinisher:
 
         Raises:
             SettingsError: the exposure is no number from 0 up, or the film cannot be developed.
-            GraphicsError: the device refuses.
+            GraphicsError: OpenGL reports an error.
         """
         if radiance.ndim != 3 or radiance.shape[2] not in (3, 4):
             raise SettingsError(f"radiance must be (height, width, 3) or (height, width, 4), got {radiance.shape}")
@@ -88,7 +88,7 @@ class LiveFinisher:
         self._passes = None
 
     def _open_passes(self) -> _Passes:
-        """Give the passes of the renderer's context, made anew where the context is another one."""
+        """Return the passes of the renderer's context, compiled again if the context is a new one."""
         graphics = self._renderer.graphics
         graphics.make_current()
         if self._passes is None or self._passes.graphics is not graphics:

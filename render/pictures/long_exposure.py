@@ -100,7 +100,7 @@ class LongExposure:
 
         Raises:
             SettingsError: no engine can do this, there are AOVs besides colour, or a number or a name is out of range.
-            CameraError: the prim is no camera, has impossible numbers, or a shutter that closes before it opens.
+            CameraError: the prim is no camera, has impossible values, or a shutter that closes before it opens.
         """
         check_settings(settings)
         if set(settings.aovs) != {"color"}:
@@ -130,8 +130,8 @@ class LongExposure:
 
         Raises:
             SettingsError: the interval ends before it begins.
-            CameraError: the camera has impossible numbers at one of the moments, or a shutter that closes before it opens.
-            GraphicsError: the device refuses.
+            CameraError: the camera has impossible values at one of the moments, or a shutter that closes before it opens.
+            GraphicsError: OpenGL reports an error.
         """
         if not end > begin:
             raise SettingsError(

@@ -60,8 +60,8 @@ def render_moving_frame(
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
-        CameraError: the camera has impossible numbers at one of the moments.
-        GraphicsError: the device refuses.
+        CameraError: the camera has impossible values at one of the moments.
+        GraphicsError: OpenGL reports an error.
     """
     settings = space.requested
     size, count = (settings.width, settings.height), settings.motion

@@ -78,8 +78,8 @@ def make_picture(
 
     Raises:
         SettingsError: no engine can do this, the time is not finite, the library has no such stock, or no such grade can be made.
-        CameraError: the prim is no camera, has impossible numbers, or a shutter that closes before it opens.
-        GraphicsError: the device refuses.
+        CameraError: the prim is no camera, has impossible values, or a shutter that closes before it opens.
+        GraphicsError: OpenGL reports an error.
     """
     camera, finish = prepare_camera(renderer, shot, camera_path, time, settings, grade, stock=stock, choice=choice)
     frame = expose_frame(renderer, shot, camera_path, camera, time, settings, on_progress)
@@ -129,8 +129,8 @@ def expose_frame(
         on_progress: called with the share that is done, from 0 to 1.
 
     Raises:
-        CameraError: the shutter closes before it opens, or the camera has impossible numbers at one of the moments.
-        GraphicsError: the device refuses.
+        CameraError: the shutter closes before it opens, or the camera has impossible values at one of the moments.
+        GraphicsError: OpenGL reports an error.
     """
     check_shutter(camera)
     space = ImageSpace.for_camera(camera, settings)
@@ -155,7 +155,7 @@ def apply_lens_effects(
         frame: as the engine drew it; its colour may be changed.
 
     Raises:
-        GraphicsError: the device refuses.
+        GraphicsError: OpenGL reports an error.
     """
     frame = space.apply(renderer, frame)
     apply_vignetting(frame.color, camera, space.requested)
@@ -203,7 +203,7 @@ def develop_picture(
 
     Raises:
         SettingsError: the film cannot be developed, or the grade cannot be made.
-        GraphicsError: the device refuses.
+        GraphicsError: OpenGL reports an error.
     """
     if graded is None:
         finish_picture = finish.apply if live is None else partial(live.finish, finish)

@@ -19,7 +19,7 @@ def picture_height(shot: Shot, camera_path: str | None, time: float, width: int)
 
     Raises:
         SettingsError: the width is out of range.
-        CameraError: the prim is no camera, or has impossible numbers.
+        CameraError: the prim is no camera, or has impossible values.
     """
     check_picture_size(width, 1)
     if camera_path is None:

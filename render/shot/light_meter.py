@@ -99,8 +99,8 @@ class LightMeter:
 
         Raises:
             SettingsError: the mode is manual, or the camera has no such focus point.
-            CameraError: the camera has impossible numbers.
-            GraphicsError: the device refuses.
+            CameraError: the camera has impossible values.
+            GraphicsError: OpenGL reports an error.
         """
         metering = self.metering(time)
         if metering.mode == "manual":
@@ -193,7 +193,7 @@ def auto_expose(renderer: FrameRenderer, shot: Shot, camera: Camera, time: float
 
     Raises:
         CameraError: a metering setting has no meaning.
-        GraphicsError: the device refuses.
+        GraphicsError: OpenGL reports an error.
     """
     if not camera.path:
         return camera

@@ -19,5 +19,5 @@ def check_pixels(width: int, height: int | None, max_px: int, path: str = "query
     """
     if width * (height or 1) > max_px:
         size = f"{width} px wide" if height is None else f"of {width} × {height} px"
-        detail = f"A picture {size} was asked for; at most {max_px:,} px are rendered."
+        detail = f"A picture {size} was requested; at most {max_px:,} px are rendered."
         raise SettingsError(detail, code="too_many_pixels", path=path)

@@ -19,7 +19,7 @@ from service.picture.state import PictureWorkerState, picture_function
 from service.storage.store import ShotRecord
 
 PICK_WIDTH_PX = 2048
-"""Width of the picture in which a position is looked up: finer than a pointer."""
+"""Width of the picture that a position is picked in: finer than a pointer's step."""
 
 
 @picture_function
@@ -89,7 +89,7 @@ def gate_height(shot: Shot, camera: str | None, time: float, width: int, max_px:
 
     Raises:
         SettingsError: the picture has more pixels than are rendered.
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     height = picture_height(shot, camera, time, width)
     check_pixels(width, height, max_px, path)

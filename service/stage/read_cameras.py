@@ -49,7 +49,7 @@ def read_camera_state(shot: Shot, path: str | None, time: float) -> CameraState:
     """Read a camera with its own film gate, its focus solved, and its stop where focus points set it.
 
     Raises:
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     readout = shot.focus.read(path, time)
     authored = read_camera(shot.stage, readout.camera, time)
@@ -81,7 +81,7 @@ def place_readout_model(readout: LensPlaceReadout, camera: str | None, time: flo
 
 
 def settings_model(model: type[Settings], values: Mapping[str, Any]) -> Settings:
-    """Validate the settings of a camera, which a file may have authored with impossible numbers.
+    """Validate the settings of a camera, which a file may have authored with impossible values.
 
     Args:
         model: it has the fields ``camera`` and ``time``.

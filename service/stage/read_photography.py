@@ -25,7 +25,7 @@ def read_exposure_settings(shot: Shot, camera: str | None, time: float) -> Expos
     """Read how a camera exposes at one time.
 
     Raises:
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     values = dict(shot.exposure.settings(camera, time))
     open_time_codes = values["shutter_close"] - values["shutter_open"]
@@ -37,7 +37,7 @@ def read_film_settings(shot: Shot, camera: str | None, time: float) -> FilmSetti
     """Read the film and grade of a camera at one time.
 
     Raises:
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     values = dict(shot.film.settings(camera, time))
     usd = UsdGeom.Camera.Get(shot.stage, _path(shot, camera))

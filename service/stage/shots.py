@@ -100,7 +100,9 @@ def curve_frames(shot: OpenShot, spec: str | None, max_frames: int) -> list[floa
         whole = _frame_range(shot)
         count = max(1, math.floor(whole.end - whole.start) + 1)
     if count > max_frames:
-        raise SettingsError(f"a focus curve of {count:,} frames was asked for; at most {max_frames:,} come at once")
+        raise SettingsError(
+            f"a focus curve of {count:,} frames was requested; at most {max_frames:,} are returned at once"
+        )
     return frames if spec is not None else [whole.start + n for n in range(count)]
 
 

@@ -1,4 +1,4 @@
-"""Rules for keys that contradict each other: each is allowed, but together they cannot mean what somebody wanted."""
+"""Rules for keys that contradict each other: each is legal, but together they are surely a mistake."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from usd_schemas.validation.rule import Fault, Rule
 from usd_schemas.values import is_animated
 from usd_schemas.view import LensCamera
 
-_TOLD = 5  # times that a message names before it stops
+_MAX_LISTED = 5  # times that a message names before it stops
 
 
 def two_drivers(prim: Usd.Prim) -> Iterator[Fault]:
@@ -23,7 +23,7 @@ def two_drivers(prim: Usd.Prim) -> Iterator[Fault]:
     if mode != "manual" and camera.focus_points() and is_animated(attribute):
         yield Fault(
             attribute.GetPath(),
-            f"focusDistance has keys, but focus:mode is {mode}: they are asked only where no focus point counts",
+            f"focusDistance has keys, but focus:mode is {mode}: they are used only where no focus point is",
         )
 
 
@@ -32,7 +32,7 @@ def counting(prim: Usd.Prim) -> Iterator[Fault]:
     views = LensCamera(prim).focus_points()
     keyed = {view.name: [(key.time, key.value) for key in view.keys("weight")] for view in views}
     for view in views:
-        off = [time for time, weight in keyed[view.name] if weight > 0 and not _says(view, time)[1]]
+        off = [time for time, weight in keyed[view.name] if weight > 0 and not _weight_and_switch(view, time)[1]]
         if off:
             yield Fault(
                 prim.GetPath().AppendProperty(f"focusPoint:{view.name}:weight"),
@@ -40,7 +40,11 @@ def counting(prim: Usd.Prim) -> Iterator[Fault]:
             )
     times = {time for name in keyed for time, _ in keyed[name]}
     times |= {key.time for view in views for key in view.keys("enabled")}
-    empty = [time for time in sorted(times) if not any(weight > 0 and on for weight, on in _all(views, time))]
+    empty = [
+        time
+        for time in sorted(times)
+        if not any(weight > 0 and on for weight, on in _weights_and_switches(views, time))
+    ]
     if empty:
         yield Fault(
             prim.GetPath().AppendProperty("focus:mode"),
@@ -49,12 +53,12 @@ def counting(prim: Usd.Prim) -> Iterator[Fault]:
         )
 
 
-def _all(views: list[FocusPointView], time: float) -> list[tuple[float, bool]]:
-    return [_says(view, time) for view in views]
+def _weights_and_switches(views: list[FocusPointView], time: float) -> list[tuple[float, bool]]:
+    return [_weight_and_switch(view, time) for view in views]
 
 
-def _says(view: FocusPointView, time: float) -> tuple[float, bool]:
-    """Weight and switch of a focus point; one whose target cannot be read is told of by another rule."""
+def _weight_and_switch(view: FocusPointView, time: float) -> tuple[float, bool]:
+    """Read weight and switch of a focus point. Another rule reports a point whose target cannot be read."""
     try:
         point = view.read(time)
     except SchemaError:
@@ -63,8 +67,8 @@ def _says(view: FocusPointView, time: float) -> tuple[float, bool]:
 
 
 def _times(times: list[float]) -> str:
-    told = ", ".join(f"{time:g}" for time in times[:_TOLD])
-    return f"{told} and {len(times) - _TOLD} more times" if len(times) > _TOLD else told
+    listed = ", ".join(f"{time:g}" for time in times[:_MAX_LISTED])
+    return f"{listed} and {len(times) - _MAX_LISTED} more times" if len(times) > _MAX_LISTED else listed
 
 
 KEY_RULES = (

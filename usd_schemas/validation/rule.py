@@ -29,7 +29,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Fix:
-    """A repair that cannot lose what somebody meant.
+    """A repair that cannot lose authored intent.
 
     Attributes:
         name: a short word for programs.

@@ -19,7 +19,7 @@ if (!root) throw new Error("The page has no #app to draw in.");
 
 render(<App editor={editor} />, root);
 listenToKeys(window, editor);
-// Whoever comes back to the page sees what others did meanwhile.
+// On return to the page, show what other editors have changed meanwhile.
 addEventListener("focus", () => void editor.session.value?.document.catchUp());
 
 const { shot, camera, time } = readAddress(location.href);

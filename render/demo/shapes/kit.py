@@ -64,7 +64,7 @@ def surface(shape: Callable[[Array, Array], Array], columns: int, rows: int) -> 
     v, u = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij")
     step = 1e-4
     along_u = shape(u + step, v) - shape(u - step, v)
-    # A pole has no direction of its own along u: take the one a hair inside.
+    # A pole has no direction along u: take the one slightly inside.
     inside = np.clip(v, 2e-3, 1 - 2e-3)
     pole = np.linalg.norm(along_u, axis=-1, keepdims=True) < 1e-9
     along_u = np.where(pole, shape(u + step, inside) - shape(u - step, inside), along_u)

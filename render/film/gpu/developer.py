@@ -87,7 +87,7 @@ class FilmPass:
 
         Raises:
             SettingsError: film or light make no sense.
-            GraphicsError: the device refuses a shader, or the picture is too large for it (`TooLargeError`).
+            GraphicsError: OpenGL rejects a shader, or the picture is too large for it (`TooLargeError`).
         """
         gains = tuple(balance_gains(film.white_balance_k, film.tint).tolist())
         recipe = _Recipe({"light": _LIGHT, "exposure": exposure.scale, "gains": gains})

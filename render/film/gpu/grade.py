@@ -71,7 +71,7 @@ class DisplayPass:
 
         Raises:
             SettingsError: no such picture or exposure, or OpenColorIO cannot build the transform.
-            GraphicsError: the device refuses it.
+            GraphicsError: OpenGL reports an error.
         """
         if light.ndim != 3 or light.shape[2] not in (3, 4):
             raise SettingsError(f"light must be (height, width, 3) or (height, width, 4), got {light.shape}")

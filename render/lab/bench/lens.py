@@ -89,7 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
     try:
         if target is not None:
             write_atomic(target, text.encode())
-    finally:  # what took minutes to measure is told either way
+    finally:  # minutes of measurement are printed even if the file cannot be written
         sys.stdout.write(text if arguments.json == "-" else report(found))
 
 

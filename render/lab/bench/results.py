@@ -17,8 +17,8 @@ class Times:
 
     Attributes:
         peel_ms: layers, with the search for their extent and number.
-        nbuffer_ms: what bounds them.
-        trace_ms: the rays, their lens's table looked up and the picture read back.
+        nbuffer_ms: the N-buffers.
+        trace_ms: the tracing, with reading the lens table and the picture.
         total_ms: all of it.
     """
 

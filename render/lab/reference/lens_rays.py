@@ -1,7 +1,6 @@
 """The rays that a picture's pixels see through a lens, one sample of the pupil at a time, for each lens model.
 
-A ray is told as `render.lab.reference.triangles` takes it: where it passes the entrance pupil's plane, and how it moves with
-depth.
+A ray is given as `render.lab.reference.triangles` takes it: its position in the entrance pupil's plane, and its slope.
 The camera's frame is the lens's own with its origin moved to the centre of the entrance pupil, since both look along -z.
 """
 

@@ -1,8 +1,8 @@
 """Metering: mean luminance of a picture, its distance from middle grey in stops, and the compensation that corrects it.
 
-A meter is a photocell behind a mask: it tells the mean luminance of what it looks at, and whoever trusts it takes that for a
-grey of 18 % (`MIDDLE_GREY`). Over the frames of a shot each reading wants a compensation of its own; followed as they are they
-would flicker, so they become one (`one_key`), or a curve that is too slow to flicker (`smoothed_keys`).
+A meter is a photocell behind a mask: it reads the mean luminance of a region, and exposes as if that were a grey of 18 %
+(`MIDDLE_GREY`). Each frame of a shot gets a compensation of its own. Keyed frame by frame they would flicker, so they are reduced
+to one (`one_key`), or to a curve that is too slow to flicker (`smoothed_keys`).
 """
 
 from __future__ import annotations

@@ -57,8 +57,8 @@ class LiveFrames:
             ``(height, width, 4)`` float32 radiance, premultiplied, and the rays per pixel, 0 where none were traced.
 
         Raises:
-            CameraError: the camera's numbers make no picture.
-            GraphicsError: the device refuses.
+            CameraError: the camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
         """
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)
@@ -117,8 +117,8 @@ class LiveFrames:
             Share that is done; `partial_picture` can be read between steps.
 
         Raises:
-            CameraError: the camera's numbers make no picture.
-            GraphicsError: the device refuses.
+            CameraError: the camera's values cannot make a picture.
+            GraphicsError: OpenGL reports an error.
         """
         renderer = self._renderer
         view = PinholeView.from_camera(camera, settings.width, settings.height)

@@ -116,8 +116,8 @@ class ProgressiveRenderer:
         Raises:
             SettingsError: no engine can do this, the time is not finite, the library has no such stock, or no such grade can be
                 made.
-            CameraError: the prim is no camera, or has impossible numbers.
-            GraphicsError: the device refuses.
+            CameraError: the prim is no camera, or has impossible values.
+            GraphicsError: OpenGL reports an error.
         """
         clock = Clock()
         camera, finish = prepare_camera(

@@ -33,7 +33,7 @@ def solve_curve(
 
     Raises:
         SettingsError: there are no frames, too many, or they do not rise.
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     if not 1 <= len(frames) <= MAX_CURVE_FRAMES:
         raise SettingsError(

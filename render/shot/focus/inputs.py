@@ -157,7 +157,7 @@ def read_focus_inputs(
         scene_at: the scene at a time; called only where hidden points count for less.
 
     Raises:
-        CameraError: it is no camera, or has impossible numbers.
+        CameraError: it is no camera, or has impossible values.
     """
     cameras = tuple(read_camera(stage, camera_path, time) for time in times)
     try:

@@ -96,7 +96,7 @@ class FocusTracker:
             revision: of the edits; tracks of other revisions are dropped.
 
         Raises:
-            CameraError: it is no camera, or it or its focus points have impossible numbers.
+            CameraError: it is no camera, or it or its focus points have impossible values.
             InputError: its lens has no focal length.
         """
         return self.over(camera_path, [time], revision)[0]

@@ -102,7 +102,7 @@ class _Linear:
 
     @property
     def is_table(self) -> bool:
-        """Whether each pixel is looked up in a table."""
+        """Whether pixels are converted by a table."""
         return self._table is not None
 
     def __call__(self, rows: NDArray[np.generic]) -> FloatArray:

@@ -78,7 +78,7 @@ class Photographer:
 
         Raises:
             InputError: its lens is none.
-            GraphicsError: the device refuses.
+            GraphicsError: OpenGL reports an error.
             OutputError: a file cannot be written.
         """
         began = clock.perf_counter()

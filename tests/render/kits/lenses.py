@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from render.lab.bench.lenses import TELEPHOTO_ROWS, WIDE_ROWS, Row
 from render.model.lens import AIR, Glass, Prescription, Surface
-
-# radius, thickness, index behind (0 marks the stop), clear diameter
-Row = tuple[float, float, float, float]
 
 _DOUBLE_GAUSS: tuple[Row, ...] = (
     (29.475, 3.76, 1.67, 25.2),
@@ -26,21 +24,6 @@ _DOUBLE_GAUSS: tuple[Row, ...] = (
     (437.065, 3.22, 1.717, 20),
     (-39.73, 0, 1, 20),
 )
-_WIDE: tuple[Row, ...] = (
-    (35.98738, 1.21638, 1.54, 23.716),
-    (11.69718, 9.9957, 1, 17.996),
-    (13.08714, 5.12622, 1.772, 12.364),
-    (-22.63294, 1.76924, 1.617, 9.812),
-    (71.05802, 0.8184, 1, 9.152),
-    (0, 2.27766, 0, 8.756),
-    (-9.58584, 2.43254, 1.617, 8.184),
-    (-11.28864, 0.11506, 1, 9.152),
-    (-166.7765, 3.09606, 1.713, 10.648),
-    (-7.5911, 1.32682, 1.805, 11.44),
-    (-16.7662, 3.98068, 1, 12.276),
-    (-7.70286, 1.21638, 1.617, 13.42),
-    (-11.97328, 0, 1, 17.996),
-)
 _FISHEYE: tuple[Row, ...] = (
     (30.2249, 0.8335, 1.62, 30.34),
     (11.3931, 7.4136, 1, 20.68),
@@ -54,15 +37,6 @@ _FISHEYE: tuple[Row, ...] = (
     (-14.2884, 0.0627, 1, 5.96),
     (-22.3726, 0.94, 1.673, 5.96),
     (-15.0404, 0, 1, 6.52),
-)
-_TELEPHOTO: tuple[Row, ...] = (
-    (54.6275, 12.52, 1.529, 47.5),
-    (-86.365, 3.755, 1.599, 44.5),
-    (271.7625, 2.8175, 1, 41.5),
-    (0, 67.4125, 0, 40.5),
-    (-32.13, 3.755, 1.613, 31.5),
-    (49.5325, 12.52, 1.603, 33.5),
-    (-50.945, 0, 1, 37),
 )
 
 # radius, thickness, n_d, V_d (0, 0 is air), semi-diameter
@@ -151,9 +125,9 @@ def _from_glass_rows(name: str, rows: tuple[GlassRow, ...], asphere: int | None 
 
 
 DOUBLE_GAUSS = KnownLens(_from_rows("Double Gauss 50 mm", _DOUBLE_GAUSS), 50.36, 36.11, 2.03, 21.6)
-WIDE = KnownLens(_from_rows("Wide 22 mm", _WIDE), 22.02, 14.32, 2.68, 18.0)
+WIDE = KnownLens(_from_rows("Wide 22 mm", WIDE_ROWS), 22.02, 14.32, 2.68, 18.0)
 FISHEYE = KnownLens(_from_rows("Fisheye 10 mm", _FISHEYE), 9.99, 23.16, 3.95, 12.0)
-TELEPHOTO = KnownLens(_from_rows("Telephoto 250 mm", _TELEPHOTO), 249.6, 105.07, 5.42, 21.6)
+TELEPHOTO = KnownLens(_from_rows("Telephoto 250 mm", TELEPHOTO_ROWS), 249.6, 105.07, 5.42, 21.6)
 PLANAR = KnownLens(_from_glass_rows("Zeiss Planar 50/1.4", _PLANAR), 50.0, 35.498, 1.4, 21.6)
 DISTAGON = KnownLens(_from_glass_rows("Zeiss Distagon 35/1.4", _DISTAGON, _DISTAGON_ASPHERE), 35.0, 34.498, 1.4, 21.6)
 

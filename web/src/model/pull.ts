@@ -2,8 +2,8 @@
  * Pulling focus: what one click changes.
  *
  * Focus goes to the weighted mean of the points' inverse depths, so a rack is a pair of weight keys. A click at a time
- * means "this is sharp now": the point gets weight 1 at that time and all others get 0. At the times before and after at
- * which somebody else was keyed, the point gets 0, so that what was decided there stays, and between them focus racks.
+ * means "this is sharp now": the point gets weight 1 at that time and all others get 0. At the neighbouring times where
+ * another point has a key, this point gets 0, so that the focus there stays as it was and racks in between.
  */
 
 import type { Key } from "./keys";

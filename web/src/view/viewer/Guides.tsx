@@ -21,7 +21,7 @@ export function Guides({ editor, session }: { editor: Editor; session: Session }
   );
 }
 
-/** Where the light meter's spot is, while somebody looks at the meter. */
+/** Circle of the light meter's spot, shown while the meter is open. */
 export function MeterSpot({ editor, session }: { editor: Editor; session: Session }): JSX.Element | null {
   const meter = session.photography.meter.value;
   if (editor.remembered.panel.value !== "camera" || meter?.mode !== "spot" || !meter.place) return null;

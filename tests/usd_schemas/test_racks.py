@@ -145,4 +145,4 @@ def test_a_focus_that_is_keyed_and_solved_is_found(camera: LensCamera) -> None:
     camera.set_key("focusDistance", 1, 3.0)
     assert "FocusDrivers" not in rules(camera)
     author_rack(camera, WeightRack("a", "b", 1, 13))
-    assert "focus:mode is points: they are asked only where no focus point counts" in rules(camera)["FocusDrivers"]
+    assert "focus:mode is points: they are used only where no focus point is" in rules(camera)["FocusDrivers"]

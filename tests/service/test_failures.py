@@ -27,6 +27,24 @@ def test_a_full_disk_is_reported_and_nothing_is_left(service, client, monkeypatc
     assert list((service.settings.data / "shots").iterdir()) == kept
 
 
+def test_an_edit_that_cannot_be_saved_changes_nothing_and_names_no_folder_of_the_machine(service, client, room):
+    shot, folder = f"/v1/shots/{room}", service.settings.data / "shots" / room
+    first = {"type": "setCamera", "values": {"fStop": 4}}
+    assert client.post(f"{shot}/edits", json={"changes": [first]}).status_code == 200
+    before = client.get(f"{shot}/edits").text, client.get(f"{shot}/edits/history").json()
+    second = {"changes": [{"type": "setCamera", "values": {"fStop": 5}}]}
+    for name in ("history", "edits.usda"):
+        (folder / name).rename(folder / "aside")
+        (folder / name).touch() if name == "history" else (folder / name).mkdir()
+        answer = client.post(f"{shot}/edits", json=second)
+        (folder / name).unlink() if name == "history" else (folder / name).rmdir()
+        (folder / "aside").rename(folder / name)
+        assert answer.status_code == 507, answer.text
+        assert str(service.settings.data) not in answer.text
+        assert (client.get(f"{shot}/edits").text, client.get(f"{shot}/edits/history").json()) == before
+    assert client.post(f"{shot}/edits", json=second).status_code == 200
+
+
 def test_a_fault_of_the_program_has_the_shape_and_tells_no_secrets(client, monkeypatch):
     def faulty(_):
         raise RuntimeError("the secret is 42")

@@ -95,11 +95,11 @@ class FilmSettings:
             raise SettingsError(
                 f"film process {self.process} needs a stock: film:stock names one, or film:curve draws it"
             )
-        wanted = 1 if self.process == "monochrome" else 3
-        if len(stock.curves) != wanted:
+        expected_curves = 1 if self.process == "monochrome" else 3
+        if len(stock.curves) != expected_curves:
             kinds = {1: "black-and-white", 3: "colour"}
             raise SettingsError(
-                f"film process {self.process} needs a {kinds[wanted]} stock, and {stock.name} is a "
+                f"film process {self.process} needs a {kinds[expected_curves]} stock, and {stock.name} is a "
                 f"{kinds[len(stock.curves)]} one",
                 code="wrong_stock",
             )
@@ -109,10 +109,11 @@ class FilmSettings:
                 f"the curves of {stock.name} run backwards for film process {self.process}: density {goes} with exposure",
                 code="wrong_stock",
             )
-        if self.process != "reversal" and (self.print_stock is None or len(self.print_stock.curves) != wanted):
+        if self.process != "reversal" and (self.print_stock is None or len(self.print_stock.curves) != expected_curves):
             got = self.print_stock.name if self.print_stock else "none"
             raise SettingsError(
-                f"film process {self.process} needs a print stock of {wanted} records, got {got}", code="wrong_stock"
+                f"film process {self.process} needs a print stock of {expected_curves} records, got {got}",
+                code="wrong_stock",
             )
         if self.grain.amount > 0 and not stock.granularity:
             raise SettingsError(

@@ -100,8 +100,8 @@ def camera_stock(name: str, speed: float = 0.0, rms: Sequence[float] = (0.0, 0.0
         filters = _neutral_at(curves, film.curve.middle_gray)
         middles = tuple(middle + shift for shift in filters)
     stock = Stock(entry.name, curves, middles)
-    wanted = tuple(own or known for own, known in zip(rms, film.grain.rms, strict=True))
-    return replace(stock, granularity=_granularity(entry, stock, wanted if len(curves) == 3 else wanted[1:2]))
+    channel_rms = tuple(own or known for own, known in zip(rms, film.grain.rms, strict=True))
+    return replace(stock, granularity=_granularity(entry, stock, channel_rms if len(curves) == 3 else channel_rms[1:2]))
 
 
 def custom_stock(curve: CharacteristicCurve, reversal: bool, monochrome: bool, rms: Sequence[float]) -> Stock:

@@ -97,9 +97,9 @@ def split(
     counts = np.broadcast_to(np.asarray(counting, np.bool_), w.shape)
     _check(w, circles, counts, f_stop_range)
     some = counts.any(axis=1)
-    nobody = np.zeros((len(w), 1))  # columns for frames without points
-    w, circles = np.concatenate([w, nobody], axis=1), np.concatenate([circles, nobody + 1], axis=1)
-    counts = np.concatenate([counts, nobody > 0], axis=1)
+    empty_column = np.zeros((len(w), 1))  # columns for frames without points
+    w, circles = np.concatenate([w, empty_column], axis=1), np.concatenate([circles, empty_column + 1], axis=1)
+    counts = np.concatenate([counts, empty_column > 0], axis=1)
     near, far, tension = _pair(w, circles, counts)
     pull = [np.take_along_axis(circles, at[:, None], axis=1)[:, 0] for at in (near, far)]
     wished = np.where(some, np.take_along_axis(w, near[:, None], axis=1)[:, 0] - tension * pull[0], 0.0)

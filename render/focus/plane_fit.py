@@ -134,8 +134,8 @@ def fit_targets(
     if not off.any():
         return fits, own_w
     passing = fits.planes[:, :1] + (slopes * fits.planes[:, None, 1:]).sum(axis=-1)
-    wanted = own_w + np.where(passing > own_w, off, -off)
-    return fit_planes(slopes, wanted, shares), wanted
+    target_w = own_w + np.where(passing > own_w, off, -off)
+    return fit_planes(slopes, target_w, shares), target_w
 
 
 def limit_planes(

@@ -261,13 +261,13 @@ def _reasons(
 ) -> tuple[str, ...]:
     """Reason of every frame in a sentence; equal frames share it."""
     near_w, far_w = (np.broadcast_to(ends, len(codes)).tolist() for ends in (law.near_w, law.far_w))
-    told: dict[tuple[bytes, bool], str] = {}
+    sentences: dict[tuple[bytes, bool], str] = {}
     reasons = []
     for row, by_points, limit, nearest, farthest in zip(codes, decided.tolist(), limits, near_w, far_w, strict=True):
         key = (row.tobytes(), by_points)
-        if key not in told:
-            told[key] = why(names, row, by_points)
-        reasons.append(told[key] + _at_the_end(limit, nearest, farthest))
+        if key not in sentences:
+            sentences[key] = why(names, row, by_points)
+        reasons.append(sentences[key] + _at_the_end(limit, nearest, farthest))
     return tuple(reasons)
 
 
@@ -284,8 +284,8 @@ def why(names: Sequence[str], codes: NDArray[np.int8], by_points: bool) -> str:
         return "focused by " + ", ".join(name for name, s in zip(names, states, strict=True) if s == "used")
     if not names:
         return "there is no focus point, so the camera's own focus distance is kept"
-    told = ", ".join(f"{name} ({s.replace('_', ' ')})" for name, s in zip(names, states, strict=True))
-    return f"no focus point counts, so the camera's own focus distance is kept: {told}"
+    states_text = ", ".join(f"{name} ({s.replace('_', ' ')})" for name, s in zip(names, states, strict=True))
+    return f"no focus point counts, so the camera's own focus distance is kept: {states_text}"
 
 
 def _at_the_end(limit: FocusLimit, near_w: float, far_w: float) -> str:

@@ -52,7 +52,7 @@ def drive(
     Raises:
         SettingsError: times do not rise, a wanted focus is not finite, or a setting is negative or not finite.
     """
-    t, wanted = check_samples(times_s, w)
-    focus = smooth(t, limits(wanted, close_focus_m), smoothing_s, exact_at_s=exact_at_s)
+    t, requested_w = check_samples(times_s, w)
+    focus = smooth(t, limits(requested_w, close_focus_m), smoothing_s, exact_at_s=exact_at_s)
     focus = track(t, focus, lag_s=lag_s, dead_zone_w=dead_zone_w)
     return focus if ring is None else limit_speed(t, focus, ring.w_at(max_speed_rad_s))

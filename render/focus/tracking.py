@@ -96,11 +96,11 @@ def limit_speed(times_s: ArrayLike, ring: ArrayLike, max_per_s: ArrayLike) -> Do
     Raises:
         SettingsError: times do not rise, a turn is not finite, or the bound is negative.
     """
-    t, wanted = check_samples(times_s, ring)
+    t, requested_ring = check_samples(times_s, ring)
     speed = over_time("fastest turn of the focus ring", max_per_s, t)
     most = np.where(speed[1:] > 0, speed[1:] * np.diff(t), np.inf)
-    turn = [float(wanted[0])]
-    for to, reach in zip(wanted[1:].tolist(), most.tolist(), strict=True):
+    turn = [float(requested_ring[0])]
+    for to, reach in zip(requested_ring[1:].tolist(), most.tolist(), strict=True):
         turn.append(min(max(to, turn[-1] - reach), turn[-1] + reach))
     return np.array(turn)
 

@@ -72,9 +72,17 @@ _VERSION = (4, 5)
 def make_context(platform: pyrender_egl.EGLPlatform) -> None:
     """Initialise a platform and make its context current: OpenGL 4.5 core, or its own 4.1 where 4.5 is missing."""
     platform.init_context()
-    wanted = [EGL.EGL_SURFACE_TYPE, EGL.EGL_PBUFFER_BIT, EGL.EGL_RENDERABLE_TYPE, EGL.EGL_OPENGL_BIT, EGL.EGL_NONE]
+    config_attributes = [
+        EGL.EGL_SURFACE_TYPE,
+        EGL.EGL_PBUFFER_BIT,
+        EGL.EGL_RENDERABLE_TYPE,
+        EGL.EGL_OPENGL_BIT,
+        EGL.EGL_NONE,
+    ]
     configs, count = (EGL.EGLConfig * 1)(), ctypes.c_long()
-    EGL.eglChooseConfig(platform._egl_display, (EGL.EGLint * len(wanted))(*wanted), configs, 1, count)
+    EGL.eglChooseConfig(
+        platform._egl_display, (EGL.EGLint * len(config_attributes))(*config_attributes), configs, 1, count
+    )
     version = [EGL.EGL_CONTEXT_MAJOR_VERSION, _VERSION[0], EGL.EGL_CONTEXT_MINOR_VERSION, _VERSION[1]]
     version += [EGL.EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL.EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL.EGL_NONE]
     attributes = (EGL.EGLint * len(version))(*version)

@@ -123,25 +123,25 @@ def run(arguments: argparse.Namespace) -> None:
     check_file(arguments.json)
     picture = picture_from_arguments(arguments)
     once = Repeats(1, 1)
-    found = measure(picture, *((once, once) if arguments.quick else (FRAME_REPEATS, FINISH_REPEATS)))
-    say(found, report(found), arguments.json)
+    result = measure(picture, *((once, once) if arguments.quick else (FRAME_REPEATS, FINISH_REPEATS)))
+    say(result, report(result), arguments.json)
 
 
-def report(found: FilmBench) -> str:
+def report(result: FilmBench) -> str:
     """The table."""
     lines = [
-        f"{found.device}; the demo shot, {found.width}x{found.height}, {found.rays} rays",
+        f"{result.device}; the demo shot, {result.width}x{result.height}, {result.rays} rays",
         "Milliseconds by the wall's clock, and in brackets by the processor's, of all threads.",
-        f"the frame itself: {found.frame_ms:.0f} ({found.frame_cpu_ms:.0f})",
+        f"the frame itself: {result.frame_ms:.0f} ({result.frame_cpu_ms:.0f})",
         "",
         "finish                    on the device   of the frame   the first time   on the processor   apart, of 255 levels",
     ]
     lines += [
         f"{row.name:24}  {row.live_ms:6.1f} {f'({row.live_cpu_ms:.0f})':>6}   {row.share:12.1%}   {row.first_ms:14.0f}"
         f"   {row.file_ms:8.1f} {f'({row.file_cpu_ms:.0f})':>7}   {row.apart:20.2f}"
-        for row in found.rows
+        for row in result.rows
     ]
-    lines += ["", *goal_lines(found.goals)]
+    lines += ["", *goal_lines(result.goals)]
     return "\n".join(lines) + "\n"
 
 

@@ -98,21 +98,21 @@ def run(arguments: argparse.Namespace) -> None:
     """
     check_file(arguments.json)
     picture = quick_picture() if arguments.quick else PICTURE
-    found = measure(picture, Repeats(1, 1) if arguments.quick else Repeats(3))
-    say(found, report(found), arguments.json)
+    result = measure(picture, Repeats(1, 1) if arguments.quick else Repeats(3))
+    say(result, report(result), arguments.json)
 
 
-def report(found: FocusBench) -> str:
+def report(result: FocusBench) -> str:
     """The tables."""
     lines = ["solver                                  points  frames   seconds of one core"]
-    lines += [f"{row.solver:38}  {row.points:6}  {row.frames:6}   {row.seconds:.3f}" for row in found.solvers]
-    lines += ["", f"{found.device}; {found.width}x{found.height}, {found.rays} rays, {SCENE}"]
+    lines += [f"{row.solver:38}  {row.points:6}  {row.frames:6}   {row.seconds:.3f}" for row in result.solvers]
+    lines += ["", f"{result.device}; {result.width}x{result.height}, {result.rays} rays, {SCENE}"]
     lines += ["control points   trace ms (processor's)   on top of a plane"]
     lines += [
-        f"{row.points:14}   {row.trace_ms:8.0f} ({row.trace_cpu_ms:.0f})   {row.share:+.1%}" for row in found.surfaces
+        f"{row.points:14}   {row.trace_ms:8.0f} ({row.trace_cpu_ms:.0f})   {row.share:+.1%}" for row in result.surfaces
     ]
     lines += [""] + [
-        f"{'pass' if goal.holds else 'FAIL'}  {goal.goal} {goal.want:g}: {goal.got:.4g}" for goal in found.goals
+        f"{'pass' if goal.holds else 'FAIL'}  {goal.goal} {goal.want:g}: {goal.got:.4g}" for goal in result.goals
     ]
     return "\n".join(lines) + "\n"
 
@@ -148,8 +148,8 @@ def _with_points(camera: Camera, count: int) -> Camera:
         return camera
     half = 0.5 * np.array([camera.horizontal_aperture_mm, camera.vertical_aperture_mm]) / camera.focal_length_mm
     places = np.random.default_rng(count).uniform(-half, half, (count, 2))
-    wanted = np.tile([focus_w(camera), 0.0], (count, 1))
-    controls = Controls(places, wanted, np.ones(count), np.zeros(count))
+    target_w = np.tile([focus_w(camera), 0.0], (count, 1))
+    controls = Controls(places, target_w, np.ones(count), np.zeros(count))
     return replace(camera, focal_surface=FocalSurface(FocalPlane(focus_w(camera)), controls))
 
 

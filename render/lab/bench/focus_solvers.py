@@ -58,8 +58,8 @@ def measure_solvers(points: int = POINTS, frames: int = FRAMES) -> list[SolverRo
 def _solve_tilt(targets: FocusTargets) -> DoubleArray:
     """The planes with the points' shares found first, as a shot needs them."""
     shares = solve_distances(targets, 5.0, 1.25, occluded="fade").shares
-    fits, wanted = fit_targets(targets, shares, 1.25)
-    planes, _ = limit_planes(fits.planes, 50.0, 0.15, targets.slopes, wanted, shares)
+    fits, target_w = fit_targets(targets, shares, 1.25)
+    planes, _ = limit_planes(fits.planes, 50.0, 0.15, targets.slopes, target_w, shares)
     return tilts_and_swings(planes, 50.0)
 
 

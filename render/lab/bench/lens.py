@@ -84,13 +84,13 @@ def run(arguments: argparse.Namespace) -> None:
     """
     plan, target = plan_from_arguments(arguments), _asked_file(arguments.json)
     scenes = SCENES if arguments.scene is None else {arguments.scene: SCENES[arguments.scene]}
-    found = measure(scenes, plan, _say)
-    text = as_json(found)
+    result = measure(scenes, plan, _say)
+    text = as_json(result)
     try:
         if target is not None:
             write_atomic(target, text.encode())
     finally:  # minutes of measurement are printed even if the file cannot be written
-        sys.stdout.write(text if arguments.json == "-" else report(found))
+        sys.stdout.write(text if arguments.json == "-" else report(result))
 
 
 def main() -> int:

@@ -253,14 +253,14 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the file cannot be written.
     """
     check_file(arguments.json)
-    found = measure(plan_from_arguments(arguments))
-    say(found, report(found), arguments.json)
+    result = measure(plan_from_arguments(arguments))
+    say(result, report(result), arguments.json)
 
 
-def report(found: LiveBench) -> str:
+def report(result: LiveBench) -> str:
     """The table."""
     lines = [
-        f"{found.device}; the demo shot, {found.width}x{found.height}, {found.rays} rays at rest",
+        f"{result.device}; the demo shot, {result.width}x{result.height}, {result.rays} rays at rest",
         "Milliseconds from before the change until the picture is there as a JPEG.",
         "",
         "drag       first: median      p95   of it reading   its width   rays   at rest: first     last   left within"
@@ -270,6 +270,6 @@ def report(found: LiveBench) -> str:
         f"{row.name:9}  {row.first_ms:13.0f}  {row.first_p95_ms:7.0f}   {row.read_share:13.0%}   {row.width:9}   {row.rays:4}"
         f"   {row.rest_first_ms:14.0f}  {row.rest_final_ms:7.0f}   {row.left_ms:11.0f}"
         f"   {row.look_p95_ms:16.0f}  {row.look_longest_ms:7.0f}"
-        for row in found.rows
+        for row in result.rows
     ]
-    return "\n".join([*lines, "", *goal_lines(found.goals)]) + "\n"
+    return "\n".join([*lines, "", *goal_lines(result.goals)]) + "\n"

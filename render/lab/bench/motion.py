@@ -136,25 +136,25 @@ def run(arguments: argparse.Namespace) -> None:
     """
     check_file(arguments.json)
     picture = asked_picture(arguments)
-    found = measure(picture, *((Repeats(1, 1), (picture.motion,)) if arguments.quick else (REPEATS, COUNTS)))
-    say(found, report(found), arguments.json)
+    result = measure(picture, *((Repeats(1, 1), (picture.motion,)) if arguments.quick else (REPEATS, COUNTS)))
+    say(result, report(result), arguments.json)
 
 
-def report(found: MotionBench) -> str:
+def report(result: MotionBench) -> str:
     """The table."""
     lines = [
-        f"{found.device}; the demo shot's frame {FRAME}, {found.width}x{found.height}, {found.rays} rays over all moments",
+        f"{result.device}; the demo shot's frame {FRAME}, {result.width}x{result.height}, {result.rays} rays over all moments",
         "Milliseconds by the wall's clock, and in brackets by the processor's, of all threads.",
         "PSNR and SSIM are against as many moments, each peeled.",
         "",
         "way         moments        ms               over the still   PSNR dB     SSIM",
     ]
-    for row in found.rows:
+    for row in result.rows:
         alike = f"{row.psnr_db:10.1f} {row.ssim:8.4f}" if row.psnr_db is not None and row.ssim is not None else ""
         lines.append(
             f"{row.way:10}  {row.moments:7}  {row.ms:8.0f} {f'({row.cpu_ms:.0f})':>9}   {row.ratio:15.2f}{alike}"
         )
-    lines += ["", *goal_lines(found.goals)]
+    lines += ["", *goal_lines(result.goals)]
     return "\n".join(lines) + "\n"
 
 

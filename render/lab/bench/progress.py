@@ -13,34 +13,34 @@ from render.files import check_writable, write_atomic
 from render.lab.bench.results import Goal
 
 
-def check_file(asked: str | None) -> None:
+def check_file(json_path: str | None) -> None:
     """Check, before anything is measured, that the requested JSON file can be written.
 
     Args:
-        asked: a file, ``-`` for standard output, or None for none.
+        json_path: a file, ``-`` for standard output, or None for none.
 
     Raises:
         OutputError: it cannot.
     """
-    if asked not in (None, "-"):
-        check_writable(asked)
+    if json_path not in (None, "-"):
+        check_writable(json_path)
 
 
-def say(found: Any, table: str, asked: str | None) -> None:
+def say(result: Any, table: str, json_path: str | None) -> None:
     """Write the JSON to the requested file, and print the table unless the JSON is printed.
 
     Args:
-        found: a dataclass of all that was found.
+        result: a dataclass of all that was found.
         table: the same for people.
-        asked: as in `check_file`.
+        json_path: as in `check_file`.
 
     Raises:
         OutputError: the file cannot be written.
     """
-    text = json.dumps(asdict(found), indent=2) + "\n"
-    if asked not in (None, "-"):
-        write_atomic(Path(asked), text.encode())
-    sys.stdout.write(text if asked == "-" else table)
+    text = json.dumps(asdict(result), indent=2) + "\n"
+    if json_path not in (None, "-"):
+        write_atomic(Path(json_path), text.encode())
+    sys.stdout.write(text if json_path == "-" else table)
 
 
 def goal_lines(goals: Sequence[Goal]) -> list[str]:

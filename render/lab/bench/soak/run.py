@@ -83,7 +83,7 @@ class _Soak:
         self._renderer, self._shot = renderer, shot
         self._driver = ProgressiveRenderer(renderer, shot, LiveFinisher(renderer))
         self._random = random.Random(seed)
-        self.asked = PreviewRequest(CAMERA, FRAMES[0], PICTURE)
+        self.request = PreviewRequest(CAMERA, FRAMES[0], PICTURE)
         self._edits: tuple[Callable[[], object], ...] = (
             self._focus,
             self._stop,
@@ -110,7 +110,7 @@ class _Soak:
         self.kinds[edit.__name__.strip("_").replace("_", " ")] += 1
         edit()
         patience = self._random.choice((0, 0, 0, 0, 3, 20, 10**9))
-        request = replace(self.asked, is_moving=patience == 0)
+        request = replace(self.request, is_moving=patience == 0)
         asks = 0
 
         def is_stale() -> bool:
@@ -129,7 +129,7 @@ class _Soak:
 
     def drift_levels(self) -> float:
         """Difference between the picture at rest and a new renderer's, in levels; 0 where neither can be made."""
-        request = self.asked
+        request = self.request
         try:
             *_, shown = self._driver.pictures(request)
         except SettingsError:
@@ -179,21 +179,23 @@ class _Soak:
         self._shot.exposure.set(CAMERA, compensation_stops=self._random.uniform(-1, 1))
 
     def _scrub(self) -> None:
-        self.asked = replace(self.asked, time=self._random.uniform(*FRAMES))
+        self.request = replace(self.request, time=self._random.uniform(*FRAMES))
 
     def _load_film(self) -> None:
-        self.asked = replace(self.asked, stock=self._random.choice((None, None, "5219", "5222")))
+        self.request = replace(self.request, stock=self._random.choice((None, None, "5219", "5222")))
 
     def _grade(self) -> None:
-        self.asked = replace(self.asked, choice=self._random.choice((None, GradeChoice(view="Raw"))))
+        self.request = replace(self.request, choice=self._random.choice((None, GradeChoice(view="Raw"))))
 
     def _resize(self) -> None:
         width = self._random.choice((96, 128, 160))
-        self.asked = replace(self.asked, settings=replace(self.asked.settings, width=width, height=width * 9 // 16))
+        self.request = replace(
+            self.request, settings=replace(self.request.settings, width=width, height=width * 9 // 16)
+        )
 
     def _other_engine(self) -> None:
         engine = self._random.choice(("lens", *engine_names(), "importance"))
-        self.asked = replace(self.asked, settings=replace(self.asked.settings, engine=engine))
+        self.request = replace(self.request, settings=replace(self.request.settings, engine=engine))
 
     def _undo(self) -> None:
         with suppress(PullfocusError):  # there is nothing to undo
@@ -263,17 +265,17 @@ def run(arguments: argparse.Namespace) -> None:
         OutputError: the file cannot be written.
     """
     check_file(arguments.json)
-    found = measure(plan_from_arguments(arguments))
-    say(found, report(found), arguments.json)
+    result = measure(plan_from_arguments(arguments))
+    say(result, report(result), arguments.json)
 
 
-def report(found: SoakBench) -> str:
+def report(result: SoakBench) -> str:
     """The table."""
-    kinds = ", ".join(f"{name} {count}" for name, count in found.edits_by_kind.items())
+    kinds = ", ".join(f"{name} {count}" for name, count in result.edits_by_kind.items())
     lines = [
-        f"{found.device}; {found.edits:,} edits in {found.seconds:.0f} s: {kinds}",
-        f"{found.pictures:,} pictures, {found.finals:,} of them at rest; left half way {found.left:,} times",
-        f"compared with a new renderer {found.checks:,} times: at most {found.drift_levels:.3f} of 255 levels apart",
-        f"memory {found.memory_mb[0]:.0f} MB at the first of these, {found.memory_mb[-1]:.0f} MB at the last",
+        f"{result.device}; {result.edits:,} edits in {result.seconds:.0f} s: {kinds}",
+        f"{result.pictures:,} pictures, {result.finals:,} of them at rest; left half way {result.left:,} times",
+        f"compared with a new renderer {result.checks:,} times: at most {result.drift_levels:.3f} of 255 levels apart",
+        f"memory {result.memory_mb[0]:.0f} MB at the first of these, {result.memory_mb[-1]:.0f} MB at the last",
     ]
-    return "\n".join([*lines, "", *goal_lines(found.goals)]) + "\n"
+    return "\n".join([*lines, "", *goal_lines(result.goals)]) + "\n"

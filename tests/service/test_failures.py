@@ -27,7 +27,7 @@ def test_a_full_disk_is_reported_and_nothing_is_left(service, client, monkeypatc
     assert list((service.settings.data / "shots").iterdir()) == kept
 
 
-def test_an_edit_that_cannot_be_saved_changes_nothing_and_names_no_folder_of_the_machine(service, client, room):
+def test_an_edit_that_cannot_be_saved_changes_nothing(service, client, room):
     shot, folder = f"/v1/shots/{room}", service.settings.data / "shots" / room
     first = {"type": "setCamera", "values": {"fStop": 4}}
     assert client.post(f"{shot}/edits", json={"changes": [first]}).status_code == 200

@@ -85,7 +85,6 @@ Index = Annotated[int, Field(ge=-1, le=2**31 - 1)]
 Amount = Annotated[float, Field(ge=0, le=1e6)]
 Length = Annotated[float, Field(ge=-1e9, le=1e9)]
 Ratio = Annotated[float, Field(ge=0, le=1)]
-BarycentricWeight = Annotated[float, Field(ge=-0.01, le=1.01)]
 
 KEYS_AT = (
     "USD time code of keys; without it, keys go and the values hold for all time. Words and lists hold for all time "

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 from pydantic.config import JsonDict
 
 from service.models.base import (
     Amount,
-    BarycentricWeight,
     Distance,
     Index,
     Length,
@@ -20,6 +19,8 @@ from service.models.base import (
     Vector3,
     shown_as,
 )
+from service.models.settings import keyed_names, point_field, with_edits, with_settings, with_values
+from usd_schemas.settings.tables import POINT_SETTINGS
 
 ANCHOR_EXAMPLE: JsonDict = {
     "target": ["/World/Tram/Driver"],
@@ -51,24 +52,30 @@ POINT_EXAMPLE: JsonDict = ANCHOR_EXAMPLE | {
     "etag": '"0b64bf18a0860070"',
 }
 
-Kind = Literal["sharp", "soft"]
 Interpolation = Literal["held", "linear", "bezier", "auto"]
 
 
+_WEIGHTS = POINT_SETTINGS["barycentric"].sent
+_TARGET = POINT_SETTINGS["target"].doc
+BarycentricWeight = Annotated[float, Field(ge=_WEIGHTS.least, le=_WEIGHTS.most)]
 Barycentric = tuple[BarycentricWeight, BarycentricWeight, BarycentricWeight]
-Offset = tuple[Length, Length, Length]
+
+if TYPE_CHECKING:
+    KeyedAttribute = str
+else:  # weight and enabled, which decide whether a point counts, stand first
+    KeyedAttribute = Literal[
+        tuple(sorted(keyed_names("focusPoint"), key=lambda name: name not in {"weight", "enabled"}))
+    ]
 
 
 class Anchor(Model):
     """A point on a surface that moves with it."""
 
-    target: tuple[PrimPath, ...] = Field(
-        min_length=1, max_length=2, description="The mesh; or a PointInstancer, then the prototype's mesh."
-    )
-    face: Index = Field(default=-1, description="Index of the authored face; -1 for the origin of the target's space.")
-    fan_triangle: Index = Field(default=0, ge=0, description="Triangle i of the face has its corners 0, i+1 and i+2.")
-    barycentric: Barycentric = Field(default=(1.0, 0.0, 0.0), description="Weights of those three corners.")
-    instance: Index = Field(default=-1, description="Of a PointInstancer, else -1.")
+    target: tuple[PrimPath, ...] = Field(min_length=1, max_length=2, description=_TARGET)
+    face: int = point_field("face")
+    fan_triangle: Index = point_field("fan_triangle")  # -1 is refused by the schema, when the point is authored
+    barycentric: Barycentric = point_field("barycentric")
+    instance: int = point_field("instance")
 
 
 class Pick(Model):
@@ -89,47 +96,22 @@ class Pick(Model):
     position_m: Vector3 | None = Field(default=None, description="In the world: metres, +Y up.")
 
 
+@with_values("focusPoint")
 class FocusPointCreate(Anchor):
     """A new focus point: the anchor of a pick, and the values of the point."""
 
     model_config = shown_as(ANCHOR_EXAMPLE | {"name": "driver", "weight": 1.0})
 
     name: PointName | None = Field(default=None, description="Left out: a free name.")
-    offset: Offset = Field(default=(0.0, 0.0, 0.0), description="From the anchor; scene units, the target's own space.")
-    kind: Kind = "sharp"
-    blur_mm: Amount = Field(
-        default=0.0, description="Circle of confusion that a soft point asks for: diameter on the film."
-    )
-    weight: Amount = 1.0
-    falloff: Amount = Field(default=0.0, description="Distance in frame widths where its influence ends; 0: nowhere.")
-    enabled: bool = True
-    surface_offset: Length = Field(
-        default=0.0, description="For a soft point without blur: how far behind the target the focus lies; scene units."
-    )
-    extent: Amount = Field(default=1.0, description="Depth of field around it in surface mode, relative to the lens's.")
 
 
+@with_edits("focusPoint")
 class FocusPointEdit(Model):
     """Values to change on a focus point; a value left out stays as it is."""
 
     model_config = shown_as({"weight": 0.5, "enabled": True})
 
-    target: tuple[PrimPath, ...] | None = Field(default=None, min_length=1, max_length=2)
-    face: Index | None = None
-    fan_triangle: Index | None = Field(default=None, ge=0)
-    barycentric: Barycentric | None = None
-    instance: Index | None = None
-    offset: Offset | None = None
-    kind: Kind | None = None
-    blur_mm: Amount | None = None
-    weight: Amount | None = None
-    falloff: Amount | None = None
-    enabled: bool | None = None
-    surface_offset: Length | None = None
-    extent: Amount | None = None
-
-
-KeyedAttribute = Literal["weight", "enabled", "blur", "falloff", "surfaceOffset", "extent"]
+    target: tuple[PrimPath, ...] | None = Field(default=None, min_length=1, max_length=2, description=_TARGET)
 
 
 class Tangents(Model):
@@ -177,25 +159,20 @@ class KeyEdit(Key):
     )
 
 
-class FocusPoint(Model):
+class _NamedPoint(Model):
+    name: str
+
+
+@with_settings("focusPoint")
+class _PointSettings(_NamedPoint):
+    """The settings of a focus point at one time, after its name."""
+
+
+class FocusPoint(_PointSettings):
     """A focus point at one time, and where it is in the picture."""
 
     model_config = shown_as(POINT_EXAMPLE)
 
-    name: str
-    target: tuple[str, ...]
-    face: int
-    fan_triangle: int
-    barycentric: Vector3
-    instance: int
-    offset: Vector3
-    kind: Kind
-    blur_mm: float
-    weight: float
-    falloff: float
-    enabled: bool
-    surface_offset: float
-    extent: float
     position_m: Vector3 | None = Field(description="In the world: metres, +Y up; null without a place.")
     depth_m: Distance = Field(description="Along the view axis, negative behind the camera; null without a place.")
     screen: tuple[float, float] | None = Field(

@@ -11,7 +11,7 @@ from pydantic.config import JsonDict, JsonValue
 from service.models.base import Model
 from usd_schemas.settings import Asset
 from usd_schemas.settings.setting import Bounds, Resource, Setting
-from usd_schemas.settings.tables import SETTINGS, rest_settings
+from usd_schemas.settings.tables import POINT_SETTINGS, SETTINGS, rest_settings
 
 Kind = TypeVar("Kind", bound=Model)
 
@@ -20,7 +20,10 @@ def with_settings(resource: Resource) -> Callable[[type[Kind]], type[Kind]]:
     """Give a model a field for each setting of a resource that it does not have itself."""
 
     def fields() -> Mapping[str, Any]:
-        return {item.name: (_read_type(item.type), Field(description=item.doc)) for item in rest_settings(resource)}
+        return {
+            item.field_name: (_read_type(item.type), Field(description=item.rest_doc))
+            for item in rest_settings(resource)
+        }
 
     return lambda model: _with_fields(model, fields())
 
@@ -30,7 +33,20 @@ def with_edits(resource: Resource) -> Callable[[type[Kind]], type[Kind]]:
 
     def fields() -> Mapping[str, Any]:
         return {
-            item.name: (_edit_type(item) | None, Field(default=None, description=item.doc))
+            item.field_name: (_edit_type(item) | None, Field(default=None, description=item.rest_doc))
+            for item in rest_settings(resource)
+            if not item.read_only
+        }
+
+    return lambda model: _with_fields(model, fields())
+
+
+def with_values(resource: Resource) -> Callable[[type[Kind]], type[Kind]]:
+    """Give a model a field for each setting of a resource that can be set, at its default where it is left out."""
+
+    def fields() -> Mapping[str, Any]:
+        return {
+            item.field_name: (_edit_type(item), Field(default=item.default, description=item.rest_doc))
             for item in rest_settings(resource)
             if not item.read_only
         }
@@ -52,7 +68,14 @@ def example_of(resource: Resource, values: JsonDict) -> JsonDict:
 def edit_field(name: str) -> Any:
     """A field of an edit for a number, by its name in Python: optional, with the bounds and the documentation declared."""
     item = SETTINGS[name]
-    return Field(default=None, description=item.doc, **_limits(item.sent))
+    return Field(default=None, description=item.rest_doc, **_limits(item.sent))
+
+
+def point_field(name: str) -> Any:
+    """A field of a focus point, by its name in Python, with the declared default and documentation, and a number's bounds."""
+    item = POINT_SETTINGS[name]
+    limits = _limits(item.sent) if item.type in (float, int) else {}
+    return Field(default=item.default, description=item.rest_doc, **limits)
 
 
 def _edit_type(item: Setting) -> Any:

@@ -23,10 +23,10 @@ from service.stage.read_cameras import camera_tag
 from usd_schemas import FocusPoint as AuthoredPoint
 from usd_schemas import Key as AuthoredKey
 from usd_schemas import LensCamera
+from usd_schemas.settings.tables import rest_settings
 
-# The one name that differs between REST and the schema: it carries its unit.
-FIELD_OF_NAME = {"blur_mm": "blur"}
-AUTHORED_NAMES = tuple(FocusPointEdit.model_fields)
+_NAMES = {item.field_name: item.name for item in rest_settings("focusPoint")}
+"""Names of the schema by those of REST's models."""
 
 
 def read_points(shot: Shot, camera: str | None, time: float, aspect: float | None = None) -> list[FocusPoint]:
@@ -54,7 +54,7 @@ def read_point(shot: Shot, camera: str | None, time: float, name: str) -> FocusP
 
 def _point(shot: Shot, camera: str | None, placed: PlacedPoint) -> FocusPoint:
     point = placed.point
-    authored = {name: getattr(point, FIELD_OF_NAME.get(name, name)) for name in AUTHORED_NAMES}
+    authored = {field: getattr(point, name) for field, name in _NAMES.items()}
     return FocusPoint(
         **authored,
         name=point.name,
@@ -120,7 +120,7 @@ def point_fields(edit: FocusPointEdit) -> dict[str, Any]:
 
 
 def _schema_fields(values: dict[str, Any]) -> dict[str, Any]:
-    return {FIELD_OF_NAME.get(name, name): value for name, value in values.items()}
+    return {_NAMES[field]: value for field, value in values.items()}
 
 
 def free_name(shot: Shot, camera: str | None, time: float) -> str:

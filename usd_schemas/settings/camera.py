@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
-from usd_schemas.settings.setting import Bounds, Option, Setting, Slider, schema_group, setting
+from usd_schemas.settings.setting import MAX_FINITE, Bounds, Option, Range, Setting, Slider, schema_group, setting
 
 
 @schema_group("Lens", rest="camera")
@@ -19,7 +20,9 @@ class CameraData:
         "f-number; 0 is a pinhole.",
         unit="f-number",
         usd_type="float",
+        settable=Range(0, MAX_FINITE, zero="a pinhole"),
         bounds=Bounds(0, 1000),
+        slider=Slider(0.7, 32, 2 ** (1 / 6), "log", label="f-number"),
     )
     focal_length_mm: float = setting(
         "focalLength",
@@ -29,7 +32,9 @@ class CameraData:
         unit="millimetres",
         usd_type="float",
         length="tenths",
+        settable=Range(0, MAX_FINITE, above=True),
         bounds=Bounds(0, 100_000, above=True),
+        slider=Slider(8, 400, 1.02, "zoom", unit="mm", label="Focal length"),
     )
     focus_distance_m: float = setting(
         "focusDistance",
@@ -40,7 +45,9 @@ class CameraData:
         unit="metres",
         usd_type="float",
         length="units",
+        settable=Range(0, inf, above=True),
         bounds=Bounds(0, 1e9),
+        slider=Slider(0.05, 200, 1.02, "ring", unit="m", label="Focus distance"),
     )
 
 

@@ -7,12 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from usd_schemas.settings.setting import Triple, relationship, schema_group, setting
+from usd_schemas.settings.setting import Bounds, Slider, Triple, relationship, schema_group, setting
 
 FocusPointKind = Literal["sharp", "soft"]
+MAX_INDEX = 2**31 - 1
+"""The largest int of USD."""
 
 
-@schema_group("Focus Point")
+@schema_group("Focus Point", rest="focusPoint")
 @dataclass(frozen=True)
 class FocusPoint:
     """One instance of FocusPointAPI: a thing that must be sharp, or soft; ``name`` is the instance's name, an identifier."""
@@ -33,6 +35,7 @@ class FocusPoint:
         "Of an implicit prim, the face of the mesh that stands for it.",
         unit="none, an index from 0",
         hard=(-1, None),
+        bounds=Bounds(-1, MAX_INDEX),
     )
     fan_triangle: int = setting(
         "fanTriangle",
@@ -41,6 +44,7 @@ class FocusPoint:
         "Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.",
         unit="none, an index from 0",
         hard=(0, None),
+        bounds=Bounds(0, MAX_INDEX),
     )
     barycentric: Triple = setting(
         "barycentric",
@@ -48,6 +52,7 @@ class FocusPoint:
         "Barycentric Coordinates",
         "Weights of the triangle's three corners, in that order; they sum to 1.",
         unit="none, ratios",
+        bounds=Bounds(-0.01, 1.01),
     )
     instance: int = setting(
         "instance",
@@ -59,6 +64,7 @@ class FocusPoint:
         "count of inner instances, plus the inner index.",
         unit="none, a number from 0",
         hard=(-1, None),
+        bounds=Bounds(-1, MAX_INDEX),
     )
     offset: Triple = setting(
         "offset",
@@ -66,6 +72,7 @@ class FocusPoint:
         "Offset",
         "Moves the point off the surface, in the target's own space.",
         unit="scene units",
+        bounds=Bounds(-1e9, 1e9),
     )
     kind: FocusPointKind = setting(
         "kind",
@@ -84,6 +91,9 @@ class FocusPoint:
         unit="millimetres on the film",
         hard=(0, None),
         soft=(None, 2),
+        bounds=Bounds(0, 1e6),
+        rest_name="blur_mm",
+        slider=Slider(0, 1, 0.01, unit="mm"),
     )
     weight: float = setting(
         "weight",
@@ -94,6 +104,8 @@ class FocusPoint:
         unit="none, a ratio",
         hard=(0, None),
         soft=(None, 1),
+        bounds=Bounds(0, 1e6),
+        slider=Slider(0, 1, 0.05),
     )
     falloff: float = setting(
         "falloff",
@@ -104,6 +116,8 @@ class FocusPoint:
         unit="none, frame widths",
         hard=(0, None),
         soft=(None, 1),
+        bounds=Bounds(0, 1e6),
+        slider=Slider(0, 1, 0.05, zero="all", label="Reach"),
     )
     enabled: bool = setting(
         "enabled",
@@ -121,6 +135,7 @@ class FocusPoint:
         "there; negative lies before it.",
         unit="scene units",
         soft=(-100, 100),
+        bounds=Bounds(-1e9, 1e9),
     )
     extent: float = setting(
         "extent",
@@ -130,6 +145,8 @@ class FocusPoint:
         unit="none, a ratio above 0",
         hard=(0.001, None),
         soft=(0.1, 10),
+        bounds=Bounds(0, 1e6),
+        slider=Slider(0, 4, 0.1, unit="×", label="Depth"),
     )
     topology: str = setting(
         "topology",
@@ -139,5 +156,6 @@ class FocusPoint:
         "should say that face and triangle may mean something else now.",
         "Empty where it was not taken.",
         unit="none, text (hexadecimal)",
+        rest="",
         keyable=False,
     )

@@ -24,6 +24,7 @@ command line derive from them when they are imported. Nothing here imports pxr, 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
@@ -36,8 +37,10 @@ Triple = tuple[float, float, float]
 Pairs = tuple[Pair, ...]
 Triples = tuple[Triple, ...]
 Limits = tuple[float | None, float | None]
-Resource = Literal["", "film", "exposure", "focus", "camera"]
+Resource = Literal["", "film", "exposure", "focus", "focusPoint", "camera"]
 
+MAX_FINITE = sys.float_info.max
+"""The end of a range that excludes infinity alone."""
 MAX_NUMBER = 1e9
 """The largest number that REST takes where a declaration has a least value alone."""
 MAX_UNLIMITED = 1e6
@@ -70,17 +73,20 @@ class Range:
         least: of each of them.
         most: likewise.
         unit: behind the numbers in messages.
-        zero: meaning of 0 where it lies outside the range and is allowed nevertheless; empty where it is not.
+        zero: meaning of 0, which is then allowed outside the range too; empty for none.
+        above: whether numbers must be above ``least``, which is itself refused then.
     """
 
     least: float
     most: float
     unit: str = ""
     zero: str = ""
+    above: bool = False
 
     def holds(self, number: float) -> bool:
         """Whether a number is allowed; NaN never is."""
-        return self.least <= number <= self.most or (number == 0 and self.zero != "")
+        is_enough = number > self.least if self.above else number >= self.least
+        return (is_enough and number <= self.most) or (number == 0 and self.zero != "")
 
     def __str__(self) -> str:
         span = f"from {self.least:g} to {self.most:g}{self.unit}"
@@ -112,7 +118,8 @@ class Slider:
         least: at its left end.
         most: at its right end.
         step: of an arrow key; a ratio where the scale is logarithmic.
-        scale: equal travel for equal differences or for equal ratios; ``iso`` is logarithmic with the values of the ISO dial.
+        scale: equal travel for equal differences or for equal ratios; ``iso`` is logarithmic with the values of the ISO dial,
+            ``zoom`` with halves of a millimetre up to 100 mm and whole ones above, and ``ring`` ends at infinity.
         zero: word that stands for 0; empty for the number.
         unit: behind the number; a share is shown in ``%``.
         label: beside the slider, where the property's display name is too long.
@@ -122,7 +129,7 @@ class Slider:
     least: float
     most: float
     step: float
-    scale: Literal["linear", "log", "iso"] = "linear"
+    scale: Literal["linear", "log", "iso", "zoom", "ring"] = "linear"
     zero: str = ""
     unit: str = ""
     label: str = ""
@@ -164,8 +171,10 @@ class Setting:
         hard: limits that USD tools enforce; None where there is none.
         soft: limits that a slider of a USD tool spans.
         accepts: numbers that a picture can be made with, where `hard` does not say it.
+        settable: numbers that can be written to a shot, where `accepts` does not say it.
         bounds: values that REST takes, where they do not follow from `hard`.
         rest: resource of REST that has it; empty for none.
+        rest_name: name of its field in REST's models, in snake case, where it is not `name`.
         read_only: whether REST cannot set it.
         slider: of the page; None for none of its own.
         option: of the command line; None for none of its own.
@@ -188,8 +197,10 @@ class Setting:
     hard: Limits = (None, None)
     soft: Limits = (None, None)
     accepts: Range | None = None
+    settable: Range | None = None
     bounds: Bounds | None = None
     rest: Resource | None = None
+    rest_name: str = ""
     read_only: bool = False
     slider: Slider | None = None
     option: Option | None = None
@@ -207,13 +218,23 @@ class Setting:
         return f"{self.help}{joint}{self.more}".rstrip()
 
     @property
+    def rest_doc(self) -> str:
+        """The documentation as REST has it: names carry their unit there, save scene units."""
+        return f"{self.doc} In scene units." if self.unit == "scene units" else self.doc
+
+    @property
     def choices(self) -> tuple[str, ...]:
         """The words that it may be; none where it is no choice."""
         return get_args(self.type) if get_origin(self.type) is Literal else ()
 
     @property
+    def field_name(self) -> str:
+        """Name of its field in REST's models."""
+        return self.rest_name or self.name
+
+    @property
     def camel_name(self) -> str:
-        """Its name in REST and in the page."""
+        """Its name in the page and, unless its field has another, in REST; keys are set by it."""
         first, *others = self.name.split("_")
         return first + "".join(word.capitalize() for word in others)
 
@@ -227,8 +248,8 @@ class Setting:
 
     @property
     def rest_keyable(self) -> bool:
-        """Whether REST sets keys of it: of numbers that may change over time, and of the focus's switches."""
-        numbers = (float, bool) if self.rest == "focus" else (float,)
+        """Whether REST sets keys of it: of numbers that may change over time, and of the switches of the focus and its points."""
+        numbers = (float, bool) if self.rest in ("focus", "focusPoint") else (float,)
         return self.keyable and self.type in numbers
 
     @property

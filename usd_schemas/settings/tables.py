@@ -1,10 +1,11 @@
-"""The settings of a camera that can be set and keyed by name, in one table and by the resource of REST that has them."""
+"""The settings of a camera and of its focus points, in tables by name and by the resource of REST that has them."""
 
 from __future__ import annotations
 
 from usd_schemas.settings.camera import SHUTTER_ANGLE, CameraData, ExposureData
 from usd_schemas.settings.film import FilmData
 from usd_schemas.settings.focus import FocusData
+from usd_schemas.settings.focus_point import FocusPoint
 from usd_schemas.settings.lens import LensData
 from usd_schemas.settings.setting import Resource, Setting, settings_of
 from usd_schemas.settings.tilt_shift import TiltShiftData
@@ -30,10 +31,13 @@ FILM_SETTINGS = {item.name: item for item in _FILM_API if item.name not in EXPOS
 """The rest of FilmAPI: film or sensor, and grade."""
 
 SETTINGS = LENS_SETTINGS | FOCUS_SETTINGS | EXPOSURE_SETTINGS | FILM_SETTINGS
-"""All of them by their names in Python."""
+"""All settings of a camera by their names in Python."""
+
+POINT_SETTINGS = {item.name: item for item in settings_of(FocusPoint, "FocusPointAPI")}
+"""Settings of a focus point, by name."""
 
 
 def rest_settings(resource: Resource) -> tuple[Setting, ...]:
     """The settings that a resource of REST has, in order."""
     computed = (SHUTTER_ANGLE,) if resource == "exposure" else ()
-    return (*(item for item in SETTINGS.values() if item.rest == resource), *computed)
+    return (*(item for item in (SETTINGS | POINT_SETTINGS).values() if item.rest == resource), *computed)

@@ -27,7 +27,7 @@ from usd_schemas.values import read_value
 
 FLT_MIN = 1.17549435e-38
 """The smallest normal 32-bit float, USD's type of these settings."""
-_LABELS = {"f_stop": "f-number", "focal_length_mm": "focal length", "focus_distance_m": "focus distance"}
+_LABELS = {"f_stop": "f-number"}
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class CameraAttribute:
             check_positive(self.name.replace("_", " "), value)
         if self.name not in LENS_SETTINGS:
             return value
-        _check_lens_setting(self.name, value)
+        _check_lens_setting(self.setting, value)
         in_usd = (min(value, FAR_AWAY_M) if self.name == "focus_distance_m" else value) * self._units
         if value > 0 and in_usd < FLT_MIN:  # 0 would be a pinhole, or infinity
             raise SettingsError(f"the {setting_label(self.name)} {value:g} is too small", code="bad_lens_setting")
@@ -204,13 +204,13 @@ def setting_label(name: str) -> str:
     return _LABELS.get(name, SETTINGS[name].words if name in SETTINGS else name.replace("_", " "))
 
 
-def _check_lens_setting(name: str, value: float) -> None:
+def _check_lens_setting(setting: Setting, value: float) -> None:
     """Raise `SettingsError` for a value that no lens can be set to."""
-    finite = math.isfinite(value)
-    label, is_possible, expected = {
-        "f_stop": ("f-number", finite and value >= 0, "0 (a pinhole) or more"),
-        "focal_length_mm": ("focal length in mm", finite and value > 0, "above 0"),
-        "focus_distance_m": ("focus distance in m", value > 0, "above 0, or infinite"),
-    }[name]
-    if not is_possible:
-        raise SettingsError(f"the {label} must be {expected}, but it is {value:g}", code="bad_lens_setting")
+    limits = setting.settable
+    if limits is None or limits.holds(value):
+        return
+    expected = f"above {limits.least:g}" if limits.above else f"{limits.least:g} ({limits.zero}) or more"
+    infinite = ", or infinite" if limits.most == math.inf else ""
+    unit = setting.name.removeprefix(setting.words.replace(" ", "_")).replace("_", " in ")
+    label = f"{setting_label(setting.name)}{unit}"
+    raise SettingsError(f"the {label} must be {expected}{infinite}, but it is {value:g}", code="bad_lens_setting")

@@ -5,7 +5,7 @@ export interface SliderRange {
   readonly most: number;
   /** Of an arrow key; a ratio where the scale is logarithmic. */
   readonly step: number;
-  readonly scale: "linear" | "log" | "iso";
+  readonly scale: "linear" | "log" | "iso" | "zoom" | "ring";
   /** Word for 0; empty for the number. */
   readonly zero: string;
   /** Behind the number; a share is shown in %. */
@@ -522,3 +522,114 @@ export const FOCUS_CHOICES = {
     "fade"
   ]
 } as const;
+
+export const LENS_SLIDERS = {
+  "fStop": {
+    "name": "fStop",
+    "panel": "camera",
+    "label": "f-number",
+    "hint": "f-number; 0 is a pinhole.",
+    "keyable": true,
+    "slider": {
+      "least": 0.7,
+      "most": 32,
+      "step": 1.122462048309373,
+      "scale": "log",
+      "zero": "",
+      "unit": ""
+    }
+  },
+  "focalLengthMm": {
+    "name": "focalLengthMm",
+    "panel": "camera",
+    "label": "Focal length",
+    "hint": "Focal length of the lens.",
+    "keyable": true,
+    "slider": {
+      "least": 8,
+      "most": 400,
+      "step": 1.02,
+      "scale": "zoom",
+      "zero": "",
+      "unit": "mm"
+    }
+  },
+  "focusDistanceM": {
+    "name": "focusDistanceM",
+    "panel": "camera",
+    "label": "Focus distance",
+    "hint": "Depth of the plane of focus; 0 focuses at infinity.",
+    "keyable": true,
+    "slider": {
+      "least": 0.05,
+      "most": 200,
+      "step": 1.02,
+      "scale": "ring",
+      "zero": "",
+      "unit": "m"
+    }
+  }
+} as const satisfies Readonly<Record<string, Declared>>;
+
+export const POINT_SLIDERS = {
+  "blur": {
+    "name": "blur",
+    "panel": "focusPoint",
+    "label": "Blur",
+    "hint": "Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 1,
+      "step": 0.01,
+      "scale": "linear",
+      "zero": "",
+      "unit": "mm"
+    }
+  },
+  "weight": {
+    "name": "weight",
+    "panel": "focusPoint",
+    "label": "Weight",
+    "hint": "Weight of the point among the others; 0 equals absence.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 1,
+      "step": 0.05,
+      "scale": "linear",
+      "zero": "",
+      "unit": ""
+    }
+  },
+  "falloff": {
+    "name": "falloff",
+    "panel": "focusPoint",
+    "label": "Reach",
+    "hint": "Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches everywhere.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 1,
+      "step": 0.05,
+      "scale": "linear",
+      "zero": "all",
+      "unit": ""
+    }
+  },
+  "extent": {
+    "name": "extent",
+    "panel": "focusPoint",
+    "label": "Depth",
+    "hint": "Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.",
+    "keyable": true,
+    "slider": {
+      "least": 0,
+      "most": 4,
+      "step": 0.1,
+      "scale": "linear",
+      "zero": "",
+      "unit": "×"
+    }
+  }
+} as const satisfies Readonly<Record<string, Declared>>;

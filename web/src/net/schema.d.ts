@@ -1050,7 +1050,7 @@ export interface components {
         readonly Anchor: {
             /**
              * Barycentric
-             * @description Weights of those three corners.
+             * @description Weights of the triangle's three corners, in that order; they sum to 1.
              * @default [
              *       1,
              *       0,
@@ -1064,25 +1064,25 @@ export interface components {
             ];
             /**
              * Face
-             * @description Index of the authored face; -1 for the origin of the target's space.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
              * @default -1
              */
             readonly face?: number;
             /**
              * Fantriangle
-             * @description Triangle i of the face has its corners 0, i+1 and i+2.
+             * @description Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.
              * @default 0
              */
             readonly fanTriangle?: number;
             /**
              * Instance
-             * @description Of a PointInstancer, else -1.
+             * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
              * @default -1
              */
             readonly instance?: number;
             /**
              * Target
-             * @description The mesh; or a PointInstancer, then the prototype's mesh.
+             * @description Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.
              */
             readonly target: readonly string[];
         };
@@ -3675,13 +3675,19 @@ export interface components {
          *     }
          */
         readonly FocusPoint: {
-            /** Barycentric */
+            /**
+             * Barycentric
+             * @description Weights of the triangle's three corners, in that order; they sum to 1.
+             */
             readonly barycentric: readonly [
                 number,
                 number,
                 number
             ];
-            /** Blurmm */
+            /**
+             * Blurmm
+             * @description Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.
+             */
             readonly blurMm: number;
             /**
              * Cocmm
@@ -3693,22 +3699,40 @@ export interface components {
              * @description Along the view axis, negative behind the camera; null without a place.
              */
             readonly depthM: number | null;
-            /** Enabled */
+            /**
+             * Enabled
+             * @description Whether the point counts at all. Keys hold their value until the next.
+             */
             readonly enabled: boolean;
             /**
              * Etag
              * @description Its `ETag`, which changes when the point is edited: for `If-Match`.
              */
             readonly etag: string;
-            /** Extent */
+            /**
+             * Extent
+             * @description Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.
+             */
             readonly extent: number;
-            /** Face */
+            /**
+             * Face
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             */
             readonly face: number;
-            /** Falloff */
+            /**
+             * Falloff
+             * @description Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches everywhere.
+             */
             readonly falloff: number;
-            /** Fantriangle */
+            /**
+             * Fantriangle
+             * @description Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.
+             */
             readonly fanTriangle: number;
-            /** Instance */
+            /**
+             * Instance
+             * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
+             */
             readonly instance: number;
             /**
              * Keys
@@ -3719,12 +3743,16 @@ export interface components {
             };
             /**
              * Kind
+             * @description Whether the target shall be sharp, or soft by `blur` or `surfaceOffset`.
              * @enum {string}
              */
             readonly kind: "sharp" | "soft";
             /** Name */
             readonly name: string;
-            /** Offset */
+            /**
+             * Offset
+             * @description Moves the point off the surface, in the target's own space. In scene units.
+             */
             readonly offset: readonly [
                 number,
                 number,
@@ -3762,16 +3790,25 @@ export interface components {
              * @description `used` for the focus, or why it does not count.
              */
             readonly state: string;
-            /** Surfaceoffset */
+            /**
+             * Surfaceoffset
+             * @description For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies there; negative lies before it. In scene units.
+             */
             readonly surfaceOffset: number;
-            /** Target */
+            /**
+             * Target
+             * @description Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.
+             */
             readonly target: readonly string[];
             /**
              * Visibleinframe
              * @description Whether it lies in the picture (something may still hide it).
              */
             readonly visibleInFrame: boolean;
-            /** Weight */
+            /**
+             * Weight
+             * @description Weight of the point among the others; 0 equals absence. Racks are weights that cross over time.
+             */
             readonly weight: number;
         };
         /**
@@ -3796,7 +3833,7 @@ export interface components {
         readonly FocusPointCreate: {
             /**
              * Barycentric
-             * @description Weights of those three corners.
+             * @description Weights of the triangle's three corners, in that order; they sum to 1.
              * @default [
              *       1,
              *       0,
@@ -3810,47 +3847,49 @@ export interface components {
             ];
             /**
              * Blurmm
-             * @description Circle of confusion that a soft point asks for: diameter on the film.
+             * @description Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.
              * @default 0
              */
             readonly blurMm?: number;
             /**
              * Enabled
+             * @description Whether the point counts at all. Keys hold their value until the next.
              * @default true
              */
             readonly enabled?: boolean;
             /**
              * Extent
-             * @description Depth of field around it in surface mode, relative to the lens's.
+             * @description Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.
              * @default 1
              */
             readonly extent?: number;
             /**
              * Face
-             * @description Index of the authored face; -1 for the origin of the target's space.
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
              * @default -1
              */
             readonly face?: number;
             /**
              * Falloff
-             * @description Distance in frame widths where its influence ends; 0: nowhere.
+             * @description Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches everywhere.
              * @default 0
              */
             readonly falloff?: number;
             /**
              * Fantriangle
-             * @description Triangle i of the face has its corners 0, i+1 and i+2.
+             * @description Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.
              * @default 0
              */
             readonly fanTriangle?: number;
             /**
              * Instance
-             * @description Of a PointInstancer, else -1.
+             * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
              * @default -1
              */
             readonly instance?: number;
             /**
              * Kind
+             * @description Whether the target shall be sharp, or soft by `blur` or `surfaceOffset`.
              * @default sharp
              * @enum {string}
              */
@@ -3862,7 +3901,7 @@ export interface components {
             readonly name?: string | null;
             /**
              * Offset
-             * @description From the anchor; scene units, the target's own space.
+             * @description Moves the point off the surface, in the target's own space. In scene units.
              * @default [
              *       0,
              *       0,
@@ -3876,17 +3915,18 @@ export interface components {
             ];
             /**
              * Surfaceoffset
-             * @description For a soft point without blur: how far behind the target the focus lies; scene units.
+             * @description For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies there; negative lies before it. In scene units.
              * @default 0
              */
             readonly surfaceOffset?: number;
             /**
              * Target
-             * @description The mesh; or a PointInstancer, then the prototype's mesh.
+             * @description Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.
              */
             readonly target: readonly string[];
             /**
              * Weight
+             * @description Weight of the point among the others; 0 equals absence. Racks are weights that cross over time.
              * @default 1
              */
             readonly weight?: number;
@@ -3900,39 +3940,78 @@ export interface components {
          *     }
          */
         readonly FocusPointEdit: {
-            /** Barycentric */
+            /**
+             * Barycentric
+             * @description Weights of the triangle's three corners, in that order; they sum to 1.
+             */
             readonly barycentric?: readonly [
                 number,
                 number,
                 number
             ] | null;
-            /** Blurmm */
+            /**
+             * Blurmm
+             * @description Wanted diameter of the circle of confusion at the target: for a soft point what it shall have, for a sharp point what it may have at most where the points also set the stop.
+             */
             readonly blurMm?: number | null;
-            /** Enabled */
+            /**
+             * Enabled
+             * @description Whether the point counts at all. Keys hold their value until the next.
+             */
             readonly enabled?: boolean | null;
-            /** Extent */
+            /**
+             * Extent
+             * @description Depth of field around the target in surface mode, relative to the lens's own: 2 is twice as deep.
+             */
             readonly extent?: number | null;
-            /** Face */
+            /**
+             * Face
+             * @description Index of the target mesh's face as it is authored; -1 anchors to the origin of the target's own space. Of an implicit prim, the face of the mesh that stands for it.
+             */
             readonly face?: number | null;
-            /** Falloff */
+            /**
+             * Falloff
+             * @description Screen distance at which the point has lost its influence on the focal surface, in frame widths; 0 reaches everywhere.
+             */
             readonly falloff?: number | null;
-            /** Fantriangle */
+            /**
+             * Fantriangle
+             * @description Which triangle of the face: triangle i joins the face's corners 0, i + 1 and i + 2 in authored order.
+             */
             readonly fanTriangle?: number | null;
-            /** Instance */
+            /**
+             * Instance
+             * @description Which instance of the PointInstancer: its id where the instancer has ids, else its index (as for invisibleIds); -1 where the target is none. Instancers in instancers are numbered by index, each as the digits of one number: outer index times the count of inner instances, plus the inner index.
+             */
             readonly instance?: number | null;
-            /** Kind */
+            /**
+             * Kind
+             * @description Whether the target shall be sharp, or soft by `blur` or `surfaceOffset`.
+             */
             readonly kind?: ("sharp" | "soft") | null;
-            /** Offset */
+            /**
+             * Offset
+             * @description Moves the point off the surface, in the target's own space. In scene units.
+             */
             readonly offset?: readonly [
                 number,
                 number,
                 number
             ] | null;
-            /** Surfaceoffset */
+            /**
+             * Surfaceoffset
+             * @description For a soft point with no `blur`: how far behind the target along the view axis the focal surface lies there; negative lies before it. In scene units.
+             */
             readonly surfaceOffset?: number | null;
-            /** Target */
+            /**
+             * Target
+             * @description Anchor of the point: one path of a mesh, an implicit prim, an instance proxy or any Xformable; or two paths, a PointInstancer and the prototype's mesh, with `instance` saying which.
+             */
             readonly target?: readonly string[] | null;
-            /** Weight */
+            /**
+             * Weight
+             * @description Weight of the point among the others; 0 equals absence. Racks are weights that cross over time.
+             */
             readonly weight?: number | null;
         };
         /**

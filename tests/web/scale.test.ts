@@ -1,10 +1,10 @@
-import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M, linearScale } from "@/model/scale";
+import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M, WEIGHTS } from "@/model/scale";
 
 describe.each([
   ["f-number", F_NUMBERS, [0.7, 1.4, 2.8, 11, 32]],
   ["focal length", FOCAL_LENGTHS_MM, [8, 24, 50, 135, 400]],
   ["focus distance", FOCUS_DISTANCES_M, [0.05, 0.8, 3, 40, 200, Infinity]],
-  ["weight", linearScale(0, 1, 0.05), [0, 0.25, 0.5, 1]],
+  ["weight", WEIGHTS, [0, 0.25, 0.5, 1]],
 ] as const)("the slider of %s", (_, scale, values) => {
   it.each(values)("has a place for %f that stands for it", (value) => {
     const position = scale.toPosition(value);

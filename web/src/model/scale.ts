@@ -1,6 +1,6 @@
 /** How a slider's travel stands for a number: positions run from 0 to 1. */
 
-import { EXPOSURE_SLIDERS, type SliderRange } from "./settings.gen";
+import { LENS_SLIDERS, POINT_SLIDERS, type SliderRange } from "./settings.gen";
 
 export interface Scale {
   readonly min: number;
@@ -30,9 +30,9 @@ export function logScale(min: number, max: number, stepRatio: number, round: (va
 }
 
 /** A logarithmic scale whose far end is infinity, as on a focus ring. */
-export function focusScale(min: number, max: number): Scale {
+export function focusScale(min: number, max: number, stepRatio: number): Scale {
   const travel = 0.97; // the last bit of the ring is infinity
-  const inner = logScale(min, max, 1.02, significant(4));
+  const inner = logScale(min, max, stepRatio, significant(4));
   return {
     min,
     max: Infinity,
@@ -55,9 +55,6 @@ export function multipleOf(unit: number): (value: number) => number {
   return (value) => Number((Math.round(value / unit) * unit).toFixed(6));
 }
 
-export const FOCAL_LENGTHS_MM = logScale(8, 400, 1.02, (mm) => multipleOf(mm < 100 ? 0.5 : 1)(mm));
-export const FOCUS_DISTANCES_M = focusScale(0.05, 200);
-
 /** Equal travel for equal differences. Values beyond `max` may be typed and stay as they are. */
 export function linearScale(min: number, max: number, step: number): Scale {
   const hold = (value: number): number => Math.min(Math.max(value, min), max);
@@ -70,9 +67,10 @@ export function linearScale(min: number, max: number, step: number): Scale {
   };
 }
 
-export const BLURS_MM = linearScale(0, 1, 0.01);
-export const EXTENTS = linearScale(0, 4, 0.1);
-export const FALLOFFS = linearScale(0, 1, 0.05);
+/** Focal lengths are in halves of a millimetre up to 100 mm, and in whole ones above. */
+function onZoomRing(mm: number): number {
+  return multipleOf(mm < 100 ? 0.5 : 1)(mm);
+}
 
 /** ISO speeds are in thirds of a stop, and called by the numbers on the dial. */
 const ISO_DIAL = [100, 125, 160, 200, 250, 320, 400, 500, 640, 800];
@@ -85,7 +83,13 @@ function onIsoDial(iso: number): number {
 /** The scale of a slider as a setting declares it. */
 export function scaleOf({ least, most, step, scale }: SliderRange): Scale {
   if (scale === "linear") return linearScale(least, most, step);
-  return logScale(least, most, step, scale === "iso" ? onIsoDial : significant(2));
+  if (scale === "ring") return focusScale(least, most, step);
+  return logScale(least, most, step, ROUNDED[scale]);
 }
 
-export const F_NUMBERS = scaleOf(EXPOSURE_SLIDERS.exposureFStop.slider);
+const ROUNDED = { iso: onIsoDial, zoom: onZoomRing, log: significant(2) } as const;
+
+export const F_NUMBERS = scaleOf(LENS_SLIDERS.fStop.slider);
+export const FOCAL_LENGTHS_MM = scaleOf(LENS_SLIDERS.focalLengthMm.slider);
+export const FOCUS_DISTANCES_M = scaleOf(LENS_SLIDERS.focusDistanceM.slider);
+export const WEIGHTS = scaleOf(POINT_SLIDERS.weight.slider);

@@ -29,10 +29,11 @@ export function quantityOf({ label, hint, slider }: Declared, special: Partial<Q
 const PLACES: Readonly<Record<string, number>> = { K: 0, "°": 1, "°/s": 0, mm: 3 };
 const CLOSE = ["×", "°", ""];
 
-function formatIn({ unit }: SliderRange, value: number): string {
+/** A number with its unit, in so many decimals. */
+export function formatIn({ unit }: SliderRange, value: number, places = PLACES[unit] ?? 2): string {
   if (unit === "stops") return `${formatStops(value)} stops`;
   if (unit === "%") return `${trim(100 * value, 1)} %`;
-  return `${trim(value, PLACES[unit] ?? 2)}${CLOSE.includes(unit) ? "" : " "}${unit}`;
+  return `${trim(value, places)}${CLOSE.includes(unit) ? "" : " "}${unit}`;
 }
 
 function parseIn({ unit }: SliderRange, text: string): number | null {

@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { agrees, formatTime, parseShutter, type ExposureSettings, type Photography } from "../../model/photography";
-import { F_NUMBERS } from "../../model/scale";
+import { scaleOf } from "../../model/scale";
 import { EXPOSURE_SLIDERS } from "../../model/settings.gen";
 import type { Readout } from "../../model/shot";
 import { LightMeter } from "./LightMeter";
@@ -53,7 +53,7 @@ function Stop({ session, current }: PartProps): JSX.Element | null {
         session={session}
         label="Stop"
         hint={`${byIris ? "The iris" : "Of the exposure alone"}; worth ${worth}${bellows}`}
-        scale={F_NUMBERS}
+        scale={scaleOf(EXPOSURE_SLIDERS.exposureFStop.slider)}
         example="2.8"
         format={(value) => (value === 0 ? "pinhole" : `${letter}${trim(value, 2)}`)}
         parse={(text) => parseQuantity(text.replace(/^[ft]\s*\/?/i, ""), "")}

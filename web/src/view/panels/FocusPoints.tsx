@@ -3,14 +3,12 @@
 import type { JSX } from "preact";
 import type { Session } from "../../editor/session";
 import { formatDistance, type LengthUnit } from "../../model/distance";
-import { linearScale } from "../../model/scale";
+import { WEIGHTS } from "../../model/scale";
 import { inFrame, primName, type FocusPoint } from "../../model/shot";
 import { Field } from "../controls/Field";
 import { Icon } from "../icons";
 import { parseQuantity } from "../numbers";
 import { KeyButton, PointSettings } from "./PointSettings";
-
-const WEIGHTS = linearScale(0, 1, 0.05);
 
 export function FocusPoints({ session, unit }: { session: Session; unit: LengthUnit }): JSX.Element {
   const points = session.document.points.value;

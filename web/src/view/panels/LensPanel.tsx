@@ -5,6 +5,7 @@ import type { Editor } from "../../editor/editor";
 import type { Session } from "../../editor/session";
 import { formatDistance, parseDistance, type LengthUnit } from "../../model/distance";
 import { F_NUMBERS, FOCAL_LENGTHS_MM, FOCUS_DISTANCES_M } from "../../model/scale";
+import { LENS_SLIDERS } from "../../model/settings.gen";
 import type { Readout } from "../../model/shot";
 import { DepthStrip } from "../viewer/DepthStrip";
 import { LensChooser } from "../dialogs/LensChooser";
@@ -47,7 +48,7 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         session={session}
         setting="fStop"
         keys={keys}
-        label="f-number"
+        label={LENS_SLIDERS.fStop.label}
         value={readout.fStop}
         scale={F_NUMBERS}
         fresh={fresh}
@@ -62,7 +63,7 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         session={session}
         setting="focalLengthMm"
         keys={keys}
-        label="Focal length"
+        label={LENS_SLIDERS.focalLengthMm.label}
         value={readout.focalLengthMm}
         scale={FOCAL_LENGTHS_MM}
         fresh={fresh}
@@ -75,7 +76,7 @@ function LensFields({ session, readout, unit }: { session: Session; readout: Rea
         session={session}
         setting="focusDistanceM"
         keys={keys}
-        label="Focus distance"
+        label={LENS_SLIDERS.focusDistanceM.label}
         value={readout.focusDistanceM}
         scale={FOCUS_DISTANCES_M}
         fresh={fresh}

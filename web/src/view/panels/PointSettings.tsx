@@ -4,9 +4,10 @@ import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Session } from "../../editor/session";
 import { keyAt, valueOf, type SimpleAttribute } from "../../model/changes";
-import { BLURS_MM, EXTENTS, FALLOFFS } from "../../model/scale";
+import { POINT_SLIDERS } from "../../model/settings.gen";
 import { EASES, keysOf, type Ease, type FocusPoint } from "../../model/shot";
-import { Field, type FieldProps } from "../controls/Field";
+import { Field } from "../controls/Field";
+import { formatIn, quantityOf } from "../controls/quantity";
 import { KeyDiamond } from "../timeline/KeyDiamond";
 import { parseQuantity, trim } from "../numbers";
 
@@ -31,38 +32,11 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
           </button>
         ))}
       </div>
-      {kind === "soft" && (
-        <Amount
-          session={session}
-          point={point}
-          attribute="blur"
-          label="Blur"
-          hint="Wanted, on the film"
-          scale={BLURS_MM}
-          unit=" mm"
-        />
-      )}
+      {kind === "soft" && <Amount session={session} point={point} attribute="blur" />}
       {mode === "surface" && (
         <>
-          <Amount
-            session={session}
-            point={point}
-            attribute="extent"
-            label="Depth"
-            hint="Of field around it, times the lens’s own"
-            scale={EXTENTS}
-            unit="×"
-          />
-          <Amount
-            session={session}
-            point={point}
-            attribute="falloff"
-            label="Reach"
-            hint="Where its say ends, in frame widths; 0: nowhere"
-            scale={FALLOFFS}
-            unit=""
-            zero="all"
-          />
+          <Amount session={session} point={point} attribute="extent" />
+          <Amount session={session} point={point} attribute="falloff" />
         </>
       )}
       {mode !== "manual" && <RackTo session={session} point={point} />}
@@ -73,32 +47,20 @@ export function PointSettings({ session, point }: { session: Session; point: Foc
 interface AmountProps {
   readonly session: Session;
   readonly point: FocusPoint;
-  readonly attribute: SimpleAttribute;
-  readonly label: string;
-  readonly hint: string;
-  readonly scale: FieldProps["scale"];
-  readonly unit: string;
-  /** Text in place of 0. */
-  readonly zero?: string;
+  readonly attribute: "blur" | "extent" | "falloff";
 }
 
-function Amount({ session, point, attribute, label, hint, scale, unit, zero }: AmountProps): JSX.Element {
-  const format = (value: number): string => (value === 0 && zero ? zero : `${trim(value, 3)}${unit}`);
+function Amount({ session, point, attribute }: AmountProps): JSX.Element {
+  const declared = POINT_SLIDERS[attribute];
+  const { slider, label } = declared;
+  const format = (value: number): string => (value === 0 && slider.zero ? slider.zero : formatIn(slider, value, 3));
   return (
     <div class="point-amount">
       <KeyButton session={session} point={point} attribute={attribute} />
       <Field
-        label={label}
-        hint={hint}
+        {...quantityOf(declared, { format, example: format(slider.most / 2) })}
         value={valueOf(point, attribute)}
-        scale={scale}
         fresh={session.document.fresh.value}
-        example={format(scale.max / 2)}
-        format={format}
-        parse={(text) => {
-          const value = text.trim() === zero ? 0 : parseQuantity(text, unit.trim());
-          return value === null || value < 0 ? null : value;
-        }}
         startDrag={() => session.dragPoint(`${label} of ${point.name}`, point, attribute)}
       />
     </div>

@@ -1,5 +1,7 @@
 """Focus settings are set and keyed on the camera, in any unit of the stage, as native splines that others read."""
 
+import math
+
 import pytest
 
 from render.errors import CameraError, NotFoundError, SettingsError
@@ -70,6 +72,24 @@ def test_the_last_key_leaves_its_value_and_a_missing_one_is_named(shot):
     shot.camera.remove_key(CAMERA, "f_stop", 4)
     assert shot.camera.keys(CAMERA, "f_stop") == []
     assert shot.focus.read(CAMERA, 20).f_stop == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "problem"),
+    [
+        ("f_stop", -1.0, "the f-number must be 0 (a pinhole) or more, but it is -1"),
+        ("f_stop", math.inf, "the f-number must be 0 (a pinhole) or more, but it is inf"),
+        ("focal_length_mm", 0.0, "the focal length in mm must be above 0, but it is 0"),
+        ("focal_length_mm", math.inf, "the focal length in mm must be above 0, but it is inf"),
+        ("focus_distance_m", 0.0, "the focus distance in m must be above 0, or infinite, but it is 0"),
+        ("focus_distance_m", math.nan, "the focus distance in m must be above 0, or infinite, but it is nan"),
+    ],
+)
+def test_numbers_outside_the_declared_limits_of_a_lens_are_refused(shot, name, value, problem):
+    with pytest.raises(SettingsError) as refused:
+        shot.camera.set_key(CAMERA, name, Key(1, value, "linear"))
+    assert (str(refused.value), refused.value.code) == (problem, "bad_lens_setting")
+    assert shot.camera.keys(CAMERA, name) == []
 
 
 def test_impossible_settings_are_reported_and_change_nothing(shot):

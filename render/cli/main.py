@@ -24,6 +24,8 @@ PLANNED_COMMANDS = {
     "worker": "the render farm",
 }
 
+_STOPPED = "stopped; what is written is whole"
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `pullfocus` and return its exit status.
@@ -39,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except PullfocusError as error:
         return _print_failure(error.detail, FAILED)
     except KeyboardInterrupt:
-        return _print_failure("stopped; what is written is whole", INTERRUPTED)
+        return _print_failure(_STOPPED, INTERRUPTED)
     except BrokenPipeError:  # the reader of our output has ended, such as `head`
         _drop_output()
         return FAILED
@@ -49,6 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _drop_output()
         return _print_failure(f"standard output cannot be written: {error.strerror}", FAILED)
     except Exception as error:
+        if _hides_interrupt(error):
+            return _print_failure(_STOPPED, INTERRUPTED)
         if os.environ.get("PULLFOCUS_TRACEBACK"):
             raise
         return _print_failure(
@@ -86,6 +90,15 @@ def _drop_output() -> None:
 def _print_failure(message: str, status: int) -> int:
     print_message(f"pullfocus: {message}")
     return status
+
+
+def _hides_interrupt(error: BaseException | None) -> bool:
+    """True where Ctrl-C caused an error: ctypes reports a KeyboardInterrupt while it converts an argument as an ArgumentError."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt) or "KeyboardInterrupt" in str(error):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _one_line(error: Exception) -> str:

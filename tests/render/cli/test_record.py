@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import pty
@@ -15,6 +16,7 @@ import OpenImageIO
 import pytest
 from numpy.typing import NDArray
 
+from render.cli.main import main
 from tests.render.kits.cli_shots import CAMERA, SQUARE, Command, small, write_shot
 
 WIDTH, HEIGHT = 48, 32
@@ -225,6 +227,19 @@ def test_control_c_leaves_only_whole_files(shot: Path) -> None:
     assert 2 <= len(frames) < 9999
     assert all(read(frame).shape[:2] == (HEIGHT, WIDTH) for frame in frames)
     assert sorted(shot.parent.iterdir()) == [*frames, shot]
+
+
+def test_control_c_within_a_call_of_opengl_stops_too(
+    shot: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """PyOpenGL converts arguments in callbacks of ctypes, which turns an interrupt there into its own error."""
+
+    def interrupt(*_: object) -> None:
+        raise ctypes.ArgumentError("argument 4: KeyboardInterrupt: ")
+
+    monkeypatch.setattr("render.cli.commands.run_command", interrupt)
+    assert main(["record", str(shot), str(shot.parent / "f.png")]) == 130
+    assert capsys.readouterr().err.startswith("pullfocus: stopped")
 
 
 def test_a_lost_focus_point_is_warned_of_once(pullfocus: Command, tmp_path: Path) -> None:

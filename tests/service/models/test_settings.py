@@ -21,7 +21,7 @@ from service.models.focus import Anchor, FocusPoint, FocusPointCreate, FocusPoin
 from service.models.solving import FocusSettings, FocusSettingsEdit
 from usd_schemas.settings.tables import LENS_SETTINGS, POINT_SETTINGS, SETTINGS, rest_settings
 
-PANELS = Path(__file__).parents[2] / "web" / "src" / "view" / "panels"
+PANELS = Path(__file__).parents[3] / "web" / "src" / "view" / "panels"
 NO_SETTINGS = {"camera", "time", "keys", "etag", "gateMm"}
 MODELS = {
     "exposure": (ExposureSettings, ExposureSettingsEdit),

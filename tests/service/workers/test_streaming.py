@@ -13,7 +13,7 @@ from service.workers.errors import QueueFullError, WorkerError
 from service.workers.process import WorkerProcess
 from service.workers.worker_queue import WorkerQueue
 from tests.service.conftest import until
-from tests.service.fake_work import Tally, crash, echo, fail, refine, refuse
+from tests.service.workers.fake_work import Tally, crash, echo, fail, refine, refuse
 
 WAIT_S = 60
 

@@ -71,9 +71,8 @@ def test_without_gl_all_but_pictures_works(tmp_path, monkeypatch):
 
 
 WITH_A_WORKER = """
-import sys, time
-sys.path.insert(0, sys.argv[1])
-from tests.service.fake_work import Tally, process_id
+import time
+from tests.service.workers.fake_work import Tally, process_id
 from service.workers.calls import call
 from service.workers.process import WorkerProcess
 if __name__ == "__main__":
@@ -86,7 +85,7 @@ if __name__ == "__main__":
 def test_a_worker_does_not_outlive_a_killed_service(tmp_path):
     script = tmp_path / "parent.py"
     script.write_text(WITH_A_WORKER)
-    command = [sys.executable, str(script), os.path.dirname(__file__)]
+    command = [sys.executable, str(script)]
     environment = os.environ | {"PYTHONPATH": os.getcwd()}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as parent:
         worker_id = int(parent.stdout.readline())

@@ -15,7 +15,7 @@ from service.workers.errors import QueueFullError, StoppingError, WorkerError
 from service.workers.process import WorkerProcess
 from service.workers.worker_queue import WorkerQueue
 from tests.service.conftest import until
-from tests.service.fake_work import Tally, crash, echo, fail, process_id, refuse, unpicklable, unregistered
+from tests.service.workers.fake_work import Tally, crash, echo, fail, process_id, refuse, unpicklable, unregistered
 
 WAIT_S = 60
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from service.http.page_settings import page_settings
 
-TABLE = Path(__file__).parents[2] / "web" / "src" / "model" / "settings.gen.ts"
+TABLE = Path(__file__).parents[3] / "web" / "src" / "model" / "settings.gen.ts"
 
 
 def test_the_page_is_built_with_the_declared_settings():

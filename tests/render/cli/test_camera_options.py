@@ -156,7 +156,7 @@ def test_a_frame_is_where_the_shape_says(tmp_path: Path) -> None:
         (["--iso", "1e300"], "exposure:iso is of type float, got 1e+300"),
         (["--crop", "1000:1"], "a picture's shape is from 1:20 to 20:1, got '1000:1'"),
         (["--guides", ""], "--guides takes shapes such as 2.39:1, and safe, thirds, center, got ''"),
-        (["--look", "-Night"], "--look: expected one argument; one that begins with - is written after a ="),
+        (["--look", "-Night"], "--look: expected one argument; a value that begins with - is written after a ="),
         (["--motion-by", "velocity"], "--motion-by: invalid choice: 'velocity'"),
         (["--motion", 1, "--motion-by", "moments"], "leave out one of them"),
     ],

@@ -51,7 +51,7 @@ def limits(model, name):
     return schema.get("minimum", schema.get("exclusiveMinimum")), schema.get("maximum")
 
 
-def test_rest_has_the_declared_settings_of_a_focus_point_and_no_others():
+def test_rest_has_the_settings_of_a_focus_point_and_no_others():
     declared = {item.field_name: item for item in rest_settings("focusPoint")}
     assert set(POINT_SETTINGS) - {item.name for item in declared.values()} == {"topology"}
     computed = ["name", "position_m", "depth_m", "screen", "visible_in_frame", "state", "share", "coc_mm", "problem"]
@@ -63,7 +63,7 @@ def test_rest_has_the_declared_settings_of_a_focus_point_and_no_others():
             assert model.model_fields[name].description == declared[name].rest_doc, (model, name)
 
 
-def test_numbers_of_a_focus_point_have_the_declared_bounds_and_defaults():
+def test_numbers_of_a_point_have_declared_bounds_and_defaults():
     for item in rest_settings("focusPoint"):
         assert item.relationship or FocusPointCreate.model_fields[item.field_name].default == item.default, item.name
         if item.type in (float, int) or item.name in ("offset", "barycentric"):

@@ -21,7 +21,7 @@ _SETTING = re.compile(rf"^ {{4}}({'|'.join(FrameSettings.__dataclass_fields__)})
 
 
 def page() -> str:
-    """What each engine can do, and its manual page."""
+    """Capabilities of each engine, and its manual page."""
     return INTRODUCTION + _capabilities() + "\n" + "".join(_manual(engine) for engine in all_engines())
 
 

@@ -153,19 +153,19 @@ def author_all(data: Any, prim: Usd.Prim, prefix: str = "") -> None:
 
 
 def author_for_all_time(attribute: Usd.Attribute, value: Any) -> None:
-    """Author a value over the keys and values of weaker layers, unless the attribute says it already.
+    """Author a value over the keys and values of weaker layers, unless the attribute has it already.
 
     Raises:
         SchemaError: the value is not allowed; nothing is authored then.
     """
-    said = read_value(attribute)
-    if is_animated(attribute) or said is None or stored_value(attribute, value) != said:
+    current = read_value(attribute)
+    if is_animated(attribute) or current is None or stored_value(attribute, value) != current:
         checked = usd_value(attribute, value)
         attribute.Clear()
         attribute.Set(checked)
 
 
-def says_something(attribute: Usd.Attribute) -> bool:
+def has_opinion(attribute: Usd.Attribute) -> bool:
     """Whether an attribute has keys, or an authored value other than its fallback."""
     if not attribute or not attribute.HasAuthoredValue():
         return False

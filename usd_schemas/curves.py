@@ -152,8 +152,8 @@ def spline_from_knots(knots: Knots, value_type: Literal["float", "double"]) -> T
     return spline
 
 
-def _tolerance(channel: Channel, asked: ArrayLike | None) -> np.ndarray:
-    given = EXACT * np.abs(channel.values) if asked is None else np.asarray(asked, np.float64)
+def _tolerance(channel: Channel, tolerance: ArrayLike | None) -> np.ndarray:
+    given = EXACT * np.abs(channel.values) if tolerance is None else np.asarray(tolerance, np.float64)
     if not (np.isfinite(given).all() and (given >= 0).all()):
         raise SchemaError(f"the tolerance of a curve of {channel.name} must be 0 or more, got {given.min():g}")
     if given.shape not in ((), channel.values.shape):

@@ -77,8 +77,8 @@ def library_film(name: str) -> LibraryFilm:
     having = [known for known in films if plain and f"_{plain}_" in f"_{known}_"]
     if len(having) == 1:
         return films[having[0]]
-    told = f"did you mean {' or '.join(having)}?" if having else hint(plain, films)
-    raise SchemaError(f"there is no film stock named {name!r} in the library: {told}")
+    suggestion = f"did you mean {' or '.join(having)}?" if having else hint(plain, films)
+    raise SchemaError(f"there is no film stock named {name!r} in the library: {suggestion}")
 
 
 @cache

@@ -101,8 +101,8 @@ def _raise_f_stop(prim: Usd.Prim, least: float) -> bool:
     """Raise each f-number below the least to it; whether there was one."""
     attribute = prim.GetAttribute("fStop")
     if not is_animated(attribute):
-        said = read_value(attribute)
-        if said is not None and said >= stored_value(attribute, least):
+        f_stop = read_value(attribute)
+        if f_stop is not None and f_stop >= stored_value(attribute, least):
             return False
         attribute.Set(usd_value(attribute, least))
         return True

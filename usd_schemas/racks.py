@@ -61,9 +61,9 @@ def author_rack(camera: LensCamera, rack: WeightRack) -> None:
     full = leaving.read(rack.start).weight
     _author_crossing(leaving, rack, full, 0.0)
     _author_crossing(coming, rack, 0.0, full)
-    said = camera.focus.read()
-    if said.mode == "manual":
-        camera.focus.author(replace(said, mode="points"))
+    settings = camera.focus.read()
+    if settings.mode == "manual":
+        camera.focus.author(replace(settings, mode="points"))
 
 
 def rack_contradictions(camera: LensCamera, rack: WeightRack) -> Iterator[str]:

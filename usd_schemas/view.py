@@ -187,7 +187,7 @@ class LensCamera:
         """
         names = [name for kind in _KINDS for name in binding.property_names(kind)]
         names += [attribute.GetName() for point in self.focus_points() for attribute in point.attributes()]
-        return [name for name in names if binding.says_something(self.prim.GetAttribute(name))]
+        return [name for name in names if binding.has_opinion(self.prim.GetAttribute(name))]
 
     def misread(self, time: Time = None) -> Iterator[Misread]:
         """Yield values at a time that the schemas do not define, so that a reader would have to guess.
@@ -206,8 +206,8 @@ class LensCamera:
                 tokens = tuple(attribute.GetMetadata("allowedTokens") or ())
                 if kind_got := misfit(attribute, time):
                     yield Misread(name, kind_got, str(attribute.GetTypeName()))
-                elif tokens and (said := read_value(attribute, time)) is not None and said not in tokens:
-                    yield Misread(name, str(said), "", tokens)
+                elif tokens and (token := read_value(attribute, time)) is not None and token not in tokens:
+                    yield Misread(name, str(token), "", tokens)
 
     def _attribute(self, name: str) -> Usd.Attribute:
         attribute = self.prim.GetAttribute(name) if Sdf.Path.IsValidNamespacedIdentifier(name) else None

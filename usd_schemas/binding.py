@@ -117,12 +117,12 @@ def _changes(data: Any, prim: Usd.Prim, time: Time, prefix: str) -> Iterator[tup
         elif "usd" in item.metadata:
             attribute = prim.GetAttribute(prefix + item.metadata["usd"])
             keyed_at = None if attribute.GetVariability() == Sdf.VariabilityUniform else time
-            if stored_value(attribute, value) != _read_value(attribute, keyed_at, item.default):
+            if stored_value(attribute, value) != _read_or_default(attribute, keyed_at, item.default):
                 _refuse_hidden(attribute, value, keyed_at)
                 yield attribute, value, keyed_at
 
 
-def _read_value(attribute: Usd.Attribute, time: Time, fallback: Any) -> Any:
+def _read_or_default(attribute: Usd.Attribute, time: Time, fallback: Any) -> Any:
     value = read_value(attribute, time)
     return fallback if value is None else value
 

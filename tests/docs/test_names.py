@@ -17,7 +17,7 @@ DOTTED = re.compile(rf"(?:{ROOMS})(?:\.\w+)+")
 
 
 def mentions(page: Path, pattern: re.Pattern[str]) -> list[str]:
-    """Code spans of a page that are a name of that pattern and no placeholder."""
+    """Names in the code spans of a page that match a pattern, placeholders left out."""
     spans = (span.removesuffix("/*") for span in CODE.findall(page.read_text(encoding="utf-8")))
     return [span for span in spans if pattern.fullmatch(span) and "NAME" not in span]
 

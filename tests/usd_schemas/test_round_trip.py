@@ -89,7 +89,12 @@ def reopened(stage: Usd.Stage, suffix: str, folder: Path) -> Usd.Stage:
     return Usd.Stage.Open(str(path))
 
 
-@settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+# One example draws some two hundred values, so that many outgrow Hypothesis' buffer and are discarded. How many depends on the
+# modules that are loaded, whose constants it draws too; the checks of generation would pass or fail with the selection of tests.
+@settings(
+    max_examples=12,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much],
+)
 @given(data=st.data(), suffix=st.sampled_from([".usda", ".usdc"]))
 def test_any_allowed_value_of_every_property_survives(data: st.DataObject, suffix: str) -> None:
     stage = Usd.Stage.CreateInMemory()

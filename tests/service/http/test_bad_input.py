@@ -280,7 +280,7 @@ WORDS = st.text(max_size=12) | st.integers().map(str) | st.floats().map(str)
 @given(
     query=st.dictionaries(st.sampled_from(["camera", "time", "width", "rays", "seed", "format", "client", "x"]), WORDS)
 )
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 def test_no_query_is_too_odd(client, room, query):
     for path in ("readout", "focus-points", "focus-curve", "cameras"):
         answer = client.get(f"/v1/shots/{room}/{path}", params=query)

@@ -13,10 +13,17 @@ from render.cli.parser import Parser
 from render.lab.bench import film_plan, focus_plan, live_plan, motion_plan, plan
 from render.lab.bench.importance import plan as importance_plan
 from render.lab.bench.postblur import plan as postblur_plan
+from render.lab.bench.quality import plan as quality_plan
 from render.lab.bench.soak import plan as soak_plan
 
 _BENCHES = (
     ("lens", plan, "lens", "the lens engine: three scenes, and sweeps over rays, layers, aperture, surfaces"),
+    (
+        "quality",
+        quality_plan,
+        "quality.run",
+        "quality: noise and bias of the lens engine against converged pictures, and its seconds; before and after a change",
+    ),
     ("focus", focus_plan, "focus", "focusing: the solvers, and what a surface that is no plane costs"),
     ("film", film_plan, "film", "film and grade: on the device and on the processor, beside the frame itself"),
     (

@@ -23,6 +23,20 @@ def psnr_db(a: FloatArray, b: FloatArray) -> float:
     return float("inf") if error == 0 else -10 * float(np.log10(error))
 
 
+def worst_share(a: FloatArray, b: FloatArray, pixels: float = 0.01) -> float:
+    """Share of the squared error of two radiance pictures that the worst pixels have; NaN where the pictures are the same.
+
+    Args:
+        a: radiance.
+        b: radiance.
+        pixels: share of pixels that count as the worst.
+    """
+    error = np.sum((encode_for_display(a).astype(np.float64) - encode_for_display(b)) ** 2, axis=-1).ravel()
+    worst = np.sort(error)[-max(1, round(pixels * error.size)) :]
+    total = float(error.sum())
+    return float(worst.sum()) / total if total > 0 else float("nan")
+
+
 def ssim(a: FloatArray, b: FloatArray) -> float:
     """Mean structural similarity of the luma of two radiance pictures (Gaussian window of 1.5 px; 11 taps)."""
     x, y = (encode_for_display(picture).astype(np.float64) @ [0.2126, 0.7152, 0.0722] for picture in (a, b))

@@ -12,7 +12,7 @@ import numpy as np
 from render.model.arrays import DoubleArray, FloatArray
 
 PIXELS_PER_DEGREE = 0.7 * 3840 / 0.7 * np.pi / 180
-"""Of a screen 0.7 m wide with 3840 pixels, seen from 0.7 m: the authors' default."""
+"""Resolution of a screen 0.7 m wide with 3840 pixels, seen from 0.7 m: the authors' default."""
 
 _XYZ_FROM_RGB = np.array(
     [

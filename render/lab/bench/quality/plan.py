@@ -13,7 +13,7 @@ WIDTH, GOAL_RAYS, UNLIT_GOAL_RAYS = 480, 100, 256
 GOAL_SUBJECT = "demo_64"
 GLASS = "planar_50"
 GLASS_FRAME, GLASS_WIDTH, GLASS_RAYS = 64, 160, 96
-"""Of the demo shot through glass against the ray-by-ray reference, which takes a second of two cores for some thousand rays."""
+"""Frame, width and rays of the comparison with the ray-by-ray reference, which is slow: a minute for some million rays."""
 VIEWS, NOISE_RAYS = 1024, 4096
 DEMO_FRAMES = (40, 64, 88)
 UNLIT = ("bars", "lights", "thicket")

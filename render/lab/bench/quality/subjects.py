@@ -18,7 +18,7 @@ from render.shot.lens.lens_choice import choose_lens
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is drawn.
+    """Scene and camera of a comparison.
 
     Attributes:
         name: from `render.lab.bench.quality.plan.SUBJECTS`.

@@ -36,7 +36,15 @@ def test_the_experiments_are_measured(tmp_path: Path, capsys: pytest.CaptureFixt
     some, whole = found["cutoff"]
     assert some["psnr_db"] > 15
     assert whole["psnr_db"] is None
-    assert len(found["goals"]) == len(rows) + 1
+    sizes = found["sizes"]
+    assert [(row["name"], row["star_radius_mm"]) for row in sizes] == [
+        (name, radius_mm) for radius_mm in (2.5, 5.0) for name in ("sideways", "away")
+    ]
+    small, large = (row for row in sizes if row["name"] == "sideways")
+    assert 0 < small["changed"] < large["changed"]
+    assert small["star_share"] == pytest.approx(2 * 2.5 * 8 / 7 / STAR_MM)
+    assert "a star moves sideways, in focus: 22.1 times, met at" in ended.out
+    assert len(found["goals"]) == 3  # the first two experiments are held to nothing at one size
     assert found["goals"][-1]["holds"]
     assert ended.out.count("pass") + ended.out.count("FAIL") == len(found["goals"])
     assert np.asarray(Image.open(plot)).std() > 5

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from render.errors import SettingsError
 
@@ -20,15 +20,24 @@ class Plan:
         sizes: sides of the pictures in pixels; the cutoff is measured at the first.
         frames: frames of each experiment.
         shares: shares of the changes that are spread, Fearing's M.
+        star_radii_mm: sizes of the star for the experiments whose speed-up depends on it, at the first size of the pictures.
+        films_mm: widths of the film for these.
+        linear_share: share of the frames on which the linear method is measured there.
     """
 
     sizes: tuple[int, ...] = (256, 1024)
     frames: int = 100
     shares: tuple[float, ...] = (0.05, 0.1, 0.15, 0.25, 0.5, 0.75, 1.0)
+    star_radii_mm: tuple[float, ...] = (1.75, 2.5, 3.5, 5.0, 7.0)
+    films_mm: tuple[float, ...] = (5.0, 7.0, 10.0, 14.0)
+    linear_share: float = 0.1
 
     def linear_frames(self, size: int) -> int:
         """Number of frames on which an experiment's linear method is measured, at least two where there are more."""
         return min(self.frames, max(MOST_LINEAR_PX // size**2, 2))
+
+
+QUICK = Plan((64,), 5, (0.25, 1.0), star_radii_mm=(2.5, 5.0), films_mm=(7.0,), linear_share=0.5)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,12 +60,12 @@ def plan_from_arguments(arguments: argparse.Namespace) -> Plan:
     Raises:
         SettingsError: one is out of range.
     """
-    plan = Plan((64,), 5, (0.25, 1.0)) if arguments.quick else Plan()
+    plan = QUICK if arguments.quick else Plan()
     frames = plan.frames if arguments.frames is None else arguments.frames
     if not 2 <= frames <= MOST_FRAMES:
         raise SettingsError(f"--frames must be from 2 to {MOST_FRAMES}, got {frames}")
     sizes = plan.sizes if arguments.sizes is None else _sizes(arguments.sizes)
-    return Plan(sizes, frames, plan.shares)
+    return replace(plan, sizes=sizes, frames=frames)
 
 
 def _sizes(typed: str) -> tuple[int, ...]:

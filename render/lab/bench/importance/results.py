@@ -46,6 +46,36 @@ class ExperimentRow:
 
 
 @dataclass(frozen=True)
+class SizesRow:
+    """One of the first two experiments at one size of the star and one width of the film, which Fearing does not tell.
+
+    Attributes:
+        name: of the experiment.
+        star_radius_mm: distance of the star's points from its middle.
+        film_mm: width of the film.
+        star_share: width of the star as it begins, as a share of the picture's width.
+        blur_px: largest radius of a circle of confusion.
+        changed: share of the pixels that change from frame to frame, on average.
+        speedup: of importance ordering over the linear method, as in `ExperimentRow`.
+        goal: Fearing's speed-up.
+    """
+
+    name: str
+    star_radius_mm: float
+    film_mm: float
+    star_share: float
+    blur_px: float
+    changed: float
+    speedup: float
+    goal: float
+
+    @property
+    def meets(self) -> bool:
+        """Whether the speed-up is at least Fearing's."""
+        return self.speedup >= self.goal
+
+
+@dataclass(frozen=True)
 class CutoffRow:
     """One share of the changes, over the animation with the focus pulled back.
 
@@ -70,6 +100,7 @@ class ImportanceBench:
         device: name of the device.
         step_px: step of the radius; a smaller change counts as none.
         experiments: Fearing's tables 1 and 2.
+        sizes: his first two experiments over sizes of the star and the film.
         cutoff: his figure 4.
         goals: goals and whether they are met.
     """
@@ -77,5 +108,6 @@ class ImportanceBench:
     device: str
     step_px: float
     experiments: list[ExperimentRow]
+    sizes: list[SizesRow]
     cutoff: list[CutoffRow]
     goals: list[Goal]

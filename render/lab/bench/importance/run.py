@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import moderngl
@@ -18,8 +18,16 @@ from render.frame import FrameRenderer
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Spent, StageClock
 from render.lab.bench.importance.plan import Plan, plan_from_arguments
-from render.lab.bench.importance.results import CutoffRow, ExperimentRow, ImportanceBench
-from render.lab.bench.importance.scene import CUTOFF_EXPERIMENT, EXPERIMENTS, Experiment, Picture, StillLife
+from render.lab.bench.importance.results import CutoffRow, ExperimentRow, ImportanceBench, SizesRow
+from render.lab.bench.importance.scene import (
+    CUTOFF_EXPERIMENT,
+    EXPERIMENTS,
+    FOCAL_MM,
+    SIZED_EXPERIMENTS,
+    Experiment,
+    Picture,
+    StillLife,
+)
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
 from render.lab.reference.metrics import psnr_db
@@ -33,11 +41,11 @@ GOAL_EQUAL = 1e-4
 
 
 class _Rig:
-    """A size's pictures on a device, and what spreads them."""
+    """The pictures of a scene on a device, and what spreads them."""
 
-    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, size: int) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: ProgramCache, scene: StillLife) -> None:
         self._ctx, self._programs, self._most_px = ctx, programs, 1.0
-        self.scene = StillLife(size)
+        self.scene, size = scene, scene.size
         self._light, self._radii = ctx.texture((size, size), 4, dtype="f4"), ctx.texture((size, size), 1, dtype="f4")
         self._linear = LinearField(FieldSpreader(ctx, programs, cutoff_px=NO_CUTOFF))
         self._ordered: ImportanceField | None = None
@@ -47,7 +55,8 @@ class _Rig:
         if self._ordered is not None:
             self._ordered.release()
         most = [np.abs(self.scene.frame(experiment, t).radii).max() for t in np.linspace(0, 1, 9)]
-        self._most_px = 1.05 * float(max(most))
+        self.blur_px = float(max(most))
+        self._most_px = 1.05 * self.blur_px
         spreader = FieldSpreader(self._ctx, self._programs, cutoff_px=NO_CUTOFF)
         self._ordered = ImportanceField(self._ctx, self._programs, spreader)
         first, last = (self.scene.frame(experiment, t) for t in (0.0, 0.02))
@@ -119,27 +128,43 @@ def measure(plan: Plan) -> ImportanceBench:
     """
     rows, cutoff = [], []
     with FrameRenderer() as renderer:
-        ctx = renderer.graphics.ctx
+        ctx, is_software = renderer.graphics.ctx, renderer.graphics.is_software
         programs = ProgramCache(ctx)
         for size in plan.sizes:
-            rig = _Rig(ctx, programs, size)
-            rows += [
-                _experiment(rig, experiment, plan, is_software=renderer.graphics.is_software)
-                for experiment in EXPERIMENTS
-            ]
+            rig = _Rig(ctx, programs, StillLife(size))
+            linear = plan.linear_frames(size)
+            rows += [_experiment(rig, one, plan.frames, linear, is_software=is_software) for one in EXPERIMENTS]
             if size == plan.sizes[0]:
                 cutoff = [_cut_off(rig, share, plan.frames) for share in plan.shares]
             rig.release()
+        sizes = list(_sizes(ctx, programs, plan, is_software=is_software))
         device = renderer.graphics.renderer
-    return ImportanceBench(device, STEP_PX, rows, cutoff, _goals(rows))
+    return ImportanceBench(device, STEP_PX, rows, sizes, cutoff, _goals(rows))
 
 
-def _experiment(rig: _Rig, experiment: Experiment, plan: Plan, *, is_software: bool) -> ExperimentRow:
+def _sizes(ctx: moderngl.Context, programs: ProgramCache, plan: Plan, *, is_software: bool) -> Iterator[SizesRow]:
+    """The experiments whose speed-up depends on what Fearing leaves open, over it."""
+    linear = max(2, round(plan.linear_share * plan.frames))
+    for star_radius_mm in plan.star_radii_mm:
+        for film_mm in plan.films_mm:
+            scene = StillLife(plan.sizes[0], film_mm, star_radius_mm)
+            rig = _Rig(ctx, programs, scene)
+            for one in SIZED_EXPERIMENTS:
+                row = _experiment(rig, one, plan.frames, linear, is_software=is_software)
+                share = 2 * star_radius_mm * FOCAL_MM / film_mm / one.at(0.0).star[2]
+                found = row.changed, row.speedup, one.goal or 0.0
+                yield SizesRow(one.name, star_radius_mm, film_mm, share, rig.blur_px, *found)
+            rig.release()
+
+
+def _experiment(
+    rig: _Rig, experiment: Experiment, frames: int, linear_frames: int, *, is_software: bool
+) -> ExperimentRow:
     size = rig.scene.size
     rig.begin(experiment)
-    at = np.unique(np.linspace(0, plan.frames - 1, plan.linear_frames(size)).round().astype(int))
+    at = np.unique(np.linspace(0, frames - 1, linear_frames).round().astype(int))
     none, ordered, linear, changed, apart = [], [], [], [], 0.0
-    for number, picture in enumerate(rig.scene.frames(experiment, plan.frames)):
+    for number, picture in enumerate(rig.scene.frames(experiment, frames)):
         none.append(rig.none(picture))
         ordered.append(rig.ordered(picture))
         changed.append(rig.changed)
@@ -153,13 +178,13 @@ def _experiment(rig: _Rig, experiment: Experiment, plan: Plan, *, is_software: b
         experiment.name,
         experiment.title,
         size,
-        plan.frames,
+        frames,
         len(linear),
-        plan.frames * linear_s[0],
-        plan.frames * ordered_s[0],
-        plan.frames * _means(none)[0],
-        plan.frames * linear_s[1],
-        plan.frames * ordered_s[1],
+        frames * linear_s[0],
+        frames * ordered_s[0],
+        frames * _means(none)[0],
+        frames * linear_s[1],
+        frames * ordered_s[1],
         linear_s[clock] / ordered_s[clock],
         later[0][clock] / later[1][clock],
         float(np.mean(changed[1:])),
@@ -195,7 +220,8 @@ def _average(sums: moderngl.Texture) -> FloatArray:
 
 
 def _goals(rows: Sequence[ExperimentRow]) -> list[Goal]:
-    wanted = {experiment.name: experiment.goal or 0.0 for experiment in EXPERIMENTS}
+    """Goals of the experiments that do not depend on the star's size; `_size_lines` say where the others' factors are met."""
+    wanted = {one.name: one.goal or 0.0 for one in EXPERIMENTS if one not in SIZED_EXPERIMENTS}
     goals = [
         Goal(
             f"{row.title}, {row.size}x{row.size}: times faster than linear, at least",
@@ -204,6 +230,7 @@ def _goals(rows: Sequence[ExperimentRow]) -> list[Goal]:
             row.speedup >= wanted[row.name],
         )
         for row in rows
+        if row.name in wanted
     ]
     apart = max(row.most_apart for row in rows)
     return [*goals, Goal("all changes made, most apart from linear, at most", GOAL_EQUAL, apart, apart <= GOAL_EQUAL)]
@@ -248,9 +275,29 @@ def report(bench: ImportanceBench) -> str:
         lines.append(
             f"{row.name:10}  {row.size:4}  {linear}   {ordered}  {times}  {100 * row.changed:5.1f} %  {row.most_apart:10.1g}"
         )
+    lines += _size_lines(bench.sizes)
     lines += ["", "changes made    seconds   last frame's PSNR dB   the worst frame's"]
     for cut in bench.cutoff:
         alike = (f"{psnr:.1f}" if psnr is not None else "equal" for psnr in (cut.psnr_db, cut.worst_psnr_db))
         lines.append(f"{cut.m:10.0f} %  {cut.seconds:9.2f}   {next(alike):>20}   {next(alike):>17}")
     lines += ["", *goal_lines(bench.goals)]
     return "\n".join(lines) + "\n"
+
+
+def _size_lines(sizes: Sequence[SizesRow]) -> Iterator[str]:
+    """Speed-ups over the sizes that Fearing leaves open, and where they reach his."""
+    yield ""
+    yield "The first two experiments over the star's radius and the film's width, which Fearing does not tell: times, with a + where"
+    yield "they reach his. The star's width as it begins is a share of the picture's; blur is the largest radius."
+    for one in SIZED_EXPERIMENTS:
+        rows = [row for row in sizes if row.name == one.name]
+        films = sorted({row.film_mm for row in rows})
+        met = [row for row in rows if row.meets]
+        yield ""
+        blur = ", ".join(f"{max(row.blur_px for row in rows if row.film_mm == film):.0f}" for film in films)
+        yield f"{one.title}: {one.goal:g} times, met at {len(met)} of {len(rows)} sizes; blur {blur} px"
+        yield "star mm   " + "".join(f"{f'film {film:g} mm':>22}" for film in films)
+        for radius_mm in sorted({row.star_radius_mm for row in rows}):
+            cells = sorted((row for row in rows if row.star_radius_mm == radius_mm), key=lambda row: row.film_mm)
+            text = (f"{row.speedup:.1f}{'+' if row.meets else ' '} (star {row.star_share:.0%})" for row in cells)
+            yield f"{radius_mm:7g}   " + "".join(f"{cell:>22}" for cell in text)

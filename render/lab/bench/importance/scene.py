@@ -2,8 +2,9 @@
 6.1).
 
 He traced his background offline, and put a star among it frame by frame. Here both are made: a knot in front, a computer and a
-cabinet behind it, a floor and a wall; seen through a lens of his 8 mm, on a film of 7 mm, which he does not tell. Its F/1000, the
-finest blur that he would have seen, is then about a pixel of 1024 in diameter.
+cabinet behind it, a floor and a wall, seen through a lens of his 8 mm. He tells neither how wide the film is nor how large the
+star: the bench measures his first two experiments over both. Elsewhere the film is 7 mm wide: F/1000, the finest blur that he
+would have seen, is then about a pixel of 1024 in diameter.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ _Numbers = DoubleArray | list[float]
 
 FOCAL_MM, FILM_MM = 8.0, 7.0
 KNOT_MM, STAR_MM, COMPUTER_MM, CABINET_MM, WALL_MM = 24.0, 40.0, 60.0, 90.0, 140.0
-_STAR_RADIUS_MM = 3.5
+STAR_RADIUS_MM = 3.5
 _STAR_INNER = 0.382  # of its radius: corners between its points
 
 
@@ -93,6 +94,8 @@ EXPERIMENTS = (
     Experiment("pull", "the focus is pulled over a still scene", 12.0, _pull, 2.4),
     Experiment("all", "a star moves sideways and away, in focus", 12.0, _all_three, 2.4),
 )
+SIZED_EXPERIMENTS = EXPERIMENTS[:2]
+"""Experiments whose speed-up depends most on the size of the star and of the film."""
 CUTOFF_EXPERIMENT = Experiment("cutoff", "the focus is pulled back", 12.0, lambda t: _pull(1 - t))
 """The third one turned round, of which only a share of the changes is made."""
 
@@ -102,10 +105,12 @@ class StillLife:
 
     Args:
         size: pixels along each side.
+        film_mm: width of the film; the still life fills it, whatever its width.
+        star_radius_mm: distance of the star's points from its middle.
     """
 
-    def __init__(self, size: int) -> None:
-        self.size = size
+    def __init__(self, size: int, film_mm: float = FILM_MM, star_radius_mm: float = STAR_RADIUS_MM) -> None:
+        self.size, self._film_mm, self._star_radius_mm = size, film_mm, star_radius_mm
         line = (np.arange(size) + 0.5) / size * 2 - 1
         self._u, self._v = np.meshgrid(line, line)  # half film widths, v down
         self._light, self._depth = self._background()
@@ -130,12 +135,13 @@ class StillLife:
         """Half of Fearing's C (equations 1 to 3), in pixels; in front of the focus above 0."""
         image, film = (FOCAL_MM * z / (z - FOCAL_MM) for z in (depth, np.float64(focus_mm)))
         diameter = (image - film) * FOCAL_MM / (f_number * image)
-        return np.asarray(0.5 * diameter * self.size / FILM_MM)
+        return np.asarray(0.5 * diameter * self.size / self._film_mm)
 
     def _star(self, x: float, y: float, z: float) -> tuple[_Bools, DoubleArray]:
         """Position and brightness of a five-pointed star."""
-        scale = 2 * FOCAL_MM / FILM_MM / z
-        du, dv = (self._u - x * scale) / (_STAR_RADIUS_MM * scale), (self._v - y * scale) / (_STAR_RADIUS_MM * scale)
+        scale = 2 * FOCAL_MM / self._film_mm / z
+        radius = self._star_radius_mm * scale
+        du, dv = (self._u - x * scale) / radius, (self._v - y * scale) / radius
         sector = np.mod(np.arctan2(du, -dv) + np.pi / 5, 2 * np.pi / 5) - np.pi / 5
         distance = np.hypot(du, dv)
         along, across = distance * np.cos(sector), np.abs(distance * np.sin(sector))

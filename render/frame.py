@@ -292,6 +292,7 @@ class FrameRenderer:
         self.graphics.make_current()
         try:
             yield
+            self.graphics.raise_faults()
         except (SettingsError, InputError, Cancelled):
             raise  # the context is intact: nothing was drawn yet, or work stopped at a cancellation point
         except Exception as error:

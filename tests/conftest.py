@@ -2,18 +2,43 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from render.frame import FrameRenderer
+from render.gl.compat import GL
+from render.layers.targets import Slot
+from tests.render.kits.compiled_shaders import record_programs
+
+# Every context of the tests, also of processes that they start, reports what OpenGL leaves undefined (render/gl/debug.py).
+os.environ["PULLFOCUS_GL_DEBUG"] = "1"
+
+if os.environ.get("MESA_LOADER_DRIVER_OVERRIDE") == "zink":  # scripts/test_on_zink
+    _begin_colour = Slot.begin_colour
+
+    def _begin_colour_anew(slot: Slot, *, fill: bool = False) -> None:
+        """Mesa 25.0's zink ignores the colour masks of single buffers where the same batch has drawn without colour before."""
+        GL.glFinish()
+        _begin_colour(slot, fill=fill)
+
+    Slot.begin_colour = _begin_colour_anew  # type: ignore[method-assign]
 
 # `make test` tries the same examples in every run, so that its result depends on the code alone; `make fuzz` tries new ones.
 # Neither judges by the clock: on a busy machine an example is slow, not wrong.
 settings.register_profile("test", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("fuzz", settings.get_profile("test"), derandomize=False, max_examples=500, print_blob=True)
 settings.load_profile("test")
+
+
+record_programs()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests marked ``last`` judge what the other tests did."""
+    items.sort(key=lambda item: item.get_closest_marker("last") is not None)
 
 
 @pytest.fixture(scope="session")
@@ -29,6 +54,7 @@ def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
     _session_renderer.graphics.make_current()
     assert ctx.error == "GL_NO_ERROR"
     yield _session_renderer
+    _session_renderer.graphics.raise_faults()
     assert ctx.error == "GL_NO_ERROR"
 
 

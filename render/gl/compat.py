@@ -8,12 +8,15 @@ Why each adaptation is here:
 - PyOpenGL knows the type of a ``ctypes.byref`` under its name before Python 3.12.
 - pyrender's platform requests OpenGL 4.1, and NVIDIA's driver gives exactly that; `make_context` asks for 4.5.
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
+- PyOpenGL asks for the names of all extensions in one string, which the core profile refuses: it is given the list.
+- pyrender's context cannot be a debug context, whose driver reports errors and undefined use; `make_context` can ask for one.
 """
 
 from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Callable
 from functools import cache
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
@@ -36,6 +39,7 @@ try:
     import pyrender.texture
     from OpenGL import EGL, GL
     from OpenGL.error import Error as OpenGLError
+    from OpenGL.extensions import VERSION_EXTENSIONS, GLQuerier
     from OpenGL.plugins import FormatHandler
     from OpenGL.raw.GL.VERSION.GL_1_1 import glTexImage2D as raw_tex_image_2d
     from pyrender.platforms import egl as pyrender_egl
@@ -60,17 +64,39 @@ __all__ = [
     "pyrender",
     "pyrender_egl",
     "release_context",
+    "report_to",
     "set_clip_depth",
 ]
+
+Report = Callable[[int, int, str], None]
+"""Receiver of the driver's messages: type and severity as in ``GL_KHR_debug``, and the text."""
 
 CLIP_NEGATIVE_ONE_TO_ONE = 0x935E
 CLIP_ZERO_TO_ONE = 0x935F
 _LOWER_LEFT = 0x8CA1
 _VERSION = (4, 5)
+_EGL_CONTEXT_FLAGS, _EGL_DEBUG_BIT = 0x30FC, 1
+_DEBUG_OUTPUT, _DEBUG_OUTPUT_SYNCHRONOUS = 0x92E0, 0x8242
+_DebugCallback = ctypes.CFUNCTYPE(
+    None,
+    ctypes.c_uint,
+    ctypes.c_uint,
+    ctypes.c_uint,
+    ctypes.c_uint,
+    ctypes.c_int,
+    ctypes.c_char_p,
+    ctypes.c_void_p,
+)
+_debug_callbacks: dict[int, ctypes._CFunctionType] = {}  # by context, which calls them as long as it lives
 
 
-def make_context(platform: pyrender_egl.EGLPlatform) -> None:
-    """Initialise a platform and make its context current: OpenGL 4.5 core, or its own 4.1 where 4.5 is missing."""
+def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> None:
+    """Initialise a platform and make its context current: OpenGL 4.5 core, or its own 4.1 where 4.5 is missing.
+
+    Args:
+        platform: platform that gets the context.
+        debug: make a debug context, which checks more and can report (`report_to`).
+    """
     platform.init_context()
     config_attributes = [
         EGL.EGL_SURFACE_TYPE,
@@ -84,13 +110,18 @@ def make_context(platform: pyrender_egl.EGLPlatform) -> None:
         platform._egl_display, (EGL.EGLint * len(config_attributes))(*config_attributes), configs, 1, count
     )
     version = [EGL.EGL_CONTEXT_MAJOR_VERSION, _VERSION[0], EGL.EGL_CONTEXT_MINOR_VERSION, _VERSION[1]]
-    version += [EGL.EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL.EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL.EGL_NONE]
+    version += [EGL.EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL.EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT]
+    version += [_EGL_CONTEXT_FLAGS, _EGL_DEBUG_BIT if debug else 0, EGL.EGL_NONE]
     attributes = (EGL.EGLint * len(version))(*version)
     context = EGL.eglCreateContext(platform._egl_display, configs[0], EGL.EGL_NO_CONTEXT, attributes)
     if context:
         release_context(platform)
         platform._egl_context = context
     platform.make_current()
+    if not GLQuerier.extensions:
+        included = [name for _, names in VERSION_EXTENSIONS for name in names]  # by OpenGL 4.2
+        count = GL.glGetIntegerv(GL.GL_NUM_EXTENSIONS)
+        GLQuerier.extensions = [*(GL.glGetStringi(GL.GL_EXTENSIONS, i) for i in range(count)), *included]
 
 
 def release_context(platform: pyrender_egl.EGLPlatform) -> None:
@@ -101,11 +132,31 @@ def release_context(platform: pyrender_egl.EGLPlatform) -> None:
     """
     EGL.eglMakeCurrent(platform._egl_display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
     EGL.eglDestroyContext(platform._egl_display, platform._egl_context)
+    _debug_callbacks.pop(_address(platform), None)
+
+
+def report_to(platform: pyrender_egl.EGLPlatform, report: Report) -> None:
+    """Have the driver report errors and undefined use of the current context, before the call that causes them returns.
+
+    Args:
+        platform: platform of the context, which was made with ``debug``.
+        report: called with each message; an exception that it raises is lost.
+    """
+
+    def receive(
+        source: int, kind: int, number: int, severity: int, length: int, text: bytes, parameter: int | None
+    ) -> None:
+        report(kind, severity, text[:length].decode(errors="replace"))
+
+    callback = _debug_callbacks[_address(platform)] = _DebugCallback(receive)
+    GL.glEnable(_DEBUG_OUTPUT)
+    GL.glEnable(_DEBUG_OUTPUT_SYNCHRONOUS)
+    _gl_function("glDebugMessageCallback", _DebugCallback, ctypes.c_void_p)(callback, None)
 
 
 def set_clip_depth(mode: int) -> None:
     """``glClipControl`` with the origin at the lower left; ``mode`` is one of the two constants of this module."""
-    _clip_control()(_LOWER_LEFT, mode)
+    _gl_function("glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, mode)
 
 
 def half_float_image(pixels: NDArray[np.float16]) -> None:
@@ -127,8 +178,14 @@ def half_float_image(pixels: NDArray[np.float16]) -> None:
 
 
 @cache
-def _clip_control() -> ctypes._CFunctionType:
-    address = ctypes.cast(EGL.eglGetProcAddress(b"glClipControl"), ctypes.c_void_p).value
+def _gl_function(name: str, *arguments: type) -> ctypes._CFunctionType:
+    """Function of the driver that PyOpenGL does not know, without a result."""
+    address = ctypes.cast(EGL.eglGetProcAddress(name.encode()), ctypes.c_void_p).value
     if address is None:
-        raise GraphicsError("the driver has no glClipControl; OpenGL 4.5 is needed")
-    return ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(address)
+        raise GraphicsError(f"the driver has no {name}; OpenGL 4.5 is needed")
+    return ctypes.CFUNCTYPE(None, *arguments)(address)
+
+
+def _address(platform: pyrender_egl.EGLPlatform) -> int:
+    """Address of a platform's context."""
+    return ctypes.cast(platform._egl_context, ctypes.c_void_p).value or 0

@@ -8,7 +8,8 @@ import moderngl
 
 from render.errors import GraphicsError
 from render.gl.cancellation import CancellationPoint
-from render.gl.compat import make_context, pyrender_egl, release_context
+from render.gl.compat import make_context, pyrender_egl, release_context, report_to
+from render.gl.debug import DebugLog, is_debugging
 
 REQUIRED_VERSION = 450
 
@@ -31,7 +32,8 @@ class GraphicsContext:
         """
         try:
             self._platform = pyrender_egl.EGLPlatform(1, 1)
-            make_context(self._platform)
+            debug = is_debugging()
+            make_context(self._platform, debug=debug)
             # Not create_context: from its second call in a process on, it asks GLX, which knows no EGL context.
             moderngl.init_context()
             self.ctx = moderngl.get_context()
@@ -45,12 +47,23 @@ class GraphicsContext:
             version = self.ctx.info["GL_VERSION"]
             self.close()
             raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
+        self._log = DebugLog()
+        if debug:
+            report_to(self._platform, self._log.add)
         self.cancellation = CancellationPoint(self.ctx.finish)
         self.is_software = "llvmpipe" in self.renderer or "softpipe" in self.renderer
 
     def make_current(self) -> None:
         """Make this context current in the calling thread."""
         self._platform.make_current()
+
+    def raise_faults(self) -> None:
+        """Raise what the driver has reported so far, where debug output is on (`render.gl.debug`).
+
+        Raises:
+            GraphicsError: it reported an error or undefined use.
+        """
+        self._log.raise_faults()
 
     def close(self) -> None:
         """Destroy the context and everything in it; other contexts of the process stay."""
@@ -63,3 +76,5 @@ class GraphicsContext:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+        if kind is None:
+            self.raise_faults()

@@ -1,0 +1,119 @@
+"""The shaders are GLSL 4.50 as Khronos' reference compiler reads it, within the least that OpenGL 4.5 promises."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.lab.reference.scenes import spheres_over_checkerboard
+from render.model.lens import Lens
+from tests.render.kits.compiled_shaders import COMPILED, branches, shader_files
+from tests.render.kits.lenses import PLANAR
+
+VALIDATOR = "glslangValidator"
+# Least values that an implementation of OpenGL 4.5 may have (section 23, tables 23.53 to 23.66).
+LEAST = {
+    "MaxTextureImageUnits": 16,
+    "MaxVertexTextureImageUnits": 16,
+    "MaxComputeTextureImageUnits": 16,
+    "MaxCombinedTextureImageUnits": 96,
+    "MaxVertexAttribs": 16,
+    "MaxDrawBuffers": 8,
+    "MaxImageUnits": 8,
+    "MaxComputeImageUniforms": 8,
+    "MaxComputeWorkGroupSizeX": 1024,
+    "MaxComputeWorkGroupSizeY": 1024,
+    "MaxComputeWorkGroupSizeZ": 64,
+    "MaxComputeUniformComponents": 512,
+    "MaxVaryingComponents": 60,
+}
+GUARDS = {"#ifndef CARRIED"}  # against a second inclusion
+
+pytestmark = pytest.mark.last
+
+
+@pytest.fixture(scope="module")
+def validator(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Command of the validator, with the least limits."""
+    if shutil.which(VALIDATOR) is None:
+        pytest.skip(f"{VALIDATOR} is missing (Debian: glslang-tools)")
+    defaults = subprocess.run([VALIDATOR, "-c"], capture_output=True, text=True, check=True).stdout
+    limits = dict(line.split() for line in defaults.splitlines() if len(line.split()) == 2)
+    assert set(LEAST) <= set(limits)
+    config = tmp_path_factory.mktemp("limits") / "opengl_4_5.conf"
+    config.write_text("".join(f"{name} {LEAST.get(name, value)}\n" for name, value in limits.items()))
+    return [VALIDATOR, str(config)]
+
+
+def complaints(validator: list[str], files: list[Path], *options: str) -> list[str]:
+    """What the validator finds wrong in files, one line each."""
+    run = subprocess.run([*validator, *options, *map(str, files)], capture_output=True, text=True)
+    found = [line for line in run.stdout.splitlines() if re.match(r"(ERROR|WARNING|INTERNAL)", line)]
+    return found or ([f"exit status {run.returncode}: {run.stderr}"] if run.returncode else [])
+
+
+@pytest.mark.gl
+def test_each_compiled_variant_is_valid_glsl(renderer: FrameRenderer, validator: list[str], tmp_path: Path) -> None:
+    """Each variant that a test of this run has compiled; alone, this test compiles some."""
+    scene, camera = spheres_over_checkerboard()
+    for engine in ("lens", "flag", "scatter", "linear", "gather"):
+        renderer.render(scene, camera, FrameSettings(48, 32, rays=4, supersample=1, engine=engine))
+    renderer.render(
+        scene,
+        replace(camera, lens=Lens(model="prescription", prescription=PLANAR.prescription)),
+        FrameSettings(48, 32, rays=4, supersample=1),
+    )
+    files = []
+    for stage, sources in COMPILED.sources.items():
+        for number, source in enumerate(sorted(sources)):
+            files.append(tmp_path / f"{number}.{stage}")
+            files[-1].write_text(source.strip())
+    assert len(files) > 20
+    assert complaints(validator, files) == []
+
+
+@pytest.mark.gl
+def test_stages_of_each_program_fit_together(validator: list[str], tmp_path: Path) -> None:
+    found = []
+    for number, (vertex, fragment) in enumerate(sorted(COMPILED.pairs)):
+        files = [tmp_path / f"{number}.vert", tmp_path / f"{number}.frag"]
+        for file, source in zip(files, (vertex, fragment), strict=True):
+            file.write_text(source.strip())
+        found += complaints(validator, files, "-l")
+    assert found == []
+
+
+def test_the_validator_keeps_to_the_least_limits(validator: list[str], tmp_path: Path) -> None:
+    """Drivers have more texture units than they must, and compile this."""
+    source = (
+        "#version 450 core\nlayout(binding = {}) uniform sampler2D map;\nout vec4 color;\n"
+        "void main() {{ color = texture(map, vec2(0.5)); }}\n"
+    )
+    file = tmp_path / "unit.frag"
+    for unit, is_right in ((95, True), (96, False)):
+        file.write_text(source.format(unit))
+        assert (complaints(validator, [file]) == []) == is_right
+
+
+def test_each_branch_of_each_shader_is_compiled(pytestconfig: pytest.Config) -> None:
+    """Every condition of the preprocessor holds in one compiled variant and not in another, in every file."""
+    options = pytestconfig.option
+    if pytestconfig.args_source is not pytest.Config.ArgsSource.TESTPATHS or options.keyword or options.markexpr:
+        pytest.skip("only a run of all tests compiles all variants")
+    missing = []
+    for name in shader_files():
+        sources = COMPILED.of_file(name)
+        seen = {branch for source in sources for branch in branches(source)}
+        missing += [f"{name}: never compiled"] * (not sources)
+        missing += [
+            f"{name}: {condition} is never {not holds}"
+            for condition, holds in sorted(seen)
+            if (condition, not holds) not in seen and condition not in GUARDS
+        ]
+    assert missing == []

@@ -1,0 +1,127 @@
+"""Sources of the programs that the tests of this process compile, and the branches of shader files that they take."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import moderngl
+
+from render.gl.shaders import SHADER_DIR, load_source
+from render.layers.renderer import SourceProgram
+
+_DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(\w+)[ \t]*(.*?)[ \t]*(?://.*)?$")
+_WORD = re.compile(r"defined\s*\(\s*(\w+)\s*\)|([A-Za-z_]\w*)")
+
+
+@dataclass
+class CompiledShaders:
+    """Sources by stage, and programs of two stages.
+
+    Attributes:
+        sources: of each stage, ``vert``, ``frag`` or ``comp``.
+        pairs: vertex and fragment source of each program that has both.
+    """
+
+    sources: dict[str, set[str]] = field(default_factory=lambda: {"vert": set(), "frag": set(), "comp": set()})
+    pairs: set[tuple[str, str]] = field(default_factory=set)
+
+    def add_compute(self, source: str) -> None:
+        """Record a compute program."""
+        self.sources["comp"].add(source)
+
+    def add_pair(self, vertex: str, fragment: str) -> None:
+        """Record a program that draws."""
+        self.sources["vert"].add(vertex)
+        self.sources["frag"].add(fragment)
+        self.pairs.add((vertex, fragment))
+
+    def of_file(self, name: str) -> list[str]:
+        """Recorded sources of a shader file, which they are recognised by: its title is unique."""
+        title = load_source(name).splitlines()[1]
+        return [source for source in self.sources[name.rpartition(".")[2]] if f"\n{title}\n" in source]
+
+
+COMPILED = CompiledShaders()
+"""What this process has compiled since `record_programs`."""
+
+
+def record_programs() -> None:
+    """Record each program that moderngl or pyrender compiles from here on."""
+    compute, program, add = (
+        moderngl.Context.compute_shader,
+        moderngl.Context.program,
+        SourceProgram._add_to_context,
+    )
+
+    def recorded_compute(ctx: moderngl.Context, source: str) -> moderngl.ComputeShader:
+        made = compute(ctx, source)
+        COMPILED.add_compute(source)
+        return made
+
+    def recorded_program(ctx: moderngl.Context, vertex: str, fragment: str, **others: Any) -> moderngl.Program:
+        made = program(ctx, vertex, fragment, **others)
+        COMPILED.add_pair(vertex, fragment)
+        return made
+
+    def recorded_add(made: SourceProgram) -> None:
+        add(made)
+        COMPILED.add_pair(made._load(made.vertex_shader), made._load(made.fragment_shader))
+
+    moderngl.Context.compute_shader = recorded_compute
+    moderngl.Context.program = recorded_program
+    SourceProgram._add_to_context = recorded_add  # type: ignore[method-assign]
+
+
+def shader_files() -> list[str]:
+    """Files that are compiled by themselves, relative to the folder of shaders."""
+    return sorted(
+        path.relative_to(SHADER_DIR).as_posix()
+        for path in SHADER_DIR.rglob("*")
+        if path.suffix in (".vert", ".frag", ".comp")
+    )
+
+
+def branches(source: str) -> Iterator[tuple[str, bool]]:
+    """Conditions of the preprocessor that a source reaches, and whether each holds.
+
+    Args:
+        source: with its includes put in and its defines after ``#version``.
+    """
+    defines: dict[str, str] = {}
+    open_blocks: list[list[bool]] = []  # for each open #if whether a branch was taken, and whether this one is
+    for line in source.splitlines():
+        directive = _DIRECTIVE.match(line)
+        if directive is None:
+            continue
+        word, rest = directive.groups()
+        is_active = all(block[1] for block in open_blocks)
+        if word in ("if", "ifdef", "ifndef"):
+            holds = is_active and _holds(word, rest, defines)
+            if is_active:
+                yield f"#{word} {rest}", holds
+            open_blocks.append([holds, holds])
+        elif word == "elif":
+            block = open_blocks[-1]
+            is_reached = all(outer[1] for outer in open_blocks[:-1]) and not block[0]
+            holds = is_reached and _holds("if", rest, defines)
+            if is_reached:
+                yield f"#{word} {rest}", holds
+            block[:] = [block[0] or holds, holds]
+        elif word == "else":
+            open_blocks[-1][1] = not open_blocks[-1][0]
+        elif word == "endif":
+            open_blocks.pop()
+        elif word == "define" and is_active:
+            name, _, value = rest.partition(" ")
+            defines[name.partition("(")[0]] = value.strip()
+
+
+def _holds(word: str, condition: str, defines: Mapping[str, str]) -> bool:
+    if word != "if":
+        return (condition in defines) == (word == "ifdef")
+    text = _WORD.sub(lambda match: str(match[1] in defines) if match[1] else defines.get(match[2], "0"), condition)
+    text = re.sub(r"!(?!=)", " not ", text.replace("&&", " and ").replace("||", " or "))
+    return bool(eval(text, {"__builtins__": {}}))

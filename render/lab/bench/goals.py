@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from render.lab.bench.results import Goal, LensBench, SceneRow, Sweeps
 
-RATIO_ON_CPU, RATIO_ON_GPU = 5.0, 15.0
-PSNR_DB, SSIM = 45.0, 0.995
+RATIO_ON_CPU, RATIO_ON_GPU = 8.0, 15.0
+PSNR_DB, SSIM = 47.0, 0.995
 MANY_SURFACES, MANY_OVER_THIN = 13, 1.25
 SECOND_FOUR_SHARE = 0.40
 LAYERS_MB = 64.0

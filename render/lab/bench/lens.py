@@ -49,9 +49,9 @@ def measure(scenes: Mapping[str, SceneMaker], plan: Plan, say: Callable[[str], N
     rows, subjects, picture = [], {}, plan.picture
     with LensRig() as rig:
         for name, make in scenes.items():
-            say(f"{name}: building the scene, and its reference of {picture.rays} views")
+            say(f"{name}: building the scene, and {plan.runs} references of {picture.rays} views")
             subjects[name] = subject(rig, name, make, picture, plan.repeats, plan.sweep_repeats)
-            rows.append(scene_row(subjects[name]))
+            rows.append(scene_row(subjects[name], plan.runs))
             say(f"{name}: {rows[-1].total_ms:.0f} ms, reference {rows[-1].reference_ms:.0f} ms")
         swept = subjects[SWEPT if SWEPT in subjects else next(iter(subjects))]
         rig.load(swept.scene, swept.camera)

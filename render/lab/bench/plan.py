@@ -13,6 +13,7 @@ from render.model.frame_settings import FrameSettings
 PICTURE = FrameSettings(800, 600, rays=100, layers=4, supersample=1.5, tiled=False)
 """Settings that the goals are set for. The rays are those of the accumulation buffer: one pattern for all pixels."""
 TABLE_REPEATS, SWEEP_REPEATS = Repeats(least=3), Repeats(least=1)
+RUNS = 3
 SWEPT = "statues"
 """Scene of the sweeps, if it is measured."""
 
@@ -24,6 +25,7 @@ class Plan:
     Attributes:
         picture: settings of the table.
         repeats: repetitions of the table's pictures; times are medians.
+        runs: runs of each row of the table, the reference included, whose ratios tell how much they vary.
         sweep_repeats: repetitions of the sweeps' pictures.
         rays: numbers of rays in their sweep.
         layers: numbers of layers in their sweep.
@@ -33,6 +35,7 @@ class Plan:
 
     picture: FrameSettings = PICTURE
     repeats: Repeats = TABLE_REPEATS
+    runs: int = RUNS
     sweep_repeats: Repeats = SWEEP_REPEATS
     rays: tuple[int, ...] = (32, 64, 128, 256, 512, 1024)
     layers: tuple[int, ...] = (2, 3, 4, 5, 6, 7, 8)
@@ -45,6 +48,7 @@ def quick_plan() -> Plan:
     return Plan(
         picture=replace(PICTURE, width=160, height=120, rays=16),
         repeats=Repeats(1, 1),
+        runs=2,
         sweep_repeats=Repeats(1, 1),
         rays=(8, 32),
         layers=(2, 4, 8),

@@ -43,7 +43,7 @@ class ReferenceTimes(Times):
 
 @dataclass(frozen=True)
 class SceneRow(ReferenceTimes):
-    """A row of the paper's table 1, in wall time.
+    """A row of the paper's table 1, in wall time, of the run with the median ratio.
 
     Attributes:
         name: of the scene.
@@ -53,6 +53,8 @@ class SceneRow(ReferenceTimes):
         layers: number of peeled layers.
         layers_mb: megabytes (10⁶) of layers and N-buffers, supersampling and guard band included.
         cpu: the same times by the processor's clock, of all threads.
+        ratios: ratio of each run, from the least to the greatest.
+        cpu_ratios: the same by the processor's clock.
     """
 
     name: str
@@ -62,6 +64,8 @@ class SceneRow(ReferenceTimes):
     layers: int
     layers_mb: float
     cpu: ReferenceTimes
+    ratios: list[float]
+    cpu_ratios: list[float]
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,8 @@ def _scenes(bench: LensBench) -> Iterator[str]:
             f"{row.layers_mb:.0f}",
         )
         yield _line("", "", *_in_brackets([*_costs(row.cpu), *_ratio(row.cpu)]))
+    for row in bench.scenes:
+        yield f"{row.name}: {len(row.ratios)} runs had ratios of {_spread(row.ratios)} ({_spread(row.cpu_ratios)})"
     yield f"Four layers of 1024x768 and their N-buffers: {bench.layers_mb_1024x768:.1f} MB"
 
 
@@ -84,6 +86,12 @@ def _costs(row: Times) -> list[str]:
 
 def _ratio(row: ReferenceTimes) -> list[str]:
     return [f"{row.reference_ms:.0f}", f"{row.ratio:.1f}"]
+
+
+def _spread(ratios: list[float]) -> str:
+    """Ratios from the least to the greatest, and how far these are apart relative to the middle."""
+    apart = (max(ratios) - min(ratios)) / ratios[(len(ratios) - 1) // 2]
+    return f"{min(ratios):.1f} to {max(ratios):.1f}, {apart:.0%} apart"
 
 
 def _in_brackets(cells: Iterable[str]) -> list[str]:

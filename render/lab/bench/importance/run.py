@@ -287,7 +287,7 @@ def report(bench: ImportanceBench) -> str:
 def _size_lines(sizes: Sequence[SizesRow]) -> Iterator[str]:
     """Speed-ups over the sizes that Fearing leaves open, and where they reach his."""
     yield ""
-    yield "The first two experiments over the star's radius and the film's width, which Fearing does not tell: times, with a + where"
+    yield "The first two experiments over the star's radius and the film's width, which Fearing does not tell: times, + where"
     yield "they reach his. The star's width as it begins is a share of the picture's; blur is the largest radius."
     for one in SIZED_EXPERIMENTS:
         rows = [row for row in sizes if row.name == one.name]

@@ -12,6 +12,7 @@ from render.frame import FrameRenderer
 from render.gl.compat import GL
 from render.layers.targets import Slot
 from tests.render.kits.compiled_shaders import record_programs
+from tests.render.kits.shader_accesses import ACCESSES, watch_accesses
 
 # Every context of the tests, also of processes that they start, reports what OpenGL leaves undefined (render/gl/debug.py).
 os.environ["PULLFOCUS_GL_DEBUG"] = "1"
@@ -34,6 +35,7 @@ settings.load_profile("test")
 
 
 record_programs()
+watch_accesses()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -55,6 +57,7 @@ def renderer(_session_renderer: FrameRenderer) -> Iterator[FrameRenderer]:
     assert ctx.error == "GL_NO_ERROR"
     yield _session_renderer
     _session_renderer.graphics.raise_faults()
+    ACCESSES.raise_faults()
     assert ctx.error == "GL_NO_ERROR"
 
 

@@ -103,7 +103,7 @@ class FocusSplitter:
             "packed_w_far": targets.packed_w[-1],
             "radiance": targets.radiance,
             "background": targets.background,
-            "focal_map": self._maps.draw(focus) if affine is None else radii,
+            "focal_map": self._maps.draw(focus) if affine is None else targets.background,  # not read where affine
         }
         for unit, (name, texture) in enumerate(sources.items()):
             texture.use(unit)

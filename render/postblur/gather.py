@@ -55,6 +55,7 @@ class Gather:
             for left, top, columns, rows in self._pieces(target.width, target.height, (2 * most + 1) ** 2):
                 set_uniforms(program, first=(left, top), piece_px=(columns, rows))
                 program.run(-(-columns // _GROUP), -(-rows // _GROUP))
+                self._ctx.memory_barrier()
                 self._ctx.finish()
                 took_ms, samples = self._cancellation.poll(), columns * rows * (2 * most + 1) ** 2
                 if 2 * samples >= self._piece.units:  # small pieces at an edge do not predict the time of whole ones

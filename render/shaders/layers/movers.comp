@@ -7,7 +7,7 @@
 //      `swept`: for each block, the range of w (as bits, which sort like the numbers) of all surfaces that pass through it
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(rgba32f, binding = 0) writeonly uniform image2DArray movers;     // slices: layer, fastest or slowest, half
+layout(rgba16f, binding = 0) writeonly uniform image2DArray movers;     // slices: layer, fastest or slowest, half
 
 #include "layers/carried.glsl"
 

@@ -13,7 +13,7 @@ import pytest
 from render.frame import FrameRenderer, FrameSettings
 from render.lab.reference.scenes import spheres_over_checkerboard
 from render.model.lens import Lens
-from tests.render.kits.compiled_shaders import COMPILED, branches, shader_files
+from tests.render.kits.compiled_shaders import COMPILED, preprocess, shader_files
 from tests.render.kits.lenses import PLANAR
 
 VALIDATOR = "glslangValidator"
@@ -52,7 +52,7 @@ def validator(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 
 def complaints(validator: list[str], files: list[Path], *options: str) -> list[str]:
-    """What the validator finds wrong in files, one line each."""
+    """Errors and warnings of the validator about files, one line each."""
     run = subprocess.run([*validator, *options, *map(str, files)], capture_output=True, text=True)
     found = [line for line in run.stdout.splitlines() if re.match(r"(ERROR|WARNING|INTERNAL)", line)]
     return found or ([f"exit status {run.returncode}: {run.stderr}"] if run.returncode else [])
@@ -109,7 +109,7 @@ def test_each_branch_of_each_shader_is_compiled(pytestconfig: pytest.Config) -> 
     missing = []
     for name in shader_files():
         sources = COMPILED.of_file(name)
-        seen = {branch for source in sources for branch in branches(source)}
+        seen = {branch for source in sources for branch in preprocess(source).branches}
         missing += [f"{name}: never compiled"] * (not sources)
         missing += [
             f"{name}: {condition} is never {not holds}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,7 +45,7 @@ class CompiledShaders:
 
 
 COMPILED = CompiledShaders()
-"""What this process has compiled since `record_programs`."""
+"""Programs that this process has compiled since `record_programs`."""
 
 
 def record_programs() -> None:
@@ -84,39 +84,48 @@ def shader_files() -> list[str]:
     )
 
 
-def branches(source: str) -> Iterator[tuple[str, bool]]:
-    """Conditions of the preprocessor that a source reaches, and whether each holds.
+@dataclass(frozen=True)
+class Preprocessed:
+    """A source without the lines that the preprocessor leaves out.
 
-    Args:
-        source: with its includes put in and its defines after ``#version``.
+    Attributes:
+        text: active lines, without comments.
+        branches: conditions that were reached, and whether each holds.
     """
+
+    text: str
+    branches: tuple[tuple[str, bool], ...]
+
+
+def preprocess(source: str) -> Preprocessed:
+    """Evaluate the conditions of a source that has its includes put in and its defines after ``#version``."""
     defines: dict[str, str] = {}
-    open_blocks: list[list[bool]] = []  # for each open #if whether a branch was taken, and whether this one is
+    blocks: list[list[bool]] = []  # for each open #if whether a branch was taken, and whether this one is
+    lines, reached = [], []
     for line in source.splitlines():
         directive = _DIRECTIVE.match(line)
+        is_active = all(block[1] for block in blocks)
         if directive is None:
+            lines += [line.partition("//")[0]] if is_active else []
             continue
         word, rest = directive.groups()
-        is_active = all(block[1] for block in open_blocks)
         if word in ("if", "ifdef", "ifndef"):
             holds = is_active and _holds(word, rest, defines)
-            if is_active:
-                yield f"#{word} {rest}", holds
-            open_blocks.append([holds, holds])
+            reached += [(f"#{word} {rest}", holds)] if is_active else []
+            blocks.append([holds, holds])
         elif word == "elif":
-            block = open_blocks[-1]
-            is_reached = all(outer[1] for outer in open_blocks[:-1]) and not block[0]
+            is_reached = all(outer[1] for outer in blocks[:-1]) and not blocks[-1][0]
             holds = is_reached and _holds("if", rest, defines)
-            if is_reached:
-                yield f"#{word} {rest}", holds
-            block[:] = [block[0] or holds, holds]
+            reached += [(f"#{word} {rest}", holds)] if is_reached else []
+            blocks[-1] = [blocks[-1][0] or holds, holds]
         elif word == "else":
-            open_blocks[-1][1] = not open_blocks[-1][0]
+            blocks[-1][1] = not blocks[-1][0]
         elif word == "endif":
-            open_blocks.pop()
+            blocks.pop()
         elif word == "define" and is_active:
             name, _, value = rest.partition(" ")
             defines[name.partition("(")[0]] = value.strip()
+    return Preprocessed("\n".join(lines), tuple(reached))
 
 
 def _holds(word: str, condition: str, defines: Mapping[str, str]) -> bool:

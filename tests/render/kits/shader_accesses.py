@@ -1,0 +1,210 @@
+"""Accesses of programs to images, buffers and textures, checked for what OpenGL 4.5 leaves undefined and no driver reports.
+
+- An image whose format is not the one that the shader declares (section 8.26), or that the program may not read or write.
+- A shader's write that is read, written or copied before `memory_barrier` (section 7.12.2), and a write after a shader's read.
+- A texture that is written as an image while it may be sampled (section 8.26), or of another kind than its sampler.
+- Samplers of two kinds on one texture unit (section 11.1.3.5), which is an error where a driver looks.
+- A binding that nothing was bound to, or that was released.
+
+Contents are not looked at. Draws of pyrender are not checked, only those of moderngl.
+"""
+
+from __future__ import annotations
+
+import re
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from tests.render.kits.compiled_shaders import preprocess
+
+_IMAGE = re.compile(
+    r"layout\s*\(([^)]*)\)\s*((?:\w+\s+)*?)(?:uniform\s+)?((?:\w+\s+)*?)([iu]?image\w+)\s+(\w+)\s*;", re.MULTILINE
+)
+_BLOCK = re.compile(r"layout\s*\(\s*std430\s*,\s*binding\s*=\s*(\d+)\s*\)\s*((?:\w+\s+)*?)buffer\s+(\w+)")
+_SAMPLER = re.compile(
+    r"^\s*(?:layout\s*\([^)]*\)\s*)?uniform\s+([iu]?sampler\w+)\s+(\w+)\s*(?:\[\d+\])?\s*;", re.MULTILINE
+)
+_COMPONENTS = {1: "r", 2: "rg", 4: "rgba"}
+_SUFFIXES = {"f4": "32f", "f2": "16f", "u1": "8ui", "u2": "16ui", "u4": "32ui", "i2": "16i", "i4": "32i", "f1": "8"}
+
+
+class UndefinedAccessError(AssertionError):
+    """A program's access that OpenGL leaves undefined."""
+
+
+class Accesses:
+    """Bindings of one process, and the accesses since the last barrier. Objects are told apart, not their names in OpenGL."""
+
+    def __init__(self) -> None:
+        self.images: dict[int, tuple[Any, bool, bool]] = {}
+        self.blocks: dict[int, Any] = {}
+        self.textures: dict[int, Any] = {}
+        self.written: dict[int, str] = {}
+        self.read: dict[int, str] = {}
+        self.faults: list[str] = []
+
+    def check(self, program: Any, name: str, source: str) -> None:
+        """Check one dispatch or draw, and record what it reads and writes."""
+        reads, writes = [], []
+        for layout, before, after, kind, image in _IMAGE.findall(source):
+            unit = int(re.findall(r"binding\s*=\s*(\d+)", layout)[0])
+            qualifiers = f"{before} {after}".split()
+            if unit not in self.images:
+                self._fault(f"{name}: no image is bound to unit {unit} ({image})")
+                continue
+            texture, may_read, may_write = self.images[unit]
+            self._check_image(name, image, layout, kind, texture)
+            if ("writeonly" not in qualifiers and not may_read) or ("readonly" not in qualifiers and not may_write):
+                self._fault(f"{name}: image {image} is used in a way that its binding excludes")
+            reads += [texture] if "writeonly" not in qualifiers else []
+            writes += [texture] if "readonly" not in qualifiers else []
+        for unit, qualifiers, block in _BLOCK.findall(source):
+            buffer = self.blocks.get(int(unit))
+            if buffer is None or _is_released(buffer):
+                self._fault(f"{name}: no buffer is bound to {unit} ({block})")
+                continue
+            reads += [buffer] if "writeonly" not in qualifiers else []
+            writes += [buffer] if "readonly" not in qualifiers else []
+        stored = {id(thing) for thing in writes}
+        kinds: dict[int, str] = {}
+        for kind, sampler in _SAMPLER.findall(source):
+            for unit, texture in self._sampled(program, sampler):
+                if kinds.setdefault(unit, kind) != kind:
+                    self._fault(f"{name}: a {kind} and a {kinds[unit]} share texture unit {unit}")
+                self._check_sampler(name, kind, sampler, texture)
+                if id(texture) in stored:
+                    self._fault(f"{name}: {sampler} samples a texture that the program writes as an image")
+                reads.append(texture)
+        for thing in reads:
+            if id(thing) in self.written:
+                self._fault(f"{name} reads what {self.written[id(thing)]} wrote without a barrier between")
+        for thing in writes:
+            for past in (self.written, self.read):
+                if id(thing) in past:
+                    self._fault(f"{name} writes what {past[id(thing)]} used without a barrier between")
+        self.written |= {id(thing): name for thing in writes}
+        self.read |= {
+            id(thing): name for thing in reads if not isinstance(thing, moderngl.Texture | moderngl.TextureArray)
+        }
+
+    def check_copy(self, thing: Any) -> None:
+        """Check that a texture or buffer may be read or written by the CPU, or copied."""
+        if id(thing) in self.written:
+            self._fault(f"a {type(thing).__name__} is copied that {self.written[id(thing)]} wrote, without a barrier")
+
+    def pass_barrier(self) -> None:
+        """Forget all accesses."""
+        self.written, self.read = {}, {}
+
+    def forget(self, thing: Any) -> None:
+        """Forget a released object: another one may get its id."""
+        self.written.pop(id(thing), None)
+        self.read.pop(id(thing), None)
+
+    def raise_faults(self) -> None:
+        """Raise `UndefinedAccessError` for the faults so far, and forget them."""
+        faults, self.faults = self.faults, []
+        if faults:
+            raise UndefinedAccessError("\n".join(dict.fromkeys(faults)))
+
+    def _sampled(self, program: Any, sampler: str) -> list[tuple[int, Any]]:
+        if sampler not in program:
+            return []
+        value = program[sampler].value
+        units = value if isinstance(value, (tuple, list)) else [value]
+        return [(unit, self.textures[unit]) for unit in units if unit in self.textures]
+
+    def _check_image(self, name: str, image: str, layout: str, kind: str, texture: Any) -> None:
+        form = _COMPONENTS.get(texture.components, "?") + _SUFFIXES[texture.dtype]
+        declared = [word for word in re.split(r"[\s,]+", layout) if re.fullmatch(r"(r|rg|rgba)\d+\w*", word)]
+        if declared and declared[0] != form:
+            self._fault(f"{name}: image {image} is declared as {declared[0]} and bound as {form}")
+        if ("Array" in kind) != isinstance(texture, moderngl.TextureArray):
+            self._fault(f"{name}: image {image} is a {kind}, and {type(texture).__name__} is bound")
+
+    def _check_sampler(self, name: str, kind: str, sampler: str, texture: Any) -> None:
+        if _is_released(texture):
+            self._fault(f"{name}: {sampler} samples a texture that was released")
+            return
+        whole = texture.dtype[0] if texture.dtype[0] in "ui" else ""
+        if (kind[0] if kind[0] in "ui" else "") != whole:
+            self._fault(f"{name}: {sampler} is a {kind}, and its texture holds {texture.dtype}")
+        if whole and texture.filter != (moderngl.NEAREST, moderngl.NEAREST):
+            self._fault(f"{name}: {sampler} filters integers, so its texture is incomplete")
+
+    def _fault(self, text: str) -> None:
+        where = [
+            frame
+            for frame in traceback.extract_stack()
+            if "/render/" in frame.filename and "/tests/" not in frame.filename
+        ]
+        self.faults.append(
+            f"{text} ({where[-1].filename.rpartition('/render/')[2]}:{where[-1].lineno})" if where else text
+        )
+
+
+ACCESSES = Accesses()
+"""Accesses of this process since `watch_accesses`."""
+
+
+def watch_accesses() -> None:
+    """Check each access of moderngl's programs from here on; `Accesses.raise_faults` raises what was found."""
+    compute, program = moderngl.Context.compute_shader, moderngl.Context.program
+    sources: dict[int, tuple[Any, str, str]] = {}  # of each program; it is kept, so that its id stays its own
+
+    def made_compute(ctx: Any, source: str) -> Any:
+        made = compute(ctx, source)
+        sources[id(made)] = made, _title(source), preprocess(source).text
+        return made
+
+    def made_program(ctx: Any, vertex: str, fragment: str, **others: Any) -> Any:
+        made = program(ctx, vertex, fragment, **others)
+        text = "\n".join(preprocess(stage).text for stage in (vertex, fragment))
+        sources[id(made)] = made, _title(vertex), text
+        return made
+
+    moderngl.Context.compute_shader, moderngl.Context.program = made_compute, made_program
+
+    def around(kind: type, method: str, before: Callable[..., None]) -> None:
+        original = getattr(kind, method)
+
+        def watched(this: Any, *arguments: Any, **named: Any) -> Any:
+            before(this, *arguments, **named)
+            return original(this, *arguments, **named)
+
+        setattr(kind, method, watched)
+
+    def dispatch(this: Any, *_: Any, **__: Any) -> None:
+        if id(this) in sources:
+            ACCESSES.check(*sources[id(this)])
+
+    def draw(this: Any, *_: Any, **__: Any) -> None:
+        if id(this.program) in sources:
+            ACCESSES.check(*sources[id(this.program)])
+
+    def bind_image(this: Any, unit: int, read: bool = True, write: bool = True, **_: Any) -> None:
+        ACCESSES.images[unit] = this, read, write
+
+    around(moderngl.ComputeShader, "run", dispatch)
+    around(moderngl.VertexArray, "render", draw)
+    around(moderngl.Context, "memory_barrier", lambda this, *_, **__: ACCESSES.pass_barrier())
+    around(moderngl.Buffer, "bind_to_storage_buffer", lambda this, unit=0, **_: ACCESSES.blocks.__setitem__(unit, this))
+    for kind in (moderngl.Texture, moderngl.TextureArray):
+        around(kind, "bind_to_image", bind_image)
+        around(kind, "use", lambda this, unit=0, **_: ACCESSES.textures.__setitem__(unit, this))
+    for kind in (moderngl.Texture, moderngl.TextureArray, moderngl.Buffer):
+        for method in ("read", "write"):
+            around(kind, method, lambda this, *_, **__: ACCESSES.check_copy(this))
+        around(kind, "release", lambda this: ACCESSES.forget(this))
+    around(moderngl.Buffer, "clear", lambda this, *_, **__: ACCESSES.check_copy(this))
+
+
+def _is_released(thing: Any) -> bool:
+    return isinstance(thing.mglo, moderngl.mgl.InvalidObject)
+
+
+def _title(source: str) -> str:
+    return next((line[3:] for line in source.splitlines() if line.startswith("// ")), "a program")

@@ -1,1 +1,1 @@
-"""The commands of `pullfocus`, one module each: `add_parser` declares the arguments, `run` does the work."""
+"""The commands of `pullfocus`, one module each: `add_arguments` declares the arguments, `run` does the work."""

@@ -18,11 +18,8 @@ USUAL_LENSES_MM = (18.0, 25.0, 35.0, 50.0, 75.0, 100.0)
 """Focal lengths of the table of fields of view, without --lens-mm."""
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "bodies", help="camera bodies and film formats; `bodies show NAME` has fields of view and framing guides"
-    )
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
@@ -44,7 +41,7 @@ def run_list(arguments: argparse.Namespace) -> None:
     """Print the library.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
     """
     if arguments.json:
         print_json({"bodies": [_body_json(body) for body in library_bodies()]})
@@ -72,7 +69,7 @@ def run_show(arguments: argparse.Namespace) -> None:
     """Print the numbers of one body.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the library has no such body, or there is no such lens.

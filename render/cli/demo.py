@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from render.cli.console import print_json, print_message
 from render.demo.shot import write_demo
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("demo", help="write the demo shot")
     parser.set_defaults(run=run)
     parser.add_argument(
         "folder",
@@ -27,7 +25,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Write the demo shot and print how to render it.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         OutputError: it cannot be written.

@@ -17,11 +17,8 @@ from render.film.report import film_report
 from usd_schemas import LibraryFilm, library_films
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "films", help="the film library; `films show NAME` has the numbers and a data sheet of one"
-    )
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
@@ -57,7 +54,7 @@ def run_list(arguments: argparse.Namespace) -> None:
     """Print the library.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
     """
     if arguments.json:
         print_json({"films": [_film_json(film) for film in library_films()]})
@@ -80,7 +77,7 @@ def run_show(arguments: argparse.Namespace) -> None:
     """Print the report of one stock, and draw its data sheet with --out.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the library has no such stock, or it cannot be combined with the other one.

@@ -9,7 +9,6 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from render.cli.console import print_findings, print_message
 from render.cli.options import shared
@@ -27,11 +26,8 @@ MAX_WARNINGS = 8
 _MAX_FILE_BYTES = 1 << 30
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "focus-curve", help="write the focus over time for other tools, or import their curves as a USD layer"
-    )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     shared.add_camera(parser)
@@ -80,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Solve the focus, or read a curve, and write it.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the arguments do not fit together.

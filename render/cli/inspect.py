@@ -17,11 +17,8 @@ from render.shot import Readout, Shot
 from render.shot.inspection import Inspection, inspect_shot
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "inspect", help="cameras, frame range, settings that are not honoured, validation findings"
-    )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -31,7 +28,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the contents of a shot at its first frame.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         StageError: it cannot be read.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import re
 from pathlib import Path
-from typing import Any
 
 from rich import box
 from rich.table import Table
@@ -22,11 +21,8 @@ from render.shot.lens.measured_lens import measured_lens
 from usd_schemas import library_lenses
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "lenses", help="the lens library; `lenses show NAME` has the numbers and a sheet of one"
-    )
     parser.set_defaults(run=run_list)
     parser.add_argument("--json", action="store_true", help="print JSON")
     actions = parser.add_subparsers(title="actions", metavar="ACTION")
@@ -57,7 +53,7 @@ def run_list(arguments: argparse.Namespace) -> None:
     """Print the library.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
     """
     entries = library_lenses()
     if arguments.json:
@@ -90,7 +86,7 @@ def run_show(arguments: argparse.Namespace) -> None:
     """Measure a lens, print its report, and draw its sheet with --out.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the library has no such lens, or a setting is out of range.

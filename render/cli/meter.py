@@ -28,11 +28,8 @@ DEFAULT_MODE = "center"
 """Metering mode where neither the user nor the shot sets one, the factory default of most cameras."""
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser(
-        "meter", help="light meter readings in EV, lux and stops; --key writes them as keys of the exposure"
-    )
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     shared.add_camera(parser)
@@ -66,7 +63,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Meter the shot, and print the readings or write them as keys.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the arguments do not fit together.

@@ -67,9 +67,8 @@ class RecordOptions:
     is_progressive: bool
 
 
-def add_parser(commands: Any) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser = commands.add_parser("record", help="render frames of a shot to EXR, PNG or JPEG files")
     parser.set_defaults(run=run)
     shared.add_stage(parser)
     parser.add_argument(
@@ -156,7 +155,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Render the frames and write them.
 
     Args:
-        arguments: as `add_parser` declares them.
+        arguments: as `add_arguments` declares them.
 
     Raises:
         SettingsError: the arguments are out of range or contradict each other.

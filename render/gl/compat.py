@@ -10,14 +10,20 @@ Why each adaptation is here:
 - pyrender pins PyOpenGL 3.1.0 (2014), which knows OpenGL up to 4.4; ``glClipControl`` of 4.5 is fetched from the driver.
 - PyOpenGL asks for the names of all extensions in one string, which the core profile refuses: it is given the list.
 - pyrender's context cannot be a debug context, whose driver reports errors and undefined use; `make_context` can ask for one.
+- pyrender imports its viewer (pyglet, tkinter, imageio), its fonts (freetype), and trimesh with all of SciPy: a second and more,
+  for parts that are not used here. So its modules are imported one by one, and these packages run late: when one of their
+  names is first used, which is never.
+- pyrender's scene keeps the parents of its nodes in a graph of networkx, which takes a fifth of a second to import; `_NodeTree`
+  keeps them in a dict.
 """
 
 from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterator
 from functools import cache
+from types import SimpleNamespace
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 os.environ.setdefault("PYGLET_HEADLESS", "1")
@@ -26,15 +32,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import GraphicsError
+from render.gl.late_package import import_late
+
+_NOT_USED = ("trimesh", "trimesh.transformations", "networkx", "freetype", "PIL.Image")
+"""Packages that modules of pyrender import at their top."""
 
 _had_infty = hasattr(np, "infty")
 if not _had_infty:
     np.infty = np.inf  # type: ignore[attr-defined]
 try:
+    for _name in (*_NOT_USED, "pyrender"):
+        import_late(_name)
     import pyrender
     import pyrender.light
     import pyrender.material
+    import pyrender.mesh
+    import pyrender.node
+    import pyrender.primitive
     import pyrender.renderer
+    import pyrender.scene
     import pyrender.shader_program
     import pyrender.texture
     from OpenGL import EGL, GL
@@ -51,6 +67,10 @@ except (ImportError, AttributeError) as error:  # PyOpenGL looks up a function i
 
 if not _had_infty:
     del np.infty  # type: ignore[attr-defined]
+
+for _module in (pyrender.material, pyrender.mesh, pyrender.node, pyrender.primitive, pyrender.scene, pyrender.texture):
+    _name = _module.__name__.rpartition(".")[2].capitalize()
+    setattr(pyrender, _name, getattr(_module, _name))  # as pyrender's own __init__ does
 
 FormatHandler("byref", "OpenGL.arrays.ctypesparameters.CtypesParameterHandler", ["_ctypes.CArgObject"], isOutput=True)
 
@@ -88,6 +108,38 @@ _DebugCallback = ctypes.CFUNCTYPE(
     ctypes.c_void_p,
 )
 _debug_callbacks: dict[int, ctypes._CFunctionType] = {}  # by context, which calls them as long as it lives
+
+
+class _NodeTree:
+    """The part of networkx's ``DiGraph`` that pyrender's scene uses: nodes, each with one edge to its parent."""
+
+    def __init__(self) -> None:
+        self._parents: dict[Hashable, Hashable] = {}
+
+    def add_node(self, node: Hashable) -> None:
+        """Add a node, without a parent yet."""
+
+    def add_edge(self, node: Hashable, parent: Hashable) -> None:
+        """Set the parent of a node."""
+        self._parents[node] = parent
+
+    def neighbors(self, node: Hashable) -> Iterator[Hashable]:
+        """Iterate over the one parent of a node."""
+        return iter((self._parents[node],))
+
+    def remove_node(self, node: Hashable) -> None:
+        """Remove a node whose children are removed already."""
+        del self._parents[node]
+
+    def path(self, node: Hashable, root: Hashable) -> list[Hashable]:
+        """List the nodes from one up to the root, both included."""
+        path = [node]
+        while path[-1] != root:
+            path.append(self._parents[path[-1]])
+        return path
+
+
+pyrender.scene.nx = SimpleNamespace(DiGraph=_NodeTree, shortest_path=_NodeTree.path)
 
 
 def make_context(platform: pyrender_egl.EGLPlatform, *, debug: bool = False) -> None:

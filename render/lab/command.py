@@ -15,6 +15,7 @@ from render.lab.bench.importance import plan as importance_plan
 from render.lab.bench.postblur import plan as postblur_plan
 from render.lab.bench.quality import plan as quality_plan
 from render.lab.bench.soak import plan as soak_plan
+from render.lab.bench.start import plan as start_plan
 
 _BENCHES = (
     ("lens", plan, "lens", "the lens engine: three scenes, and sweeps over rays, layers, aperture, surfaces"),
@@ -50,6 +51,7 @@ _BENCHES = (
         "postblur.run",
         "blurs of one picture: FLAG and the naive gather as the blur grows, and every engine's likeness",
     ),
+    ("start", start_plan, "start.run", "starting: from a new process of `record` to its first pixel, cold and warm"),
     (
         "importance",
         importance_plan,

@@ -107,9 +107,9 @@ def test_the_command_line_has_the_declared_options_and_ranges():
     add_settings(alone.add_argument_group("settings"))
     declared = {item.option.flag for item in SETTINGS.values() if item.option}
     assert {flag for action in alone._actions for flag in action.option_strings} - {"-h", "--help"} == declared
-    commands = argparse.ArgumentParser().add_subparsers()
-    record.add_parser(commands)
-    assert declared <= {flag for action in commands.choices["record"]._actions for flag in action.option_strings}
+    command = argparse.ArgumentParser()
+    record.add_arguments(command)
+    assert declared <= {flag for action in command._actions for flag in action.option_strings}
 
 
 def test_panels_of_settings_write_no_range():

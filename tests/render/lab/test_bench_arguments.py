@@ -21,6 +21,8 @@ from tests.render.kits.cli_shots import Command
         (("film", "--width", "0"), 2, "width"),
         (("motion", "--width", "0"), 2, "width"),
         (("soak", "--edits", "0"), 2, "--edits must be 1 or more"),
+        (("start", "--runs", "0"), 2, "--runs must be 1 or more, got 0"),
+        (("start", "--against", "no such folder"), 2, "--against takes the folder of a checkout"),
         (("postblur", "--plot", "blurs.gif"), 2, "blurs.gif"),
         (("importance", "--sizes", "256,x"), 2, "--sizes must be whole numbers from 32 to 2048"),
         (("importance", "--sizes", "8"), 2, "--sizes must be whole numbers"),

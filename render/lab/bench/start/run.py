@@ -36,7 +36,7 @@ PYTHON, EXIT = "python", "exit"
 STAGES = (PYTHON, "imports", *dict.fromkeys(stage for _, _, stage in recorder.WATCHED), recorder.OTHER, EXIT)
 """Stages in the order of the table: the interpreter's start and end, and those of the recorder."""
 _CHECKOUT = Path(__file__).resolve().parents[4]
-_CACHES = ("XDG_CACHE_HOME", "MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
+CACHES = ("XDG_CACHE_HOME", "MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
 """Environment variables that move the caches of the product, of Mesa and of NVIDIA's driver."""
 
 
@@ -117,7 +117,7 @@ class _Course:
         """Run once; ``kind`` is 0 for the first run, 1 for the second, 2 for later ones."""
         times, out = self._folder / "times.json", self._folder / "picture.png"
         environment = os.environ | {"PYTHONPATH": str(self._checkout)}
-        environment |= {name: str(self._folder / f"{name}{self._round}") for name in _CACHES}
+        environment |= {name: str(self._folder / f"{name}{self._round}") for name in CACHES}
         command = [sys.executable, "-P", recorder.__file__, str(times), "record", *self._arguments[:1], str(out)]
         began = perf_counter()
         done = subprocess.run(

@@ -2,27 +2,39 @@
 camera and the grade of the demo shot.
 
 pullfocus bench live
+pullfocus bench live --before CHECKOUT          beside the same drags with another checkout's code
+
+The file is a script too: with ``--before`` it runs in a process of its own, on the modules of the other checkout, of which it
+uses only what old checkouts have.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
+import math
+import os
+import subprocess
+import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from PIL import Image
 from pxr import Gf, UsdGeom
 
 from render.demo.shot import write_demo
+from render.errors import GraphicsError
 from render.film import GradeChoice
 from render.frame import FrameRenderer
-from render.lab.bench.live_plan import DRAGS, FIRST_MS, FRAME, LOOK_MS, LivePlan, plan_from_arguments
+from render.lab.bench.live_plan import DRAGS, FIRST_MS, FRAME, LOOK_MS, LivePlan, add_arguments, plan_from_arguments
 from render.lab.bench.progress import check_file, goal_lines, say
 from render.lab.bench.results import Goal
+from render.model.arrays import FloatArray
 from render.output.encode import encode_jpeg
 from render.pictures.live_finisher import LiveFinisher
 from render.pictures.picture import make_picture
@@ -32,6 +44,8 @@ from render.shot import Shot
 
 Change = Callable[[int], PreviewRequest]
 """Function that makes the change of a step of the drag and returns the request."""
+SLOWER, GAIN_DB = 1.1, 2.0
+"""Goals against another checkout; a tenth is what the same code varies by."""
 _STALE_AFTER_S = (0.05, 0.4, 1.0)
 
 
@@ -53,6 +67,8 @@ class DragRow:
         look_p95_ms: 95th percentile of the time between two cancellation points.
         look_longest_ms: and always.
         equal: whether the last one is equal to what `record` makes, to the bit.
+        first_psnr_db: the first picture of the last step of the drag, enlarged, against `record`'s picture of that step, both as
+            graded; None where they are equal.
     """
 
     name: str
@@ -68,6 +84,7 @@ class DragRow:
     look_p95_ms: float
     look_longest_ms: float
     equal: bool
+    first_psnr_db: float | None
 
 
 @dataclass(frozen=True)
@@ -81,6 +98,7 @@ class LiveBench:
         rays: rays per pixel of the picture at rest.
         rows: the drags.
         goals: goals and whether they are met.
+        before: the drags with the code of another checkout, if one was asked for.
     """
 
     device: str
@@ -89,6 +107,7 @@ class LiveBench:
     rays: int
     rows: list[DragRow]
     goals: list[Goal]
+    before: list[DragRow] = field(default_factory=list)
 
 
 class _Stand:
@@ -121,10 +140,8 @@ class _Stand:
             left_ms = max(self._left(change(later + i), after_s) for i, after_s in enumerate(_STALE_AFTER_S))
             request = change(later + len(_STALE_AFTER_S))
             rest_first_ms, rest_final_ms, final, looks = self._final(request)
-            plain = make_picture(
-                self._renderer, self._shot, None, request.time, request.settings, choice=request.choice
-            )
-            equal = np.array_equal(plain.graded, final.graded)
+            equal = np.array_equal(self._recorded(request), final.graded)
+            first_psnr_db = _psnr_db(shown.graded, self._recorded(change(self._plan.steps)))
         return DragRow(
             name,
             len(steps),
@@ -139,7 +156,14 @@ class _Stand:
             float(np.percentile(looks, 95)),
             max(looks),
             equal,
+            first_psnr_db,
         )
+
+    def _recorded(self, request: PreviewRequest) -> FloatArray:
+        """Graded picture of `record`."""
+        return make_picture(
+            self._renderer, self._shot, None, request.time, request.settings, choice=request.choice
+        ).graded
 
     def _step(self, change: Change, step: int) -> tuple[float, ProgressivePicture]:
         began = perf_counter()
@@ -227,6 +251,61 @@ def measure(plan: LivePlan) -> LiveBench:
     return LiveBench(device, picture.width, picture.height, picture.rays, rows, _goals(rows))
 
 
+def measure_before(checkout: Path, typed: Sequence[str]) -> list[DragRow]:
+    """Measure every drag with the code of another checkout, in a process of its own.
+
+    Args:
+        checkout: root of the checkout.
+        typed: the bench's arguments.
+
+    Raises:
+        GraphicsError: the process failed.
+    """
+    done = subprocess.run(
+        [sys.executable, "-P", __file__, *typed],
+        env={**os.environ, "PYTHONPATH": str(checkout.resolve())},
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise GraphicsError(f"the drags with {checkout} failed with status {done.returncode}")
+    return [DragRow(**row) for row in json.loads(done.stdout)]
+
+
+def main() -> None:
+    """Measure every drag, and write the rows as JSON on standard output."""
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    rows = measure(plan_from_arguments(parser.parse_args())).rows
+    sys.stdout.write(json.dumps([asdict(row) for row in rows]) + "\n")
+
+
+def _psnr_db(preview: FloatArray, recorded: FloatArray) -> float | None:
+    """PSNR of two graded pictures in dB, the first of which is enlarged as a browser would; None where they are equal."""
+    height, width = recorded.shape[:2]
+    channels = [
+        Image.fromarray(preview[..., channel]).resize((width, height), Image.Resampling.BILINEAR)
+        for channel in range(3)
+    ]
+    error = float(np.mean((np.stack([np.asarray(channel) for channel in channels], axis=-1) - recorded) ** 2))
+    return -10 * math.log10(error) if error > 0 else None
+
+
+def compare(rows: list[DragRow], before: list[DragRow]) -> list[Goal]:
+    """Goals of the drags against those of another checkout."""
+    goals = []
+    for row, old in zip(rows, before, strict=True):
+        times = row.first_ms / old.first_ms
+        goals.append(
+            Goal(f"{row.name}: first picture, times as long as before, at most", SLOWER, times, times <= SLOWER)
+        )
+        if row.first_psnr_db is not None and old.first_psnr_db is not None:
+            gain = row.first_psnr_db - old.first_psnr_db
+            goals.append(Goal(f"{row.name}: first picture, dB gained, at least", GAIN_DB, gain, gain >= GAIN_DB))
+    return goals
+
+
 def _goals(rows: list[DragRow]) -> list[Goal]:
     times = {row.name: row.first_ms for row in rows}
     goals = [
@@ -254,6 +333,10 @@ def run(arguments: argparse.Namespace) -> None:
     """
     check_file(arguments.json)
     result = measure(plan_from_arguments(arguments))
+    if arguments.before is not None:
+        typed = [*(["--quick"] if arguments.quick else []), f"--width={result.width}"]
+        before = measure_before(arguments.before, typed)
+        result = replace(result, before=before, goals=[*result.goals, *compare(result.rows, before)])
     say(result, report(result), arguments.json)
 
 
@@ -264,12 +347,23 @@ def report(result: LiveBench) -> str:
         "Milliseconds from before the change until the picture is there as a JPEG.",
         "",
         "drag       first: median      p95   of it reading   its width   rays   at rest: first     last   left within"
-        "   looks every: p95  longest",
+        "   looks every: p95  longest   first: PSNR dB",
     ]
-    lines += [
+    lines += _lines(result.rows)
+    if result.before:
+        lines += ["", "The same with the checkout of before:", *_lines(result.before)]
+    return "\n".join([*lines, "", *goal_lines(result.goals)]) + "\n"
+
+
+def _lines(rows: list[DragRow]) -> list[str]:
+    alike = ("equal" if row.first_psnr_db is None else f"{row.first_psnr_db:.1f}" for row in rows)
+    return [
         f"{row.name:9}  {row.first_ms:13.0f}  {row.first_p95_ms:7.0f}   {row.read_share:13.0%}   {row.width:9}   {row.rays:4}"
         f"   {row.rest_first_ms:14.0f}  {row.rest_final_ms:7.0f}   {row.left_ms:11.0f}"
-        f"   {row.look_p95_ms:16.0f}  {row.look_longest_ms:7.0f}"
-        for row in result.rows
+        f"   {row.look_p95_ms:16.0f}  {row.look_longest_ms:7.0f}   {next(alike):>14}"
+        for row in rows
     ]
-    return "\n".join([*lines, "", *goal_lines(result.goals)]) + "\n"
+
+
+if __name__ == "__main__":
+    main()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, replace
 
-from render.lab.bench.demo_plan import add_picture_arguments, with_width
+from render.lab.bench.demo_plan import add_before_argument, add_picture_arguments, check_before, with_width
 from render.model.frame_settings import FrameSettings
 
 PICTURE = FrameSettings(960, 540)
@@ -37,6 +37,7 @@ class LivePlan:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the bench's arguments."""
     add_picture_arguments(parser, PICTURE)
+    add_before_argument(parser)
 
 
 def plan_from_arguments(arguments: argparse.Namespace) -> LivePlan:
@@ -46,7 +47,8 @@ def plan_from_arguments(arguments: argparse.Namespace) -> LivePlan:
         arguments: as `add_arguments` declares them.
 
     Raises:
-        SettingsError: the picture is too small or too large.
+        SettingsError: the picture is too small or too large, or the checkout to compare with is none.
     """
+    check_before(arguments)
     picture = replace(PICTURE, width=96, height=54, rays=8, supersample=1) if arguments.quick else PICTURE
     return LivePlan(with_width(picture, arguments.width), 3 if arguments.quick else STEPS)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from render.errors import SettingsError
+from render.lab.bench.demo_plan import add_before_argument, check_before
 from render.model.limits import MAX_RAYS, check_picture_size
 
 WIDTH, GOAL_RAYS, UNLIT_GOAL_RAYS = 480, 100, 256
@@ -78,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="keep converged pictures there, and go on with those that it has",
     )
-    parser.add_argument("--before", metavar="CHECKOUT", type=Path, help="draw with this checkout of Pullfocus too")
+    add_before_argument(parser)
     parser.add_argument("--pictures", metavar="FOLDER", type=Path, help=f"write the pictures of {GOAL_RAYS} rays there")
 
 
@@ -97,8 +98,7 @@ def plan_from_arguments(arguments: argparse.Namespace) -> QualityPlan:
     views = plan.views if arguments.views is None else arguments.views
     if not 2 <= views <= MAX_RAYS:
         raise SettingsError(f"--views must be from 2 to {MAX_RAYS}, got {views}")
-    if arguments.before is not None and not (arguments.before / "render" / "frame.py").is_file():
-        raise SettingsError(f"--before must be a checkout of Pullfocus, but {arguments.before} has no render/frame.py")
+    check_before(arguments)
     return QualityPlan(
         tuple(arguments.scene or plan.subjects),
         width,

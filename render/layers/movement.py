@@ -84,6 +84,26 @@ def swept_bounds(moves: Iterable[Movement], view: PinholeView) -> DoubleArray:
     return np.concatenate([low, high])
 
 
+def nearest_moving_w(moves: Iterable[Movement], view: PinholeView) -> float:
+    """Inverse depth that no moving instance in view exceeds at any time of the interval, 1/m: that of the nearest corner of a
+    box, at most ``1 / view.near_m``; 0 where none moves.
+
+    Args:
+        moves: movements of the batches.
+        view: view of the layers in the middle of the interval.
+    """
+    first = np.array([-view.cx / view.fx, -view.cy / view.fy])
+    last = np.array([(view.width - view.cx) / view.fx, (view.height - view.cy) / view.fy])
+    nearest_w = 0.0
+    for movement in moves:
+        slopes, seen = _slopes(movement.corners, view)
+        comes = seen & (slopes.max(axis=(0, 2)) >= first).all(axis=1) & (slopes.min(axis=(0, 2)) <= last).all(axis=1)
+        depth = -(movement.corners @ view.camera_from_world[2, :3] + view.camera_from_world[2, 3])
+        nearest_m = np.maximum(depth.min(axis=(0, 2)), view.near_m)
+        nearest_w = max(nearest_w, float((1 / nearest_m[comes]).max(initial=0.0)))
+    return nearest_w
+
+
 def _slopes(corners: DoubleArray, view: PinholeView) -> tuple[DoubleArray, NDArray[np.bool_]]:
     """Slopes ``(3, k, 8, 2)`` of corners, x right and y down, and visibility ``(k,)``.
 

@@ -1,8 +1,9 @@
 """N-buffers over blocks of 4x4 layer pixels: the range of inverse depth in any rectangle, in four look-ups.
 
 Beside the range of inverse depth (Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values"; Decoret 2005) they hold
-which of 64 even bins between the picture's nearest and farthest surface are occupied: a lamp in the foreground widens the range
-over the empty space between it and the wall behind, where rays need not search.
+which of 64 even bins between infinity and the nearest surface are occupied: a lamp in the foreground widens the range over the
+empty space between it and the wall behind, where rays need not search. The bins' range is known before the layers are peeled, so
+that layers of a part of the picture have the same bins as those of the whole.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from render.layers.movers import Movers, block_counts
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
 
+BINS_ABOVE_NEAREST = 1.06
+"""Nearest end of the bins relative to the nearest surface's w: a pixel's plane reaches 5 % beyond it (``trace/slopes.glsl``)."""
+
 
 @dataclass(frozen=True)
 class NBuffers:
@@ -28,11 +32,13 @@ class NBuffers:
     Attributes:
         ranges: RG32F array, ``levels`` slices at a quarter of the layers' resolution: (min, max) of w in 1/m.
         bins: RG32UI array of the same size: 64 bits, the lowest for the farthest bin of the whole range.
+        w_range: range of inverse depth of the bins, 1/m; every surface is within it.
         levels: number of levels; the first texel of the last one covers the whole picture.
     """
 
     ranges: moderngl.TextureArray
     bins: moderngl.TextureArray
+    w_range: tuple[float, float]
     levels: int
 
     @property
@@ -52,9 +58,21 @@ class NBufferBuilder:
         self._textures: tuple[moderngl.TextureArray, moderngl.TextureArray] | None = None
         self._built: tuple[Layers, NBuffers] | None = None
 
-    def build(self, layers: Layers, movers: Movers | None = None) -> NBuffers:
-        """Build the ranges and bins over all layers and over all that the movers sweep. Those of the last layers are reused."""
-        if self._built is not None and self._built[0] is layers and movers is None:
+    def build(self, layers: Layers, nearest_w: float, movers: Movers | None = None) -> NBuffers:
+        """Build the ranges and bins over all layers and over all that the movers sweep. Those of the last layers are reused.
+
+        Args:
+            layers: peeled layers.
+            nearest_w: inverse depth that no surface of the layers and no mover exceeds, 1/m (`Peeler.nearest_w`).
+            movers: moving surfaces of the layers.
+        """
+        w_range = 0.0, BINS_ABOVE_NEAREST * nearest_w
+        if (
+            self._built is not None
+            and self._built[0] is layers
+            and self._built[1].w_range == w_range
+            and movers is None
+        ):
             return self._built[1]
         self._built = None
         width, height = block_counts(layers.view)
@@ -67,11 +85,10 @@ class NBufferBuilder:
         self._fill(self._programs.compute("layers/blocks.comp", {"EMPTY_MIN": EMPTY_MIN, **moving}), layers, ranges)
         self._build_levels("layers/nbuffer.comp", ranges)
         program = self._programs.compute("layers/bins.comp", moving)
-        ranges.use(4)
-        set_uniforms(program, ranges=4, last_level=levels - 1)
+        set_uniforms(program, w_range=w_range)
         self._fill(program, layers, bins)
         self._build_levels("layers/bins_level.comp", bins)
-        built = NBuffers(ranges, bins, levels)
+        built = NBuffers(ranges, bins, w_range, levels)
         if movers is None:
             self._built = layers, built
         return built

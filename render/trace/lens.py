@@ -142,7 +142,7 @@ class LensTracer:
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
         peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
         on_stage("peel")
-        return (yield from self._trace_layers(peeled, bundle, focus, view, bound_by_rays, on_stage))
+        return (yield from self._trace_layers(peeled, bundle, focus, view, nearest_w, bound_by_rays, on_stage))
 
     def trace_layers(
         self,
@@ -172,7 +172,7 @@ class LensTracer:
         w_f, pupil = focus.over_picture()
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
         bundle = merge_wavelengths(bundle, max(peeled.view.fx, peeled.view.fy), float(off_focus.max()))
-        work = self._trace_layers(peeled, bundle, focus, view)
+        work = self._trace_layers(peeled, bundle, focus, view, nearest_w)
         return _run(work).color
 
     def _trace_layers(
@@ -181,10 +181,11 @@ class LensTracer:
         bundle: RayBundle,
         focus: PictureFocus,
         view: PinholeView,
+        nearest_w: float,
         bound_by_rays: bool = False,
         on_stage: Callable[[Stage], None] = lambda stage: None,
     ) -> Generator[float, None, TracedPicture]:
-        nbuffers = self._nbuffers.build(peeled)
+        nbuffers = self._nbuffers.build(peeled, nearest_w)
         on_stage("nbuffers")
         for done in self._tracer.passes(peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays):
             yield done.share

@@ -16,7 +16,7 @@ import moderngl
 import numpy as np
 
 from render.gl.shaders import ProgramCache
-from render.layers.movement import Movement, swept_bounds
+from render.layers.movement import Movement, nearest_moving_w, swept_bounds
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBufferBuilder
 from render.layers.peel import Layers, Peeler
@@ -96,7 +96,8 @@ class MotionTracer:
         peeled, nearest_w = sweep.peel(peeler, moves, layers, supersample, unlit)
         with ExitStack() as stack:
             movers = stack.enter_context(Movers(self._ctx, self._programs, peeled)) if peeled.may_move else None
-            nbuffers = self._nbuffers.build(peeled, movers)
+            nearest = max(nearest_w, nearest_moving_w(moves.values(), peeled.view))
+            nbuffers = self._nbuffers.build(peeled, nearest, movers)
             for i, sample in enumerate(samples):
                 moment_view = MomentView(middle, sample.view, sample.shutter_time)
                 if movers is not None:

@@ -249,6 +249,7 @@ class Tracer:
             axis=(layers.view.cx, layers.view.cy),
             focal_px=(layers.view.fx, layers.view.fy),
             last_level=nbuffers.levels - 1,
+            w_range=nbuffers.w_range,
         )
 
     def _allocate_sum(self, size: tuple[int, int]) -> moderngl.Texture:

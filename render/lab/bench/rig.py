@@ -94,7 +94,7 @@ class LensRig:
         """Memory of ``layers`` layers of exactly ``width`` by ``height`` pixels, and of their N-buffers."""
         view = PinholeView.from_camera(camera, width, height)
         peeled = self._peeler.peel(view, layers=layers, umbra=umbra_reach(view.fx * pupil_radius_m(camera)))
-        return peeled.targets.bytes + self._nbuffers.build(peeled).bytes
+        return peeled.targets.bytes + self._nbuffers.build(peeled, self._peeler.nearest_w(view)).bytes
 
     def close(self) -> None:
         """Give the device's memory and the context back."""

@@ -1,4 +1,4 @@
-// Even bins of inverse depth over the range of a whole picture, 64 of them, as bits of a uvec2: bit 0 is farthest.
+// Even bins of inverse depth over a range that holds all surfaces, 64 of them, as bits of a uvec2: bit 0 is farthest.
 
 const int BINS = 64;
 

@@ -4,6 +4,7 @@
 uniform sampler2DArray ranges;  // N-buffers
 uniform usampler2DArray bins;
 uniform int last_level;         // last level of the N-buffers
+uniform vec2 w_range;           // range of w of all bins; every surface is within it
 
 #include "layers/bins.glsl"
 
@@ -41,11 +42,6 @@ uvec2 bins_over(ivec2 low, ivec2 high)
          | texelFetch(bins, ivec3(s.a.x, s.c.y, s.level), 0).xy | texelFetch(bins, ivec3(s.c, s.level), 0).xy;
 }
 
-vec2 range_of_all()
-{
-    return texelFetch(ranges, ivec3(0, 0, last_level), 0).xy;
-}
-
 // Intervals of w, near to far, that a pixel's rays search.
 vec2 intervals[MAX_INTERVALS];
 int interval_count;
@@ -53,8 +49,7 @@ int interval_count;
 // Intervals of consecutive occupied bins within `range`.
 void find_intervals(uvec2 occupied, vec2 range)
 {
-    vec2 all = range_of_all();
-    float width = (all.y - all.x) / float(BINS);
+    float width = (w_range.y - w_range.x) / float(BINS);
     interval_count = 0;
     int above = BINS;  // bins from here on are done
     while (true) {
@@ -63,7 +58,7 @@ void find_intervals(uvec2 occupied, vec2 range)
         if (top < 0) break;
         uvec2 empty = top > 0 ? ~occupied & bits_between(0, top - 1) : uvec2(0u);
         above = 1 + (empty.y != 0u ? 32 + findMSB(empty.y) : findMSB(empty.x));
-        vec2 interval = vec2(max(all.x + float(above) * width, range.x), min(all.x + float(top + 1) * width, range.y));
+        vec2 interval = vec2(max(w_range.x + float(above) * width, range.x), min(w_range.x + float(top + 1) * width, range.y));
         if (interval_count < MAX_INTERVALS) intervals[interval_count++] = interval;
         else intervals[MAX_INTERVALS - 1].x = interval.x;
     }

@@ -84,7 +84,7 @@ void footprint_between(PixelRays rays, vec2 range, float reach, out ivec2 from, 
 // Narrow the range of w in which the pixel's rays can meet surfaces: each range's footprint bounds the next range.
 vec2 bound_footprint(PixelRays rays, float reach)
 {
-    vec2 range = range_of_all();
+    vec2 range = w_range;
     ivec2 from, to;
     for (int i = 0; i < ROUNDS && range.y > 0.0; ++i) {
         footprint_between(rays, range, reach, from, to);
@@ -96,15 +96,14 @@ vec2 bound_footprint(PixelRays rays, float reach)
 // Occupied bins within the range under the rays' footprint at their depth: slab by slab, each with its own footprint.
 uvec2 reachable_bins(PixelRays rays, vec2 range, float reach)
 {
-    vec2 all = range_of_all();
-    int last = bin_of(range.y, all), first = bin_of(range.x, all);
+    int last = bin_of(range.y, w_range), first = bin_of(range.x, w_range);
     int slab = max(1, (last - first + SLABS) / SLABS);
-    float width = (all.y - all.x) / float(BINS);
+    float width = (w_range.y - w_range.x) / float(BINS);
     uvec2 occupied = uvec2(0u);
     for (int low = first; low <= last; low += slab) {
         int high = min(low + slab - 1, last);
         ivec2 from, to;
-        footprint_between(rays, all.x + width * vec2(low, high + 1), reach, from, to);
+        footprint_between(rays, w_range.x + width * vec2(low, high + 1), reach, from, to);
         occupied |= bins_over(from, to) & bits_between(low, high);
     }
     return occupied;

@@ -81,7 +81,7 @@ def surfaces(ctx: Any, programs: ProgramCache) -> object:
 
 def nbuffers(ctx: Any, programs: ProgramCache) -> object:
     builder = NBufferBuilder(ctx, programs)
-    return builder.build(SimpleNamespace(view=SimpleNamespace(width=40, height=30)))  # type: ignore[arg-type]
+    return builder.build(SimpleNamespace(view=SimpleNamespace(width=40, height=30)), 1.0)  # type: ignore[arg-type]
 
 
 def lens_rays(ctx: Any, programs: ProgramCache) -> object:

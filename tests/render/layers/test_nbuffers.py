@@ -74,7 +74,7 @@ def built(ctx: moderngl.Context, peeler: Peeler, request: pytest.FixtureRequest)
     )
     ranges = ranges.reshape(len(w), 2, *shape).transpose(2, 3, 0, 4, 1).reshape(*SIZE[::-1], -1, 2)
     builder = NBufferBuilder(ctx, ProgramCache(ctx))
-    yield layers, builder.build(layers), ranges[:, :, : layers.count]
+    yield layers, builder.build(layers, peeler.nearest_w(VIEW)), ranges[:, :, : layers.count]
     builder.release()
 
 
@@ -109,9 +109,9 @@ def test_ranges_hold_every_filled_pixel_and_nothing_else(built: Built) -> None:
     assert tuple(stored[-1, 0, 0]) == pytest.approx(range_of(w), rel=ROUNDING)
 
 
-def bins_of(ranges: FloatArray, everything: FloatArray, wider: float) -> int:
-    """Bits of the bins that a patch of layers fills, of 64 over the range of the whole, each range wider by this share of w."""
-    low, high = range_of(everything)
+def bins_of(ranges: FloatArray, w_range: tuple[float, float], wider: float) -> int:
+    """Bits of the bins that a patch of layers fills, of 64 over the bins' range, each range wider by this share of w."""
+    low, high = w_range
     filled = ranges[ranges[..., 1] > 0] * np.array([1 - wider, 1 + wider])
     bins = ((filled - low) / (high - low) * 64).clip(0, 63).astype(int)
     return sum(1 << int(number) for number in {n for first, last in bins for n in range(first, last + 1)})
@@ -122,6 +122,8 @@ def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
     _, buffers, w = built
     columns, rows, levels = buffers.bins.size
     assert buffers.bins.size == buffers.ranges.size
+    assert buffers.w_range[0] <= w[w > 0].min()
+    assert buffers.w_range[1] >= w.max()
     stored = np.frombuffer(buffers.bins.read(), np.uint64).reshape(levels, rows, columns)
     sparse = 0
     for level in range(levels):
@@ -129,8 +131,8 @@ def test_bins_hold_what_is_filled_and_nothing_else(built: Built) -> None:
         for y, x in np.random.default_rng(level).integers(0, (rows, columns), (40, 2)):
             found = int(stored[level, y, x])
             square = w[y * BLOCK_PX :, x * BLOCK_PX :][:side, :side]
-            assert found & ~bins_of(square, w, ROUNDING) == 0
-            assert bins_of(square, w, -ROUNDING) & ~found == 0
+            assert found & ~bins_of(square, buffers.w_range, ROUNDING) == 0
+            assert bins_of(square, buffers.w_range, -ROUNDING) & ~found == 0
             sparse += 0 < found.bit_count() < 10
     assert sparse > 20
     assert int(stored[-1, 0, 0]).bit_count() > 10
@@ -208,7 +210,7 @@ def test_four_layers_of_1024_by_768_take_at_most_64_megabytes(ctx: moderngl.Cont
         layers = peeler.peel(view, layers=count, umbra=UMBRA)
         assert layers.count == count
         builder = NBufferBuilder(ctx, ProgramCache(ctx))
-        buffers = builder.build(layers)
+        buffers = builder.build(layers, peeler.nearest_w(view))
         targets = layers.targets
         depth = 4 * 1024 * 768
         textures = [targets.background, *targets.packed_w, *targets.packed_slopes]

@@ -16,7 +16,7 @@ import numpy as np
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
-from render.layers.limits import EMPTY_MIN
+from render.layers.limits import BLOCK_PX, EMPTY_MIN
 from render.layers.movers import Movers, block_counts
 from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK, texture_bytes
@@ -45,6 +45,17 @@ class NBuffers:
     def bytes(self) -> int:
         """Memory on the device, bytes."""
         return texture_bytes(self.ranges) + texture_bytes(self.bins)
+
+
+def nbuffer_bytes(width: int, height: int) -> int:
+    """Memory of the N-buffers of layers of this size, bytes: that of `NBuffers.bytes`."""
+    columns, rows = -(-width // BLOCK_PX), -(-height // BLOCK_PX)
+    return 16 * columns * rows * _levels(columns, rows)
+
+
+def _levels(width: int, height: int) -> int:
+    """Number of levels over so many blocks."""
+    return int(np.ceil(np.log2(max(width, height)))) + 1
 
 
 class NBufferBuilder:
@@ -76,7 +87,7 @@ class NBufferBuilder:
             return self._built[1]
         self._built = None
         width, height = block_counts(layers.view)
-        levels = int(np.ceil(np.log2(max(width, height)))) + 1
+        levels = _levels(width, height)
         ranges, bins = self._allocate(width, height, levels)
         moving: dict[str, int | float | str] = {}
         if movers is not None:

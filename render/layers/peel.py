@@ -48,6 +48,7 @@ class Layers:
         count: number of layers with surfaces.
         may_be_translucent: whether any of their surfaces may be partly transparent.
         may_move: whether any of their surfaces may move; the targets hold the motion then.
+        within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
     """
 
     view: PinholeView
@@ -55,6 +56,17 @@ class Layers:
     count: int
     may_be_translucent: bool = True
     may_move: bool = False
+    within: PinholeView | None = None
+
+    @property
+    def whole(self) -> PinholeView:
+        """View of the whole picture's layers, whose pixels the tracer counts in."""
+        return self.within or self.view
+
+    @property
+    def origin(self) -> tuple[int, int]:
+        """Position of the first of these pixels in the whole picture's layers."""
+        return round(self.whole.cx - self.view.cx), round(self.whole.cy - self.view.cy)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ More rays have smaller patches and converge to the same picture. Cut-outs keep t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,11 @@ class SurfaceSampling:
     picture_px: float = 1.0
     patch_px_m: float = 0.0
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def at_corner(self, x: float, y: float) -> SurfaceSampling:
+        """The same sampling in a pass whose corner is this many pixels to the right and down."""
+        corner, right, down = self.focus
+        return replace(self, focus=(corner + right * x + down * y, right, down))
 
 
 PLAIN = SurfaceSampling()

@@ -212,6 +212,12 @@ def check_layer_size(ctx: moderngl.Context, width: int, height: int) -> None:
         )
 
 
+def layer_bytes_per_px(layers: int, *, motion: bool = False) -> int:
+    """Memory of so many layers, with their background and depth buffer, bytes per pixel: that of `LayerTargets.bytes`."""
+    packs = -(-layers // LAYERS_PER_PACK)
+    return layers * (8 + 16 * motion) + packs * (16 + 8) + 8 + 4
+
+
 def texture_bytes(texture: moderngl.Texture | moderngl.TextureArray) -> int:
     """Memory of a texture without mipmaps, from its size and format."""
     texels = int(np.prod(texture.size))

@@ -10,6 +10,7 @@ from render.gl.shaders import ProgramCache, set_uniforms
 from render.model.arrays import FloatArray
 from render.model.focal_surface import MAX_HALVES, Controls
 from render.trace.picture_focus import PictureFocus
+from render.trace.tiling.picture import Area
 
 _POINTS, _BENDS, _STRETCH, _IMAGE = 0, 1, 2, 1  # as the shader binds them
 _CHIEF_RAYS = 513
@@ -24,11 +25,13 @@ class FocalMaps:
         self._programs = programs
         self._map: moderngl.Texture | None = None
 
-    def draw(self, focus: PictureFocus) -> moderngl.Texture:
-        """Draw w_f in 1/m and the pupil's radius relative to the lens's own, ``(width, height)``; valid until the next map."""
+    def draw(self, focus: PictureFocus, area: Area | None = None) -> moderngl.Texture:
+        """Draw w_f in 1/m and the pupil's radius relative to the lens's own, over an area of the picture or all of it; valid
+        until the next map."""
         program = self._programs.compute("trace/focal_surface.comp", {})
         surface, view = focus.surface, focus.view
-        texture = self._allocate((view.width, view.height))
+        left, top, width, height = area or (0, 0, view.width, view.height)
+        texture = self._allocate((width, height))
         with Resources() as scope:
             scope.keep(self._controls(program, "point", surface.controls, _POINTS))
             scope.keep(self._controls(program, "bend", surface.bends, _BENDS))
@@ -36,6 +39,7 @@ class FocalMaps:
             plane = surface.plane
             set_uniforms(
                 program,
+                area_first=(left, top),
                 centre=(view.cx, view.cy),
                 focal_px=(view.fx, view.fy),
                 plane=(plane.w0, plane.slope_x, plane.slope_y),
@@ -43,7 +47,7 @@ class FocalMaps:
             )
             self._halves(program, focus)
             texture.bind_to_image(_IMAGE, read=False, write=True)
-            program.run(-(-view.width // _TILE), -(-view.height // _TILE))
+            program.run(-(-width // _TILE), -(-height // _TILE))
             self._ctx.memory_barrier()
         return texture
 

@@ -36,7 +36,12 @@ class RayExtent:
 
 
 def make_layer_view(
-    view: PinholeView, bundle: RayBundle, focus: PictureFocus, supersample: float, nearest_w: float
+    view: PinholeView,
+    bundle: RayBundle,
+    focus: PictureFocus,
+    supersample: float,
+    nearest_w: float,
+    most_side_px: int = MAX_PICTURE_SIDE_PX,
 ) -> PinholeView:
     """The view to peel.
 
@@ -46,17 +51,21 @@ def make_layer_view(
         focus: focal surface.
         supersample: layer pixels per picture pixel along each axis.
         nearest_w: inverse depth of the nearest surface in view, 1/m.
+        most_side_px: limit on the layers' sides.
     """
-    return extend_view(view, bound_rays(view, bundle, focus, nearest_w), supersample)
+    return extend_view(view, bound_rays(view, bundle, focus, nearest_w), supersample, most_side_px)
 
 
-def extend_view(view: PinholeView, extent: RayExtent, supersample: float) -> PinholeView:
+def extend_view(
+    view: PinholeView, extent: RayExtent, supersample: float, most_side_px: int = MAX_PICTURE_SIDE_PX
+) -> PinholeView:
     """View of the layers that show a picture and a given extent around it.
 
     Args:
         view: view of the picture.
         extent: bounds of the rays.
         supersample: layer pixels per picture pixel along each axis.
+        most_side_px: limit on the layers' sides; margins are cut to it.
     """
     margins = [
         max(0.0, view.cx + extent.right * view.fx - view.width),
@@ -66,7 +75,7 @@ def extend_view(view: PinholeView, extent: RayExtent, supersample: float) -> Pin
     ]
     area = (view.width + margins[0] + margins[1]) * (view.height + margins[2] + margins[3])
     scale = supersample * min(1.0, float(np.sqrt(MAX_AREA_RATIO * view.width * view.height / area)))
-    room = max(0, (MAX_PICTURE_SIDE_PX - int(np.ceil(scale * max(view.width, view.height)))) // 2)
+    room = max(0, (most_side_px - int(np.ceil(scale * max(view.width, view.height)))) // 2)
     right, left, bottom, top = (min(int(np.ceil(margin * scale)) + 2, room) for margin in margins)
     return replace(
         view,

@@ -16,9 +16,11 @@ from render.layers.nbuffers import NBufferBuilder, NBuffers
 from render.layers.peel import Layers, Peeler
 from render.layers.surface_sampling import layer_sampling
 from render.layers.umbra import layers_needed, umbra_reach
+from render.layers.window import LayerWindow, PeelStrip
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
+from render.model.limits import MAX_PICTURE_SIDE_PX
 from render.optics.distortion import chief_rays
 from render.optics.view import PinholeView
 from render.trace.aovs import measure_aovs
@@ -27,9 +29,13 @@ from render.trace.layer_view import make_layer_view
 from render.trace.motion_tracer import MotionTracer
 from render.trace.picture_focus import PictureFocus, picture_focus
 from render.trace.rays import RayBundle, RayPattern, make_ray_pattern
+from render.trace.tiling.picture import Area, TiledPicture
+from render.trace.tiling.plan import LayerBudget, TilePlan, plan_tiles, ray_reach_px
 from render.trace.tracer import Tracer
 
 Stage = Literal["rays", "peel", "nbuffers", "trace"]
+_MOST_SIDE_PX = 4 * MAX_PICTURE_SIDE_PX
+"""Limit on a side of the layers, which no texture need hold as a whole: the largest supersampling of the largest picture."""
 STAGES: tuple[Stage, ...] = get_args(Stage)
 """Stages of a picture in order: lens table, layers, N-buffers, rays."""
 
@@ -50,12 +56,20 @@ class TracedPicture:
 
 
 class LensTracer:
-    """Traces lens pictures of a peeler's scene."""
+    """Traces lens pictures of a peeler's scene.
+
+    Attributes:
+        budget: memory of layers above which a picture is traced in tiles.
+    """
 
     def __init__(
         self, ctx: moderngl.Context, programs: ProgramCache, cancellation: CancellationPoint = NEVER_CANCELLED
     ) -> None:
+        self._ctx = ctx
+        self.budget = LayerBudget()
         self._nbuffers = NBufferBuilder(ctx, programs, cancellation)
+        self._window = LayerWindow(ctx)
+        self._tiled: tuple[TiledPicture, Area] | None = None
         self._tracer = Tracer(ctx, programs, cancellation)
         self._bundles = BundleMaker(ctx, programs)
         self.motion_tracer = MotionTracer(ctx, programs, self._nbuffers, self._tracer, self._bundles)
@@ -128,9 +142,9 @@ class LensTracer:
         on_stage("rays")
         focus = picture_focus(camera, view)
         w_f, pupil = focus.over_picture()
-        widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m)
+        widest = make_layer_view(view, bundle, focus, supersample, 1 / view.near_m, _MOST_SIDE_PX)
         nearest_w = peeler.nearest_w(widest)
-        wide = make_layer_view(view, bundle, focus, supersample, nearest_w)
+        wide = make_layer_view(view, bundle, focus, supersample, nearest_w, _MOST_SIDE_PX)
         f_px = max(wide.fx, wide.fy)
         pupil_px = f_px * bundle.reach_m * float(pupil.max())
         off_focus = pupil * np.maximum(np.abs(w_f), np.abs(nearest_w - w_f))
@@ -140,7 +154,20 @@ class LensTracer:
         umbra = umbra_reach(pupil_px)
         plane = focus.affine
         sampling = layer_sampling(wide, view, plane or (0.0, 0.0, 0.0), bundle.reach_m, pattern.whole if plane else 1)
-        peeled = peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling)
+
+        def peel(part: PinholeView) -> Layers:
+            own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
+            return peeler.peel(part, layers=layers, umbra=umbra, unlit=unlit, sampling=own)
+
+        reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
+        plan = plan_tiles(view, wide, reach_px, layers, self.budget, int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]))
+        if plan is not None:
+            return (
+                yield from self._trace_tiles(
+                    plan, peel, layers, bundle, focus, view, nearest_w, bound_by_rays, on_stage
+                )
+            )
+        peeled = peel(wide)
         on_stage("peel")
         return (yield from self._trace_layers(peeled, bundle, focus, view, nearest_w, bound_by_rays, on_stage))
 
@@ -193,9 +220,50 @@ class LensTracer:
         on_stage("trace")
         return TracedPicture(color, peeled, nbuffers)
 
+    def _trace_tiles(
+        self,
+        plan: TilePlan,
+        peel: PeelStrip,
+        layers: int,
+        bundle: RayBundle,
+        focus: PictureFocus,
+        view: PinholeView,
+        nearest_w: float,
+        bound_by_rays: bool,
+        on_stage: Callable[[Stage], None],
+    ) -> Generator[float, None, TracedPicture]:
+        """Trace a picture tile by tile, each through its window of the layers."""
+        picture, done = TiledPicture(*view.size), 0.0
+        self._window.clear()
+        try:
+            for tile in plan.tiles:
+                area = plan.area(tile, view)
+                self._tiled = picture, area
+                peeled = self._window.move(plan.whole, plan.axis, tile.window, plan.window, plan.strip, layers, peel)
+                on_stage("peel")
+                nbuffers = self._nbuffers.build(peeled, nearest_w)
+                on_stage("nbuffers")
+                share = area[2] * area[3] / (view.width * view.height)
+                for step in self._tracer.passes(
+                    peeled, nbuffers, bundle, focus, view, bound_by_rays=bound_by_rays, area=area
+                ):
+                    if step.share < 1 or tile.stop < view.size[plan.axis]:
+                        yield done + share * step.share
+                picture.put(area, self._tracer.picture())
+                on_stage("trace")
+                done += share
+            yield 1.0
+            return TracedPicture(picture.color, peeled, nbuffers)
+        finally:
+            self._tiled = None
+
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Picture so far: see `Tracer.partial_picture`."""
-        return self._tracer.partial_picture()
+        partial = self._tracer.partial_picture()
+        if self._tiled is None:
+            return partial
+        picture, area = self._tiled
+        return picture.with_unfinished(area, *partial)
 
     def measure_aovs(self, peeler: Peeler, camera: Camera, view: PinholeView) -> dict[str, NDArray[Any]]:
         """AOVs of the picture: see `render.trace.aovs.measure_aovs`."""
@@ -206,6 +274,7 @@ class LensTracer:
     def release(self) -> None:
         """Release the memory."""
         self._nbuffers.release()
+        self._window.release()
         self._tracer.release()
 
 

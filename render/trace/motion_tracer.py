@@ -104,6 +104,10 @@ class MotionTracer:
                     movers.update(sample.shutter_time)
                 focus = picture_focus(sample.camera, sample.view)
                 bundle = _merge_wavelengths(sweep.bundle(sample), focus, max(peeled.view.fx, peeled.view.fy), nearest_w)
+                first, stop = sample.lines
+                if stop <= first:
+                    yield np.zeros((sample.view.height, sample.view.width, 4), np.float32)
+                    continue
                 passes = self._tracer.passes(
                     peeled,
                     nbuffers,
@@ -112,11 +116,11 @@ class MotionTracer:
                     sample.view,
                     moment_view=moment_view,
                     movers=movers,
-                    lines=sample.lines,
+                    area=(0, first, sample.view.width, stop - first),
                 )
                 for _ in passes:
                     pass
-                yield self._tracer.picture()
+                yield _pad_lines(self._tracer.picture(), first, sample.view.height)
                 if on_progress is not None:
                     on_progress((i + 1) / len(samples))
 
@@ -178,6 +182,13 @@ class _ShutterSweep:
             max(right, min(swept_slopes[2], right + most)),
             max(bottom, min(swept_slopes[3], bottom + most)),
         )
+
+
+def _pad_lines(color: FloatArray, first: int, height: int) -> FloatArray:
+    """Add empty lines before and after some lines of a picture."""
+    if len(color) == height:
+        return color
+    return np.pad(color, ((first, height - first - len(color)), (0, 0), (0, 0)))
 
 
 def _merge_wavelengths(bundle: RayBundle, focus: PictureFocus, f_px: float, nearest_w: float) -> RayBundle:

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.compat import GL
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.movers import Movers
 from render.layers.nbuffers import NBuffers
@@ -20,6 +21,7 @@ from render.trace.moment_view import MomentView
 from render.trace.picture_focus import PictureFocus
 from render.trace.ray_buffers import RayBuffers
 from render.trace.rays import RayBundle
+from render.trace.tiling.picture import Area
 
 RAYS_PER_PASS = 128
 """Rays per dispatch. Work per pixel that does not depend on the ray (footprint bounds, lens table row) is done once a pass."""
@@ -72,7 +74,7 @@ class Tracer:
         bound_by_rays: bool = False,
         moment_view: MomentView | None = None,
         movers: Movers | None = None,
-        lines: tuple[int, int] | None = None,
+        area: Area | None = None,
     ) -> Iterator[TracePass]:
         """Trace a picture pass by pass, and each pass tile by tile. `picture` has the mean over all rays after the last tile;
         `partial_picture` has the mean over the rays traced so far after any tile.
@@ -87,16 +89,15 @@ class Tracer:
             bound_by_rays: bound a pixel's footprint by the quad around its rays, not in closed form; always with ``moment_view``.
             moment_view: the camera at a moment, where it may have moved from the position that the layers were peeled from.
             movers: moving surfaces of the layers, set to that moment.
-            lines: half-open range of the picture's lines to trace; None for all. Other lines may stay empty.
+            area: part of the picture to trace; None for all of it.
 
         Yields:
             Progress after each tile.
         """
-        self._shares = np.zeros((view.height, view.width), np.float32)
-        self._allocate_sum((view.width, view.height)).write(
-            np.zeros((view.height, view.width, 4), np.float32).tobytes()
-        )
-        focal_map = None if focus.affine is not None else self._maps.draw(focus)
+        left, top, width, height = area = area or (0, 0, view.width, view.height)
+        self._shares = np.zeros((height, width), np.float32)
+        _clear(self._allocate_sum((width, height)))
+        focal_map = None if focus.affine is not None else self._maps.draw(focus, area)
         program = self._program(
             layers,
             bundle,
@@ -108,7 +109,7 @@ class Tracer:
         def bind() -> None:
             self._bind(program, layers, nbuffers, focal_map)
             self._buffers.bind(program, bundle, first_unit=_FIRST_UNIT + _LAYER_UNITS)
-            self._allocate_sum((view.width, view.height))
+            self._allocate_sum((width, height))
             if movers is not None:
                 movers.bind(program, _FIRST_UNIT + _LAYER_UNITS - 2)
 
@@ -116,11 +117,11 @@ class Tracer:
         self._set_uniforms(program, layers, nbuffers, view)
         if moment_view is not None:
             set_uniforms(program, **moment_view.uniforms(layers.view))
-        set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0))
+        set_uniforms(program, focus=focus.affine or (0.0, 0.0, 0.0), area_first=(left, top))
         for first in range(0, bundle.count, rays_per_pass):
             count = min(rays_per_pass, bundle.count - first)
             set_uniforms(program, first_ray=first, ray_count=count)
-            for share in self._trace_tiles(bind, program, bundle, view.width, lines or (0, view.height), count):
+            for share in self._trace_tiles(bind, program, bundle, area, count):
                 yield TracePass(first + (count if share == 1 else 0), (first + count * share) / bundle.count)
 
     def _trace_tiles(
@@ -128,19 +129,19 @@ class Tracer:
         bind: Callable[[], None],
         program: moderngl.ComputeShader,
         bundle: RayBundle,
-        width: int,
-        lines: tuple[int, int],
+        area: Area,
         rays: int,
     ) -> Iterator[float]:
-        """Trace the picture tile by tile, and yield the share that is done."""
+        """Trace an area of the picture piece by piece, and yield the share that is done."""
+        left, top, width, height = area
         light = (
             np.append(bundle.rgb * bundle.transmittance, bundle.rgb.mean(axis=1, keepdims=True), axis=1) / bundle.count
         )
-        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, lines):
+        for x, y, across, down in self._tiles(rays * len(bundle.rgb), width, height):
             if not self._is_bound:
                 bind()
                 self._is_bound = True
-            set_uniforms(program, first_pixel=(x, y), end_pixel=(x + across, y + down))
+            set_uniforms(program, first_pixel=(left + x, top + y), end_pixel=(left + x + across, top + y + down))
             for wavelength in range(len(bundle.rgb)):
                 set_uniforms(program, light=tuple(light[wavelength]))
                 self._buffers.choose_wavelength(program, bundle, wavelength)
@@ -151,34 +152,36 @@ class Tracer:
             else:
                 self._ctx.finish()
             self._shares[y : y + down, x : x + across] += rays / bundle.count
-            yield (y - lines[0] + down * (x + across) / width) / (lines[1] - lines[0])
+            yield (y + down * (x + across) / width) / height
 
-    def _tiles(self, rays_per_pixel: int, width: int, lines: tuple[int, int]) -> Iterator[tuple[int, int, int, int]]:
-        """Cut lines of the picture into tiles ``(left, top, width, height)``: short enough to cancel between, or bands."""
-        x, y = 0, lines[0]
-        while y < lines[1]:
+    def _tiles(self, rays_per_pixel: int, width: int, height: int) -> Iterator[Area]:
+        """Cut an area into pieces: short enough to cancel between, or bands."""
+        x = y = 0
+        while y < height:
             pixels = (self._piece.units if self._cancellation.is_cancellable else _RAYS_PER_DISPATCH) // rays_per_pixel
             if (x == 0 and pixels >= width * _TILE) or not self._cancellation.is_cancellable:
-                down = min(max(_TILE, pixels // width // _TILE * _TILE), lines[1] - y)
+                down = min(max(_TILE, pixels // width // _TILE * _TILE), height - y)
                 yield 0, y, width, down
                 y += down
                 continue
-            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, lines[1] - y)
+            across, down = min(max(_TILE, pixels // _TILE // _TILE * _TILE), width - x), min(_TILE, height - y)
             yield x, y, across, down
             x += across
             if x == width:
                 x, y = 0, y + down
 
     def picture(self) -> FloatArray:
-        """Return the mean over all rays of the picture. Call it after the last pass.
+        """Return the mean over all rays of the area that was traced. Call it after the last pass.
 
         Returns:
-            ``(height, width, 4)`` float32: radiance, premultiplied, over the background; alpha is coverage.
+            ``(height, width, 4)`` float32 of the area: radiance, premultiplied, over the background; alpha is coverage.
         """
         image = self._sum
         if image is None:
             raise ValueError("no picture has been traced")
-        return np.frombuffer(image.read(), np.float32).reshape(image.height, image.width, 4).copy()
+        color = np.empty((image.height, image.width, 4), np.float32)
+        image.read_into(color)
+        return color
 
     def partial_picture(self) -> tuple[FloatArray, FloatArray]:
         """Return the mean over the rays traced so far, and ``(height, width, 1)`` their share of all rays of each pixel.
@@ -187,7 +190,7 @@ class Tracer:
         """
         shares = self._shares[..., None].copy()
         self._is_bound = False
-        return np.asarray(self.picture() / np.where(shares > 0, shares, 1), np.float32), shares
+        return np.divide(color := self.picture(), np.where(shares > 0, shares, 1), out=color), shares
 
     def release(self) -> None:
         """Release the memory."""
@@ -241,13 +244,17 @@ class Tracer:
         nbuffers: NBuffers,
         view: PinholeView,
     ) -> None:
-        scale = layers.view.fx / view.fx
+        whole, origin = layers.whole, layers.origin
+        scale = whole.fx / view.fx
+        held = layers.view.size
         set_uniforms(
             program,
             scale=scale,
-            offset=(layers.view.cx - scale * view.cx, layers.view.cy - scale * view.cy),
-            axis=(layers.view.cx, layers.view.cy),
-            focal_px=(layers.view.fx, layers.view.fy),
+            offset=(whole.cx - scale * view.cx, whole.cy - scale * view.cy),
+            axis=(whole.cx, whole.cy),
+            focal_px=(whole.fx, whole.fy),
+            layer_first=origin,
+            layer_last=tuple(min(whole.size[i] - origin[i], held[i]) - 1 for i in (0, 1)),
             last_level=nbuffers.levels - 1,
             w_range=nbuffers.w_range,
         )
@@ -260,3 +267,8 @@ class Tracer:
             self._sum = self._ctx.texture(size, 4, dtype="f4")
         self._sum.bind_to_image(0, read=True, write=True)
         return self._sum
+
+
+def _clear(texture: moderngl.Texture) -> None:
+    """Set all texels to 0, without a copy of the texture in memory."""
+    GL.glClearTexImage(texture.glo, 0, GL.GL_RGBA, GL.GL_FLOAT, np.zeros(4, np.float32))

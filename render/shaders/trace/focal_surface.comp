@@ -15,6 +15,7 @@ layout(std430, binding = 0) readonly buffer Points { Control points[]; };   // w
 layout(std430, binding = 1) readonly buffer Bends { Control bends[]; };     // change of w
 layout(std430, binding = 2) readonly buffer Stretch { float stretch[]; };   // ratio of seen slope to picture slope, over the height
 
+uniform ivec2 area_first;       // pixel of the picture that the map begins with
 uniform vec2 centre;            // where the view axis meets the picture
 uniform vec2 focal_px;
 uniform vec3 plane;             // w on the axis, and its change with the slope to the right and up
@@ -73,7 +74,7 @@ void main()
 {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(focal_map)))) return;
-    vec2 slope = seen_at(vec2(1.0, -1.0) * (vec2(pixel) + 0.5 - centre) / focal_px);
+    vec2 slope = seen_at(vec2(1.0, -1.0) * (vec2(pixel + area_first) + 0.5 - centre) / focal_px);
     float w = plane.x + dot(plane.yz, slope), log_pupil = 0.0;
     float nearest = 1e30, total = 0.0, missed = 1.0;
     vec2 sum = vec2(0.0);

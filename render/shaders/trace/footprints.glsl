@@ -1,10 +1,14 @@
 // Contents of peeled layers under a footprint: the range of inverse depth, and the intervals of it that hold surfaces.
 // Lee, Eisemann & Seidel 2010, section 3.1, "Computing Min/Max Values".
+// Positions count in pixels of the whole picture's layers. The textures may hold a part of them, from `layer_first` on.
 
 uniform sampler2DArray ranges;  // N-buffers
 uniform usampler2DArray bins;
 uniform int last_level;         // last level of the N-buffers
 uniform vec2 w_range;           // range of w of all bins; every surface is within it
+
+uniform ivec2 layer_first;      // first pixel of the textures, a multiple of a block
+uniform ivec2 layer_last;       // last pixel of the layers, counted from `layer_first`
 
 #include "layers/bins.glsl"
 
@@ -16,8 +20,8 @@ struct Corners { ivec2 a; ivec2 c; int level; };
 // Four overlapping squares of an N-buffer that cover the layer pixels from `low` to `high`.
 Corners corners_over(ivec2 low, ivec2 high)
 {
-    ivec2 last = textureSize(ranges, 0).xy - 1;
-    ivec2 a = clamp(low / BLOCK, ivec2(0), last), b = clamp(high / BLOCK, ivec2(0), last);
+    ivec2 first = layer_first / BLOCK, last = layer_last / BLOCK;
+    ivec2 a = clamp(low / BLOCK - first, ivec2(0), last), b = clamp(high / BLOCK - first, ivec2(0), last);
     ivec2 extent = b - a + 1;
     int level = min(findMSB(max(extent.x, extent.y)), last_level);
     return Corners(a, max(b - (1 << level) + 1, a), level);

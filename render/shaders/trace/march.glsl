@@ -55,7 +55,7 @@ Hit nearest_of_four(vec4 stored, uvec4 held, vec2 a, vec2 b, Segment at, float l
 {
     vec4 w = abs(stored), gx = w * unpacked_slopes(held), gy = w * unpacked_slopes(held >> 8);
     vec4 along = 1.0 - gx * b.x - gy * b.y, reach = min(abs(gx) + abs(gy), 2.0 * LONGEST_REACH * w);
-    vec2 off = a - (vec2(at.pixel) + 0.5);
+    vec2 off = a - (vec2(at.pixel + layer_first) + 0.5);
     vec4 met = (w + gx * off.x + gy * off.y) / mix(along, vec4(1e-4), lessThan(abs(along), vec4(1e-4)));
     met = clamp(met, w - reach, w + reach);
     bvec4 inside = met_within(met, stored, at, limit);
@@ -110,6 +110,12 @@ bool may_meet(Segment at)
 }
 #endif
 
+// Texel of the layers under a position; that of their edge where it is beyond.
+ivec2 texel_at(vec2 place, ivec2 last)
+{
+    return clamp(ivec2(floor(place)) - layer_first, ivec2(0), last);
+}
+
 // Advance to the next segment with a surface near the ray; false at the end. This cheap test is kept apart from the expensive one
 // that follows, so that neighbouring rays wait less for each other.
 bool walk_on(inout Walk walk, ivec2 last, out Segment at)
@@ -124,7 +130,7 @@ bool walk_on(inout Walk walk, ivec2 last, out Segment at)
             walk.step = 0;
         }
         float high = walk.top - walk.dw * float(walk.step++), low = high - walk.dw, pad = OVERLAP * walk.dw + LEAST_PAD * high;
-        at.pixel = clamp(ivec2(floor(walk.a + walk.b * (0.5 * (high + low)))), ivec2(0), last);
+        at.pixel = texel_at(walk.a + walk.b * (0.5 * (high + low)), last);
         at.stored = texelFetch(packed_w, at.pixel, 0);
         at.low = low - pad;
         at.high = high + pad;
@@ -139,7 +145,7 @@ bool walk_on(inout Walk walk, ivec2 last, out Segment at)
 // middle.
 vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
 {
-    ivec2 there = clamp(ivec2(floor(a + b * hit.w)), ivec2(0), last);
+    ivec2 there = texel_at(a + b * hit.w, last);
     float w = stored_w(there, hit.layer);
     bool same = abs(abs(w) - hit.w) <= hit.reach + UNLIKE * hit.w && (w > 0.0) == hit.opaque;
     return texelFetch(radiance, ivec3(same ? there : found, hit.layer), 0);
@@ -148,7 +154,7 @@ vec4 radiance_at(vec2 a, vec2 b, ivec2 last, ivec2 found, Hit hit)
 // March a ray through the layers: premultiplied radiance and coverage, composited front to back.
 vec4 march(vec2 a, vec2 b)
 {
-    ivec2 last = textureSize(packed_w, 0) - 1;
+    ivec2 last = layer_last;
     Walk walk = Walk(a, b, max(max(abs(b.x), abs(b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
     Segment at;
     Hit hit = Hit(0.0, -1, false, 0.0);
@@ -166,6 +172,6 @@ vec4 march(vec2 a, vec2 b)
 #endif
     }
     vec4 solid = hit.opaque ? vec4(radiance_at(a, b, last, at.pixel, hit).rgb, 1.0)
-                            : vec4(texelFetch(background, clamp(ivec2(floor(a)), ivec2(0), last), 0).rgb, 0.0);
+                            : vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
     return seen + (1.0 - seen.a) * solid;
 }

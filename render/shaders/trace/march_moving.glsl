@@ -39,7 +39,7 @@ Segment segment_at_mover(vec2 a, vec2 b, Segment at, vec4 mover, ivec2 last, out
     Segment there;
     there.low = in_the_middle(at.low, away);
     there.high = in_the_middle(at.high, away);
-    there.pixel = ivec2(clamp(floor(a + own * clamp(mover.w, there.low, there.high)), vec2(0.0), vec2(last)));
+    there.pixel = texel_at(a + own * clamp(mover.w, there.low, there.high), last);
     there.stored = texelFetch(packed_w, there.pixel, 0);
     return there;
 }
@@ -92,7 +92,7 @@ Met nearest_met(vec2 a, vec2 b, Segment at, float limit, Met before, ivec2 last)
                 continue;
             }
             if (found.w == 0.0 || is_same_hit(hit, there.pixel, before)) continue;
-            vec2 its = relative(a, b, shutter_time * found.xyz), off = abs(a + its * hit.w - (vec2(there.pixel) + 0.5));
+            vec2 its = relative(a, b, shutter_time * found.xyz), off = abs(a + its * hit.w - (vec2(there.pixel + layer_first) + 0.5));
             if (max(off.x, off.y) <= SAME_PLACE) {
                 float w = at_the_moment(hit.w, shutter_time * found.z);
                 if (w > met.w && w < limit) met = Met(hit, w, its, there.pixel);
@@ -110,11 +110,11 @@ Met nearest_met(vec2 a, vec2 b, Segment at, float limit, Met before, ivec2 last)
 // March a ray through moving layers: premultiplied radiance and coverage, composited front to back.
 vec4 march_moving(vec2 a, vec2 b)
 {
-    ivec2 last = textureSize(packed_w, 0) - 1;
+    ivec2 last = layer_last;
     Walk walk = Walk(a, b, max(max(abs(b.x), abs(b.y)), 1e-12), 0, 0, 0, 0.0, 0.0);
     Segment at;
     Met before = NO_HIT;
-    vec4 seen = vec4(0.0), behind = vec4(texelFetch(background, ivec2(clamp(floor(a), vec2(0.0), vec2(last))), 0).rgb, 0.0);
+    vec4 seen = vec4(0.0), behind = vec4(texelFetch(background, texel_at(a, last), 0).rgb, 0.0);
     float limit = 1e30;
     bool on = true;
     for (int through = 0; through < 2 * most_tries;) {

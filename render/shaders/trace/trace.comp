@@ -15,6 +15,7 @@ layout(rgba32f, binding = 0) uniform image2D sum;
 
 uniform ivec2 first_pixel;      // first pixel of this dispatch
 uniform ivec2 end_pixel;        // one past its last pixel
+uniform ivec2 area_first;       // pixel of the picture that `sum` and the focal map begin with
 uniform vec2 offset;            // position of the picture's corner in the layers
 #ifdef FOCAL_MAP
 uniform sampler2D focal_map;    // w_f and the pupil's relative radius of the picture's pixels (focal_surface.comp)
@@ -129,7 +130,7 @@ void main()
     if (any(greaterThanEqual(pixel, end_pixel))) return;
     vec2 place = vec2(pixel) + 0.5;
 #ifdef FOCAL_MAP
-    vec2 focused = texelFetch(focal_map, pixel, 0).xy;
+    vec2 focused = texelFetch(focal_map, pixel - area_first, 0).xy;
 #else
     vec2 focused = vec2(focus.x + dot(focus.yz, place), 1.0);
 #endif
@@ -151,5 +152,6 @@ void main()
 #endif
     }
     total *= light_correction(weights, float(ray_count));
+    pixel -= area_first;
     imageStore(sum, pixel, imageLoad(sum, pixel) + light * total);
 }

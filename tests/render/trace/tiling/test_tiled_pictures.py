@@ -1,0 +1,148 @@
+"""Pictures traced in tiles: the same pixels as in one piece, within a stated memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from render.frame import FrameRenderer, FrameSettings
+from render.lab.reference.metrics import psnr_db
+from render.model.arrays import FloatArray
+from render.model.camera import Camera
+from render.model.focal_surface import Controls, FocalPlane, FocalSurface
+from render.model.lens import IrisShape, Lens
+from render.model.scene import Batch, Dome, Geometry, Material, Scene
+from render.optics.view import PinholeView
+from render.trace.rays import make_ray_pattern
+from render.trace.tiling.plan import LayerBudget, layers_bytes
+from tests.render.kits.lens_pictures import SOFT_SHEET
+from tests.render.kits.lenses import PLANAR
+
+WIDE, TALL = FrameSettings(136, 80, rays=12), FrameSettings(72, 104, rays=12)
+ONE_PIECE = LayerBudget()
+WHOLE_STRIP = LayerBudget(bytes=2_000_000, strip_bytes=1 << 40)
+"""One strip, drawn with the borders of a picture in one piece, and windows much smaller than it."""
+MANY_STRIPS, MORE_STRIPS = LayerBudget(2_000_000, 400_000), LayerBudget(2_900_000, 400_000)
+"""The same strips in smaller and in larger windows."""
+CAMERA = Camera(np.eye(4), 50.0, 36.0, 24.0, f_stop=1.2, focus_distance_m=4.0, near_m=0.1)
+BENT = Controls(np.array([[-0.2, 0.1], [0.25, -0.1]]), np.array([[0.6, 0.3], [0.15, 0.0]]), np.ones(2), np.zeros(2))
+CAMERAS = {
+    "thin": CAMERA,
+    "closed": replace(CAMERA, f_stop=0.0),
+    "tilted": replace(CAMERA, focal_surface=FocalSurface(FocalPlane(0.3, 0.2, 0.5))),
+    "bent": replace(CAMERA, focal_surface=FocalSurface(FocalPlane(0.25), controls=BENT)),
+    "shaped iris": replace(CAMERA, iris=IrisShape(blades=6)),
+    "glass": replace(CAMERA, f_stop=2.0, lens=Lens("prescription", prescription=PLANAR.prescription)),
+    "data sheet": replace(CAMERA, f_stop=2.8, lens=Lens("dataSheet", data_sheet=SOFT_SHEET)),
+}
+
+
+def confetti(count: int, opacity: float = 1.0) -> Scene:
+    """Leaning triangles at 1 to 20 m in every direction of the view, before a sky; some larger than the view, some crossing the
+    near plane."""
+    rng = np.random.default_rng(11)
+    depth = rng.uniform(1, 20, (count, 1, 1))
+    middle = np.concatenate([rng.uniform(-0.5, 0.5, (count, 1, 2)) * depth, -depth], axis=2)
+    corners = middle + rng.normal(0, 0.04, (count, 3, 3)) * depth * rng.choice([1, 1, 6], (count, 1, 1))
+    corners = np.concatenate([corners, [[[-30, -1.5, 5], [30, -1.5, 5], [0, -1.5, -90]]]]).astype(np.float32)
+    normals = np.repeat(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, None], 3, axis=1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    half = len(corners) // 2
+    batches = []
+    for part, its_opacity in ((slice(0, half), opacity), (slice(half, None), 1.0)):
+        own = corners[part]
+        faces = np.arange(len(own), dtype=np.int32)
+        shape = Geometry(
+            own.reshape(-1, 3),
+            normals[part].reshape(-1, 3).astype(np.float32),
+            np.arange(3 * len(own), dtype=np.uint32).reshape(-1, 3),
+            prim_ids=np.zeros(len(own), np.uint32),
+            face_ids=faces,
+            fan_ids=np.zeros(len(own), np.int32),
+            colors=np.append(rng.uniform(0, 3, (3 * len(own), 3)), np.ones((3 * len(own), 1)), axis=1).astype(
+                np.float32
+            ),
+        )
+        material = Material(base_color=(1, 1, 1), opacity=its_opacity, uses_display_color=True)
+        batches.append(Batch(shape, material, np.eye(4)[None], double_sided=True))
+    return Scene(tuple(batches), (), Dome((0.4, 0.5, 0.9), np.eye(4)), ("/confetti",))
+
+
+@pytest.fixture
+def budget(renderer: FrameRenderer) -> Iterator[FrameRenderer]:
+    """The renderer, whose budget a test may change."""
+    yield renderer
+    renderer.device.tracer.budget = ONE_PIECE
+
+
+def drawn(
+    renderer: FrameRenderer, scene: Scene, camera: Camera, settings: FrameSettings, budget: LayerBudget
+) -> FloatArray:
+    renderer.device.tracer.budget = budget
+    return renderer.render(scene, camera, settings).color
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_tiles_have_the_pixels_of_one_piece(budget: FrameRenderer, name: str) -> None:
+    """To the bit, for every kind of lens table and of focal surface, with transparent surfaces and more than four layers."""
+    scene, settings = confetti(900, opacity=0.5), replace(WIDE, layers=6, shading="unlit")
+    one = drawn(budget, scene, CAMERAS[name], settings, ONE_PIECE)
+    assert np.ptp(one[..., :3]) > 1
+    np.testing.assert_array_equal(drawn(budget, scene, CAMERAS[name], settings, WHOLE_STRIP), one)
+
+
+@pytest.mark.parametrize("settings", [WIDE, TALL], ids=["wide", "tall"])
+def test_pixels_do_not_depend_on_the_windows(budget: FrameRenderer, settings: FrameSettings) -> None:
+    """The same strips give the same pixels through any window, to the bit, lit, in columns and in rows. With other strips the
+    rasteriser rounds otherwise, which hardly shows."""
+    scene = confetti(900)
+    small, large = (drawn(budget, scene, CAMERA, settings, memory) for memory in (MANY_STRIPS, MORE_STRIPS))
+    np.testing.assert_array_equal(small, large)
+    one = drawn(budget, scene, CAMERA, settings, ONE_PIECE)
+    assert (small == one).all(axis=-1).mean() > 0.9
+    assert psnr_db(small, one) > 50
+
+
+def test_a_tiled_picture_can_be_shown_before_it_is_finished(budget: FrameRenderer) -> None:
+    """Drawn in steps it is the same to the bit, its share grows to 1, and what is shown of it holds the finished pixels."""
+    scene, tracer = confetti(900), budget.device.tracer
+    one = drawn(budget, scene, CAMERA, WIDE, WHOLE_STRIP)
+    view = PinholeView.from_camera(CAMERA, WIDE.width, WIDE.height)
+    pattern = make_ray_pattern(WIDE.rays, CAMERA.iris)
+    with budget.graphics.cancellation.cancel_when(lambda: False):
+        work = tracer.trace_steps(budget.device.peeler, CAMERA, view, pattern, layers=4, supersample=2)
+        shares = []
+        while True:
+            try:
+                shares.append(next(work))
+            except StopIteration as end:
+                color = end.value.color
+                break
+            picture, finished = tracer.partial_picture()
+            everywhere = (finished == 1)[..., 0]
+            np.testing.assert_array_equal(picture[everywhere], one[everywhere])
+            assert finished.mean() == pytest.approx(shares[-1], abs=1e-5)
+    np.testing.assert_array_equal(color, one)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert len(shares) > 3
+
+
+def test_layers_of_tiles_keep_to_the_budget(budget: FrameRenderer) -> None:
+    """What is counted beforehand is what the textures take."""
+    settings = replace(WIDE, width=200, height=120, rays=1)
+    scene, tracer, peeler = confetti(300), budget.device.tracer, budget.device.peeler
+    drawn(budget, scene, CAMERA, settings, ONE_PIECE)
+    view = PinholeView.from_camera(CAMERA, settings.width, settings.height)
+    pattern = make_ray_pattern(1, CAMERA.iris)
+    for memory in (ONE_PIECE, LayerBudget(3_500_000, 500_000)):
+        tracer.budget = memory
+        traced = tracer.picture(peeler, CAMERA, view, pattern, layers=4, supersample=2)
+        held = traced.layers.targets.bytes + traced.nbuffers.bytes
+        size = traced.layers.view.size
+        assert held == layers_bytes(*size, 4)
+        assert held <= memory.bytes
+    assert held < 0.5 * layers_bytes(*traced.layers.whole.size, 4)

@@ -271,6 +271,10 @@ class LensTracer:
         chief = chief_rays(camera)
         return measure_aovs(peeler, view, bundle, picture_focus(camera, view), chief)
 
+    def release_window(self) -> None:
+        """Release the layers of the last tile, so that a large picture can be developed in their place."""
+        self._window.release()
+
     def release(self) -> None:
         """Release the memory."""
         self._nbuffers.release()

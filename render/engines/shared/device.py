@@ -43,7 +43,7 @@ class Device:
     def trace(self, request: DrawRequest) -> FloatArray:
         """Trace the request's part of the camera's rays; as `Engine.draw`."""
         settings = request.settings
-        return self.tracer.picture(
+        traced = self.tracer.picture(
             self.peeler,
             request.camera,
             request.view,
@@ -53,7 +53,9 @@ class Device:
             supersample=settings.supersample,
             unlit=request.is_unlit,
             on_progress=request.on_progress,
-        ).color
+        )
+        self.tracer.release_window()
+        return traced.color
 
     def trace_in_steps(self, request: DrawRequest) -> Generator[float, None, FloatArray]:
         """Trace the camera's rays piece by piece; as `Engine.draw_in_steps`."""
@@ -68,6 +70,7 @@ class Device:
             supersample=settings.supersample,
             unlit=request.is_unlit,
         )
+        self.tracer.release_window()
         return traced.color
 
     def trace_swept(

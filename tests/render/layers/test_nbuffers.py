@@ -148,6 +148,7 @@ def ask(ctx: moderngl.Context, buffers: NBuffers, rectangles: NDArray[np.int32])
     try:
         buffers.ranges.use(0)
         program["ranges"], program["last_level"] = 0, buffers.levels - 1
+        program["layer_first"], program["layer_last"] = (0, 0), (SIZE[0] - 1, SIZE[1] - 1)
         asked.bind_to_storage_buffer(0)
         found.bind_to_storage_buffer(1)
         program.run(-(-len(rectangles) // 64))

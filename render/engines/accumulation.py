@@ -32,6 +32,7 @@ from render.engines.shared.request import DrawRequest
 from render.errors import SettingsError
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
+from render.optics.sampling import ray_range
 from render.optics.thin_lens import focal_surface
 
 if TYPE_CHECKING:  # needs OpenGL
@@ -71,11 +72,10 @@ class AccumulationEngine(Engine):
         from render.trace.accumulator import choose_view_sampling, make_lens_points
 
         camera, view, settings = request.camera, request.view, request.settings
-        first, step = request.part
         return self._accumulator.accumulate(
             self._device.peeler,
             view,
-            make_lens_points(camera, settings.rays, settings.seed)[first::step],
+            make_lens_points(camera, settings.rays, settings.seed)[ray_range(settings.rays, *request.part)],
             focal_surface(camera).plane,
             unlit=request.is_unlit,
             sampling=choose_view_sampling(camera, view, settings.rays, settings.supersample),

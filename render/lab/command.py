@@ -12,6 +12,7 @@ from importlib import import_module
 from render.cli.parser import Parser
 from render.lab.bench import film_plan, focus_plan, live_plan, motion_plan, plan
 from render.lab.bench.importance import plan as importance_plan
+from render.lab.bench.points import plan as points_plan
 from render.lab.bench.postblur import plan as postblur_plan
 from render.lab.bench.quality import plan as quality_plan
 from render.lab.bench.soak import plan as soak_plan
@@ -57,6 +58,12 @@ _BENCHES = (
         importance_plan,
         "importance.run",
         "importance ordering: Fearing's experiments, beside the linear method",
+    ),
+    (
+        "points",
+        points_plan,
+        "points.run",
+        "sample patterns: errors over pixel and pupil of the product's and of others",
     ),
 )
 """Name, arguments, module in `render.lab.bench` that has its ``run``, and purpose of each bench."""

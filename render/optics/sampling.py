@@ -1,16 +1,19 @@
-"""Sample patterns on the pupil and on the sensor: deterministic sequences, not random draws.
+"""Sample patterns on the pupil and on the sensor: points of a deterministic sequence, not random draws.
 
-On the pupil the points follow the R2 sequence of Roberts 2018 ("The unreasonable effectiveness of quasirandom sequences"):
-point i is ``frac(s + i·(1/g, 1/g²))`` with g the positive root of x³ = x + 1; its first coordinate is the squared radius and its
-second the turn about the pupil's centre. On the pixel they follow the Halton sequence in bases 2 and 3 (Halton 1960). Each pixel
-has one of 64 patterns by a blue-noise mask (`render.optics.blue_noise`): the same points turned by as many 64ths of a circle and
-shifted in radius and on the sensor (Cranley & Patterson 1976), so that neighbours do not repeat each other's error and what error
-there is lies in fine grain. Any number of first points fills the pupil evenly, so that a picture can be made of passes.
+The points are Owen-scrambled Sobol points in four dimensions (`render.optics.sobol`): two of the pupil, mapped to the disc
+by Shirley & Chiu 1997 ("A Low Distortion Map Between Disk and Square"), and two of the pixel. Each pixel has one of 64
+patterns, which are successive runs of the one sequence. In each square of 8x8 pixels every pattern occurs once, in an order
+by which the pixels of each square of 2x2 and 4x4 have successive runs too (Ahmed & Wonka 2020, "Screen-Space Blue-Noise
+Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels"): together they are as well spread as one
+pixel's points, so that their errors cancel and what error is left lies in fine grain. Any run of successive points fills
+the pupil evenly, so that a picture can be made of passes. `pullfocus bench points` compares the patterns with others.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import permutations
 
 import numpy as np
 
@@ -18,13 +21,14 @@ from render.errors import SettingsError
 from render.model.arrays import DoubleArray, IntArray
 from render.model.lens import IrisShape
 from render.model.limits import MAX_RAYS
-from render.optics.blue_noise import SIDE, blue_noise_ranks
 from render.optics.iris import fill_iris
+from render.optics.sobol import hash_words, owen_sobol
 
 PATTERNS = 64
-_R2 = 1.0 / 1.32471795724474602596 ** np.arange(1, 3)
-_R4 = 1.0 / 1.16730397826141868426 ** np.arange(1, 5)  # the same in four dimensions: where patterns and seeds start
-_TURN = 1  # the coordinate that goes around the pupil
+MASK_SIDE = 64
+"""Side of the square of pixels after which the choice of patterns repeats."""
+_LEVELS = (4, 2, 1)  # half sides of the squares of a block of 8x8 pixels
+_PERMUTATIONS = np.array(list(permutations(range(4))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,39 +71,64 @@ def lens_samples(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool = Tru
     if rays == 1:
         zero = np.zeros((patterns, 1, 2))
         return LensSamples(zero, zero, zero)
-    points = np.mod(base_points(rays, seed) + pattern_shifts(patterns)[:, None, :], 1.0)
+    points = sample_points(rays, seed, patterns)
     disc = fill_iris(points[..., :2], IrisShape())
     plain = iris.blades == 0 and iris.mask is None and not iris.radial_weights
     pupil = disc if plain else fill_iris(points[..., :2], iris)
     return LensSamples(pupil, disc, points[..., 2:] - 0.5)
 
 
-def base_points(rays: int, seed: int) -> DoubleArray:
-    """Points ``(rays, 4)`` in the unit hypercube before a pattern shifts them: squared radius, turn, sensor x and y."""
-    index = np.arange(rays, dtype=np.int32)
-    halton = np.stack([_radical_inverse(index, 2), _radical_inverse(index, 3)], -1)
-    start = np.mod(0.5 + seed * _R4[::-1], 1.0)
-    return np.asarray(np.mod(start + np.concatenate([index[:, None] * _R2, halton], 1), 1.0))
+@lru_cache(maxsize=4)  # live pictures ask for the same again and again
+def sample_points(rays: int, seed: int, patterns: int = 1) -> DoubleArray:
+    """Points of patterns before an iris shapes them.
+
+    Args:
+        rays: points of each pattern.
+        seed: of the sequence's scrambling.
+        patterns: number of patterns, each of which is the next run of the sequence.
+
+    Returns:
+        ``(patterns, rays, 4)`` in the unit hypercube, read-only: squared radius, turn about the pupil's centre, sensor x and y.
+    """
+    points = owen_sobol(patterns * rays, seed).reshape(patterns, rays, 4)
+    points[..., :2] = square_to_disc(points[..., :2])
+    points.flags.writeable = False
+    return points
 
 
-def pattern_shifts(patterns: int) -> DoubleArray:
-    """Shifts ``(patterns, 4)`` of the patterns in the unit hypercube; the turn grows evenly, so that blue noise stays blue."""
-    index = np.arange(patterns)[:, None]
-    shifts = np.mod(index * _R4, 1.0)
-    shifts[:, _TURN] = index[:, 0] / PATTERNS
-    return np.asarray(shifts)
-
-
+@lru_cache(maxsize=1)
 def pattern_mask() -> IntArray:
-    """Pattern index ``(64, 64)`` int32 of a pixel, at ``[y % 64, x % 64]``."""
-    return np.asarray(blue_noise_ranks() * PATTERNS // SIDE**2, np.int32)
+    """Pattern index ``(64, 64)`` int32 of a pixel, at ``[y % 64, x % 64]``, read-only.
+
+    In each square of 8x8, 4x4 and 2x2 pixels the four quarters have the four quarters of the square's patterns, in random order.
+    """
+    y, x = np.mgrid[0:MASK_SIDE, 0:MASK_SIDE]
+    mask = np.zeros((MASK_SIDE, MASK_SIDE), np.int32)
+    for half in _LEVELS:
+        square = (y // (2 * half) * MASK_SIDE + x // (2 * half)) * 8 + half
+        order = _PERMUTATIONS[hash_words(square.astype(np.uint32)) % len(_PERMUTATIONS)]
+        quarter = y // half % 2 * 2 + x // half % 2
+        mask = 4 * mask + np.take_along_axis(order, quarter[..., None], axis=-1)[..., 0].astype(np.int32)
+    mask.flags.writeable = False
+    return mask
 
 
-def _radical_inverse(index: IntArray, base: int) -> DoubleArray:
-    """Radical inverse ``(n,)`` in [0, 1): the digits of ``index`` mirrored at the point."""
-    left, inverse, place = np.array(index), np.zeros(len(index)), 1.0
-    while left.any():
-        place /= base
-        inverse += place * (left % base)
-        left //= base
-    return inverse
+def ray_range(rays: int, index: int, parts: int) -> slice:
+    """Successive rays that are one of several parts of a pattern; together the parts are the pattern.
+
+    Args:
+        rays: of the pattern.
+        index: index of the part, from 0.
+        parts: number of parts, at most the number of rays.
+    """
+    return slice(rays * index // parts, rays * (index + 1) // parts)
+
+
+def square_to_disc(square: DoubleArray) -> DoubleArray:
+    """Map points ``(..., 2)`` of the unit square to squared radius and turn, concentric squares to concentric circles."""
+    x, y = 2 * square[..., 0] - 1, 2 * square[..., 1] - 1
+    is_wide = np.abs(x) > np.abs(y)
+    radius, along = np.where(is_wide, x, y), np.where(is_wide, y, x)
+    eighth = along / np.where(radius == 0, 1.0, radius) / 8
+    turn = np.where(is_wide, eighth, 0.25 - eighth) + np.where(radius < 0, 0.5, 0.0)
+    return np.stack([radius**2, np.mod(turn, 1.0)], axis=-1)

@@ -12,7 +12,7 @@ from render.trace import lens_table
 from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable
 from render.trace.rays import RayBundle
 
-_BASE, _ROWS, _SHIFTS, _MASK, _IRIS = 4, 5, 6, 7, 8  # as the shader binds them
+_POINTS, _ROWS, _MASK, _IRIS = 4, 5, 7, 8  # as the shader binds them
 _ROW_DEFINES = {
     name: getattr(lens_table, name)
     for name in (
@@ -57,13 +57,10 @@ class RayBuffers:
         """Upload the bundle and set the uniforms that follow from it; textures take units from ``first_unit`` on."""
         self.release()
         pattern, self._unit = bundle.pattern, first_unit
-        self._buffer(pattern.base, _BASE)
-        self._buffer(pattern.shifts, _SHIFTS)
+        self._buffer(pattern.points, _POINTS)
         self._buffer(pattern_mask(), _MASK)
-        set_uniforms(program, narrowing=(1.0 / bundle.squeeze, 1.0), jitters=int(len(pattern.shifts) > 1))
-        set_uniforms(program, spread=0.0 if pattern.whole == 1 else 1.0)
+        set_uniforms(program, narrowing=(1.0 / bundle.squeeze, 1.0), patterns=pattern.patterns)
         if pattern.iris_points is not None and pattern.iris_image is not None:
-            set_uniforms(program, pattern_rays=pattern.count)
             self._buffer(pattern.iris_points, _IRIS)
             if isinstance(bundle.table, PolynomialTable):
                 self._image(program, "iris_image", pattern.iris_image)

@@ -10,7 +10,7 @@ from render.model.arrays import DoubleArray, FloatArray
 from render.model.camera import Camera
 from render.model.lens import IrisShape
 from render.optics.iris import transmission
-from render.optics.sampling import PATTERNS, LensSamples, base_points, lens_samples, pattern_shifts
+from render.optics.sampling import lens_samples, ray_range
 from render.optics.thin_lens import pupil_radius_m
 from render.trace.lens_table import GridTable, PolynomialTable
 
@@ -22,15 +22,13 @@ class RayPattern:
     """Start points of rays, as in the tracer's buffers.
 
     Attributes:
-        base: ``(n, 8)`` float32: squared radius, cosine and sine of the azimuth, 0; sensor x and y in the unit square, 0, 0.
-        shifts: ``(patterns, 4)`` float32, shifts of squared radius, azimuth (in turns), sensor x and y.
-        iris_points: ``(patterns, n, 2)`` float32 points on the stop, y down, where the iris is not round; else None.
+        points: ``(n, patterns, 4)`` float32: a point of the unit disc and the offset on the sensor, -0.5 to 0.5 pixels; y down.
+        iris_points: ``(n, patterns, 2)`` float32 points on the stop, y down, where the iris is not round; else None.
         iris_image: ``(side, side)`` float32 transmission relative to its mean on the disc, row 0 at the top; None if round.
         stands_for: rays of the whole pattern of which this is a part; 0 where it is the whole.
     """
 
-    base: FloatArray
-    shifts: FloatArray
+    points: FloatArray
     iris_points: FloatArray | None = None
     iris_image: FloatArray | None = None
     stands_for: int = 0
@@ -38,7 +36,12 @@ class RayPattern:
     @property
     def count(self) -> int:
         """Rays per pixel."""
-        return len(self.base)
+        return len(self.points)
+
+    @property
+    def patterns(self) -> int:
+        """Number of patterns: that of `render.optics.sampling.pattern_mask`, or one for all pixels."""
+        return int(self.points.shape[1])
 
     @property
     def whole(self) -> int:
@@ -46,7 +49,7 @@ class RayPattern:
         return self.stands_for or self.count
 
     def part(self, index: int, parts: int) -> RayPattern:
-        """Every ``parts``-th ray: together the parts are the pattern.
+        """One of several runs of successive rays: together the parts are the pattern.
 
         Args:
             index: index of the part, from 0.
@@ -54,8 +57,9 @@ class RayPattern:
         """
         if parts == 1:
             return self
-        points = None if self.iris_points is None else np.ascontiguousarray(self.iris_points[:, index::parts])
-        return replace(self, base=self.base[index::parts], iris_points=points, stands_for=self.whole)
+        run = ray_range(self.count, index, parts)
+        iris_points = None if self.iris_points is None else self.iris_points[run]
+        return replace(self, points=self.points[run], iris_points=iris_points, stands_for=self.whole)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,15 +105,10 @@ def make_ray_pattern(rays: int, iris: IrisShape, *, seed: int = 0, tiled: bool =
         SettingsError: rays or seed is out of range, or the iris passes no light.
     """
     samples = lens_samples(rays, iris, seed=seed, tiled=tiled)
-    points = base_points(rays, seed)
-    base = np.zeros((rays, 8), np.float32)
-    base[:, 0] = points[:, 0]
-    base[:, 1], base[:, 2] = np.cos(2 * np.pi * points[:, 1]), np.sin(2 * np.pi * points[:, 1])
-    base[:, 4:6] = points[:, 2:]
-    shifts = pattern_shifts(PATTERNS if tiled else 1).astype(np.float32)
+    points = _by_ray(np.concatenate([_downward(samples.disc), samples.pixel], axis=-1))
     if samples.pupil is samples.disc:
-        return RayPattern(base, shifts)
-    return RayPattern(base, shifts, _downward(samples), _relative_transmission(iris))
+        return RayPattern(points)
+    return RayPattern(points, _by_ray(_downward(samples.pupil)), _relative_transmission(iris))
 
 
 def make_thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
@@ -118,8 +117,13 @@ def make_thin_lens_bundle(camera: Camera, pattern: RayPattern) -> RayBundle:
     return RayBundle(pattern, (radius / camera.lens.squeeze, radius), transmittance=camera.lens.transmittance)
 
 
-def _downward(samples: LensSamples) -> FloatArray:
-    return np.ascontiguousarray(samples.pupil * [1.0, -1.0], np.float32)
+def _downward(points: DoubleArray) -> DoubleArray:
+    return np.asarray(points * [1.0, -1.0])
+
+
+def _by_ray(points: DoubleArray) -> FloatArray:
+    """Order points ``(patterns, n, k)`` ray by ray, so that neighbouring pixels read neighbouring memory."""
+    return np.ascontiguousarray(points.swapaxes(0, 1), np.float32)
 
 
 def _relative_transmission(iris: IrisShape) -> FloatArray:

@@ -11,7 +11,7 @@ from render.model.lens import IrisShape
 from render.optics.glass import D_LINE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.film_rays import FilmRays
-from render.optics.sampling import base_points
+from render.optics.sampling import sample_points
 from render.optics.spectrum import THREE_LINES
 
 WAVELENGTHS_NM = THREE_LINES.wavelengths_nm
@@ -71,7 +71,7 @@ def spots(rays: FilmRays, heights_mm: DoubleArray, iris: IrisShape) -> tuple[Spo
         iris: its opening.
     """
     places = radial(heights_mm)
-    pupil = fill_iris(base_points(_SPOT_RAYS, 0)[:, :2], iris)
+    pupil = fill_iris(sample_points(_SPOT_RAYS, 0)[0, :, :2], iris)
     beams = [rays.beams(places, pupil, wavelength) for wavelength in WAVELENGTHS_NM]
     found = []
     for i, height in enumerate(heights_mm):
@@ -170,4 +170,4 @@ def radial(heights_mm: DoubleArray) -> DoubleArray:
 
 
 def _even_disc(count: int) -> DoubleArray:
-    return fill_iris(base_points(count, 0)[:, :2], IrisShape())
+    return fill_iris(sample_points(count, 0)[0, :, :2], IrisShape())

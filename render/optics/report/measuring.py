@@ -12,7 +12,7 @@ from render.optics.data_sheet import MIDDLE_NM
 from render.optics.iris import fill_iris
 from render.optics.report.field import radial, relative_light
 from render.optics.report.film_rays import FilmRays
-from render.optics.sampling import base_points
+from render.optics.sampling import sample_points
 
 _RAYS = 900
 _RED_NM, _BLUE_NM = 650.0, 475.0
@@ -75,7 +75,7 @@ def measure_sheet(rays: FilmRays, heights_mm: DoubleArray, f_stop: float) -> Dat
 
 
 def _fit(rays: FilmRays, heights: DoubleArray, wavelength_nm: float) -> list[_Fitted]:
-    pupil = fill_iris(base_points(_RAYS, 0)[:, :2], IrisShape())
+    pupil = fill_iris(sample_points(_RAYS, 0)[0, :, :2], IrisShape())
     beams = rays.beams(radial(heights), pupil, wavelength_nm)
     # the places are straight above the middle: up is along the radius
     return [

@@ -5,15 +5,11 @@
 #include "lens/lens_polynomial.glsl"
 #endif
 
-struct BaseRay {
-    vec4 pupil;     // squared radius, cosine and sine of the azimuth
-    vec4 pixel;     // xy on the sensor, in the unit square
-};
-layout(std430, binding = 4) readonly buffer BaseRays { BaseRay base_rays[]; };
-layout(std430, binding = 6) readonly buffer Shifts { vec4 pattern_shifts[]; };  // squared radius, azimuth, sensor x and y
+// Points of all patterns, ray after ray: on the unit disc and on the sensor in pixels from the pixel's centre, y down.
+layout(std430, binding = 4) readonly buffer Points { vec4 points[]; };
 layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
 #ifdef SHAPED_IRIS
-layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // pattern after pattern, y down
+layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // as the points
 uniform sampler2D iris_image;   // transmission over the square around the stop, relative to its mean on the disc
 #endif
 #ifdef GRID_LENS
@@ -23,9 +19,7 @@ uniform ivec2 grid_fields;           // field points across and down
 uniform vec2 grid_slope;             // field of the outermost points
 #endif
 
-uniform int pattern_rays;       // rays in one pattern
-uniform float spread;           // 1, or 0 for a single ray through the centres
-uniform int jitters;            // 1 where neighbouring pixels have different patterns
+uniform int patterns;           // number of patterns; 1 where all pixels have the same
 uniform vec2 axis;              // layer pixel on the view axis
 uniform vec2 focal_px;          // focal length of the layers, or of this moment's camera at their resolution
 uniform vec2 pupil_m;           // half axes of the pupil of a lens without a table
@@ -44,8 +38,6 @@ struct PixelRays {
     float w_f;
     float pupil;        // radius of the pupil relative to the lens's own
     int pattern;
-    vec4 shift;
-    vec2 turn;          // cosine and sine of the pattern's rotation
 };
 
 struct LensRay { vec2 a; vec2 b; float weight; };
@@ -59,26 +51,20 @@ PixelRays begin_pixel(ivec2 pixel, vec2 centre, vec2 axis, float w_f, float pupi
     rays.outward = height > 1e-9 ? rays.slope / height : vec2(1.0, 0.0);
     rays.w_f = w_f;
     rays.pupil = pupil;
-    rays.pattern = jitters * pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)];
-    rays.shift = pattern_shifts[rays.pattern];
-    float angle = 6.283185307179586 * rays.shift.y;
-    rays.turn = vec2(cos(angle), sin(angle));
+    rays.pattern = patterns > 1 ? pattern_mask[(pixel.y & 63) * 64 + (pixel.x & 63)] : 0;
 #ifdef POLYNOMIAL_LENS
     load_row(height);
-    // from here on the pattern is relative to the plane of the pixel and the axis
-    rays.turn = vec2(rays.turn.x * rays.outward.x - rays.turn.y * rays.outward.y,
-                     rays.turn.x * rays.outward.y + rays.turn.y * rays.outward.x);
 #endif
     return rays;
 }
 
-// Point of the pattern on the disc; the pattern rotates counter-clockwise, and y is down.
-vec2 disc_point(PixelRays rays, BaseRay ray)
+#ifdef POLYNOMIAL_LENS
+// Coordinates of a point along and across the plane of pixel and axis.
+vec2 in_plane(PixelRays rays, vec2 point)
 {
-    float radius = spread * sqrt(fract(ray.pupil.x + rays.shift.x));
-    return radius * vec2(ray.pupil.y * rays.turn.x - ray.pupil.z * rays.turn.y,
-                         -(ray.pupil.z * rays.turn.x + ray.pupil.y * rays.turn.y));
+    return vec2(dot(point, rays.outward), dot(point, vec2(-rays.outward.y, rays.outward.x)));
 }
+#endif
 
 #ifdef POLYNOMIAL_LENS
 // `disc` is a point of the whole disc, `stop` one of the iris's opening, both along and across the plane of pixel and axis.
@@ -149,15 +135,15 @@ LensRay from_where_the_camera_is(LensRay ray)
 
 LensRay lens_ray(PixelRays rays, int i)
 {
-    BaseRay base = base_rays[i];
-    vec2 disc = disc_point(rays, base), stop = disc;
+    vec4 point = points[i * patterns + rays.pattern];
+    vec2 disc = point.xy, stop = disc;
 #ifdef SHAPED_IRIS
-    stop = iris_points[rays.pattern * pattern_rays + i];
+    stop = iris_points[i * patterns + rays.pattern];
+#endif
 #ifdef POLYNOMIAL_LENS
-    stop = vec2(dot(stop, rays.outward), dot(stop, vec2(-rays.outward.y, rays.outward.x)));
+    disc = in_plane(rays, disc);
+    stop = in_plane(rays, stop);
 #endif
-#endif
-    vec2 jitter = spread * (fract(base.pixel.xy + rays.shift.zw) - 0.5);
 #if defined(POLYNOMIAL_LENS)
     LensRay ray = through_lens(rays, stop, disc);
 #elif defined(GRID_LENS)
@@ -170,7 +156,7 @@ LensRay lens_ray(PixelRays rays, int i)
     ray.b *= narrowing;
 #endif
     ray.b *= rays.pupil * focal_px;
-    ray.a = rays.centre + scale * jitter + focal_px * ray.a - ray.b * rays.w_f;
+    ray.a = rays.centre + scale * point.zw + focal_px * ray.a - ray.b * rays.w_f;
 #ifdef CARRIED_CAMERA
     return from_where_the_camera_is(ray);
 #else

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from render.errors import SettingsError
 from render.model.lens import IrisShape
 from render.optics.iris import fill_iris, transmission
-from render.optics.sampling import lens_samples, pattern_mask
+from render.optics.sampling import lens_samples, pattern_mask, ray_range, sample_points, square_to_disc
+from render.optics.sobol import owen_sobol
 
 # squared radii by turns: many turns, since sixteen blades leave each bin of an angle few of them
 GRID = np.stack(np.meshgrid(*[(np.arange(n) + 0.5) / n for n in (99, 3001)], indexing="ij"), -1).reshape(-1, 2)
@@ -79,14 +80,59 @@ def test_an_iris_that_lets_nothing_through_is_refused(iris: IrisShape) -> None:
         lens_samples(4, iris)
 
 
-def test_neighbours_have_patterns_far_apart() -> None:
-    """Blue noise: of all places that a pattern is at, hardly two are neighbours; by chance 1 in 8 would be."""
+@pytest.mark.parametrize("side", [2, 4, 8])
+def test_pixels_of_a_square_have_successive_patterns(side: int) -> None:
     mask = pattern_mask()
-    assert (np.bincount(mask.ravel(), minlength=64) == 64).all()
-    near = [np.roll(mask, shift, axis=(0, 1)) for shift in ((0, 1), (1, 0), (1, 1), (1, -1))]
-    distance = [np.minimum(abs(mask - other), 64 - abs(mask - other)) for other in near]
-    assert np.mean(distance) > 16.5  # two places drawn by chance are 16 patterns apart on average
-    assert np.mean(np.array(distance) == 0) < 0.004
+    squares = mask.reshape(64 // side, side, 64 // side, side).swapaxes(1, 2).reshape(-1, side * side)
+    ordered = np.sort(squares, axis=1)
+    assert (ordered[:, 0] % side**2 == 0).all()
+    assert (np.diff(ordered, axis=1) == 1).all()
+    assert len({row.tobytes() for row in squares}) > 3  # in random order, so that no regular grain is seen
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_points_are_stratified_in_all_pairs_of_dimensions(seed: int) -> None:
+    """Of 256 points, aligned in the sequence, each cell has its share."""
+    points = owen_sobol(512, seed)[256:]
+    for dimension in range(4):
+        assert (np.bincount((points[:, dimension] * 256).astype(int), minlength=256) == 1).all()
+    for columns, rows in ((256, 1), (64, 4), (16, 16), (4, 64)):
+        cells = (points[:, 0] * columns).astype(int) * rows + (points[:, 1] * rows).astype(int)
+        assert (np.bincount(cells, minlength=256) == 1).all()
+    for one in range(4):
+        for other in range(one):
+            cells = (points[:, one] * 8).astype(int) * 8 + (points[:, other] * 8).astype(int)
+            assert (np.bincount(cells, minlength=64) == 4).all()
+
+
+def test_four_neighbours_have_less_error_together_than_alone() -> None:
+    """The points of a square of 2x2 pixels are one run: their mean error is that of four times the points, not of chance."""
+    points = sample_points(64, 0, 64)
+    x = np.sqrt(points[..., 0]) * np.cos(2 * np.pi * points[..., 1]) + 0.3 * points[..., 2]
+    edges = np.linspace(-0.5, 0.8, 40)
+    truth = np.mean(x.ravel()[:, None] < edges, axis=0)
+    alone = np.mean(x[..., None] < edges, axis=1) - truth
+    together = alone.reshape(16, 4, -1).mean(axis=1)
+    assert np.sqrt(np.mean(together**2)) < 0.4 * np.sqrt(np.mean(alone**2))  # chance: 0.5
+
+
+def test_the_map_to_the_disc_keeps_area_and_neighbours() -> None:
+    square = np.stack(np.meshgrid(*[(np.arange(200) + 0.5) / 200] * 2, indexing="ij"), -1)
+    disc = fill_iris(square_to_disc(square), IrisShape())
+    across, down = np.diff(disc, axis=0)[:, :-1], np.diff(disc, axis=1)[:-1]
+    area = np.abs(across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0]) * 200**2
+    assert np.mean(np.abs(area / np.pi - 1) < 0.05) > 0.98  # all but the seams along the diagonals
+    assert np.median(area) == pytest.approx(np.pi, rel=1e-3)
+    assert max(np.hypot(*np.moveaxis(step, -1, 0)).max() for step in (across, down)) < 2.5 / 200 * np.pi / 2
+
+
+@pytest.mark.parametrize(("rays", "parts"), [(100, 16), (64, 16), (128, 2), (50, 7)])
+def test_parts_of_a_pattern_are_spread_as_evenly_as_a_pattern(rays: int, parts: int) -> None:
+    points = lens_samples(rays, IrisShape()).pupil
+    runs = [ray_range(rays, index, parts) for index in range(parts)]
+    assert [i for run in runs for i in range(rays)[run]] == list(range(rays))
+    error = np.mean([np.mean(points[:, run].mean(axis=1) ** 2) for run in runs])
+    assert error < 0.5 * 0.25 * parts / rays  # 0.25: variance of x over the disc; half of what random points have
 
 
 def test_the_pattern_integrates_a_smooth_pupil_better_than_random() -> None:

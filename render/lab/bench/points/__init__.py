@@ -1,0 +1,1 @@
+"""The points bench: errors of sample patterns on the pupil and the sensor."""

@@ -64,7 +64,7 @@ def test_the_demo_shot_lit(renderer: FrameRenderer, demo: tuple[Scene, Camera]) 
 
 def test_finer_layers_come_closer(renderer: FrameRenderer) -> None:
     scene, camera = spheres_over_checkerboard()
-    small = replace(SETTINGS, width=320, height=240, rays=32)
+    small = replace(SETTINGS, width=160, height=120, rays=32)
     reference = renderer.render(scene, camera, replace(small, engine="accumulation")).color
     errors = [
         psnr_db(renderer.render(scene, camera, replace(small, supersample=s)).color, reference) for s in (1, 2, 4)

@@ -92,7 +92,7 @@ def sample_points(rays: int, seed: int, patterns: int = 1) -> DoubleArray:
     """
     points = owen_sobol(patterns * rays, seed).reshape(patterns, rays, 4)
     points[..., :2] = square_to_disc(points[..., :2])
-    points.flags.writeable = False
+    points.setflags(write=False)
     return points
 
 
@@ -109,7 +109,7 @@ def pattern_mask() -> IntArray:
         order = _PERMUTATIONS[hash_words(square.astype(np.uint32)) % len(_PERMUTATIONS)]
         quarter = y // half % 2 * 2 + x // half % 2
         mask = 4 * mask + np.take_along_axis(order, quarter[..., None], axis=-1)[..., 0].astype(np.int32)
-    mask.flags.writeable = False
+    mask.setflags(write=False)
     return mask
 
 

@@ -10,6 +10,7 @@ from render.errors import GraphicsError
 from render.gl.cancellation import CancellationPoint
 from render.gl.compat import make_context, pyrender_egl, release_context, report_to
 from render.gl.debug import DebugLog, is_debugging
+from render.gl.limits import check_device
 
 REQUIRED_VERSION = 450
 
@@ -28,7 +29,7 @@ class GraphicsContext:
         """Make the context current.
 
         Raises:
-            GraphicsError: no EGL device, or one that lacks OpenGL 4.5.
+            GraphicsError: no EGL device, or one that lacks OpenGL 4.5 or what that leaves to a device (`render.gl.limits`).
         """
         try:
             self._platform = pyrender_egl.EGLPlatform(1, 1)
@@ -47,6 +48,11 @@ class GraphicsContext:
             version = self.ctx.info["GL_VERSION"]
             self.close()
             raise GraphicsError(f"OpenGL 4.5 is needed, {self.renderer} offers {version}")
+        try:
+            check_device(self.renderer, self.ctx.info)
+        except GraphicsError:
+            self.close()
+            raise
         self._log = DebugLog()
         if debug:
             report_to(self._platform, self._log.add)

@@ -7,6 +7,7 @@ from types import TracebackType
 import moderngl
 import numpy as np
 
+from render.gl.limits import make_storage
 from render.gl.resources import Construction
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.layers.limits import BLOCK_PX, EMPTY_MIN
@@ -14,7 +15,7 @@ from render.layers.peel import Layers
 from render.layers.targets import LAYERS_PER_PACK
 from render.optics.view import PinholeView
 
-_ARRIVALS, _SWEPT = 10, 11  # as the shaders bind them
+_ARRIVALS, _SWEPT = 3, 1  # as the shaders bind them
 _GROUP = 8
 _MOST_TRIES = 20  # in trace/march_moving.glsl, for one interval of a ray
 _KINDS = 4  # movers per block and layer: the fastest and the slowest, in either half of the exposure
@@ -45,7 +46,7 @@ class Movers:
             # half floats suffice: they only say where to search first
             self._movers = making.keep(ctx.texture_array((*self._blocks, _KINDS * layers.count), 4, dtype="f2"))
             self._movers.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            self._arrivals = making.keep(ctx.buffer(reserve=count * 16))
+            self._arrivals = making.keep(make_storage(ctx, count * 16, "moving surfaces"))
             empty = np.array([EMPTY_MIN, 0.0], np.float32)
             self._swept = making.keep(ctx.buffer(np.tile(empty, count).tobytes()))
             self._find()

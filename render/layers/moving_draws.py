@@ -14,7 +14,7 @@ from render.layers.index import Draw
 from render.layers.movement import Movement
 from render.model.arrays import DoubleArray
 
-_POSES, _POSITIONS = 9, 10  # as layers/surface.vert binds them
+_POSES, _POSITIONS = 0, 1  # as layers/surface.vert binds them
 
 
 class MovingDraws:

@@ -17,6 +17,7 @@ import moderngl
 import numpy as np
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
+from render.gl.limits import check_texture_array
 from render.gl.resources import Construction, Resources
 from render.gl.shaders import Defines, ProgramCache, set_uniforms
 from render.postblur.blur_shape import BlurShape
@@ -134,6 +135,7 @@ class Flag:
         with Resources() as scope:
             spread = self._point_spread.run(field, shape, most, window, scope)
             tile_radius = self._tile_maxima(spread.radii, (1, 0), scope)
+            check_texture_array(self._ctx, (width, ring.rows, ring.slices), "a blur of this radius")
             contributions = scope.keep(self._ctx.texture_array((width, ring.rows, ring.slices), 4, dtype="f4"))
             heights = scope.keep(self._ctx.texture((width, ring.rows), 1, dtype="f4"))
             stored = 0

@@ -26,6 +26,7 @@ import numpy as np
 
 from render.errors import SettingsError
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.importance_order import ChangeSorter, Importance
@@ -171,7 +172,7 @@ class ImportanceField:
         keep, spreader = self._resources.keep, self._spreader
         self._light = keep(self._ctx.texture(spreader.size, 4, dtype="f4"))  # light and state that the sums belong to
         self._state, self._before = (keep(self._ctx.texture(spreader.size, 2, dtype="f4")) for _ in range(2))
-        self._sums = keep(self._ctx.buffer(reserve=32 * spreader.size[0] * spreader.size[1]))
+        self._sums = keep(make_storage(self._ctx, 32 * spreader.size[0] * spreader.size[1], "the sums of light"))
         self._changes, self._reaches, self._picked = (
             keep(self._ctx.buffer(reserve=size * spreader.half_tiles)) for size in (16, 4, 4)
         )

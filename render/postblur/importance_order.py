@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import moderngl
 
 from render.errors import SettingsError
+from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, set_uniforms
 from render.postblur.linear import LANES, FieldSpreader
@@ -56,7 +57,7 @@ class ChangeSorter:
         self._ctx, self._programs, self._spreader, self._importance = ctx, programs, spreader, importance
         self._chunks = -(-spreader.half_tiles // LANES)
         self.waiting = scope.keep(ctx.texture(spreader.size, 1, dtype="u4"))
-        self.order = scope.keep(ctx.buffer(reserve=4 * 32 * LANES * self._chunks))
+        self.order = scope.keep(make_storage(ctx, 4 * 32 * LANES * self._chunks, "the order of changes"))
         self._counts = scope.keep(ctx.buffer(reserve=4 * BUCKETS * self._chunks))
         self.clear()
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from render.errors import GraphicsError
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint, PieceSize
+from render.gl.limits import make_storage
 from render.gl.resources import Resources
 from render.gl.shaders import ProgramCache, load_source, set_uniforms
 from render.postblur.scatter_spot import STEPS, Spot
@@ -137,7 +138,7 @@ class Splats:
     ) -> moderngl.Buffer:
         before = np.cumsum(counts) - counts.ravel()
         offsets = scope.keep(self._ctx.buffer(before.astype(np.uint32).tobytes()))
-        spots = scope.keep(self._ctx.buffer(reserve=4 * int(counts.sum())))
+        spots = scope.keep(make_storage(self._ctx, 4 * int(counts.sum()), "the list of spots"))
         program = self._programs.compute("scatter/scatter_list.comp", {"CLASSES": len(counts)})
         plan.use(0)
         set_uniforms(program, plan=0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import moderngl
 
+from render.gl.limits import check_texture_array
 from render.model.lens import IrisShape
 from render.postblur.focus_split import FocusSplit
 from render.postblur.scatter_axis import make_axis_spot
@@ -37,6 +38,7 @@ class TableTextures:
     def upload(cls, ctx: moderngl.Context, tables: SpotTables) -> TableTextures:
         """Upload tables; the caller releases them."""
         count, side, _ = tables.weights.shape
+        check_texture_array(ctx, (side, side, count), "the pictures of spots")
         weights = ctx.texture_array((side, side, count), 1, tables.weights.tobytes(), dtype="f4")
         weights.filter = moderngl.NEAREST, moderngl.NEAREST
         reach = ctx.texture((count, 1), 1, tables.reach.tobytes(), dtype="i4")

@@ -13,6 +13,7 @@ from typing import Protocol
 import moderngl
 import numpy as np
 
+from render.gl.limits import check_texture_array
 from render.model.arrays import DoubleArray
 from render.model.lens import IrisShape
 from render.optics.iris import transmission
@@ -144,6 +145,7 @@ class SpreadTables:
         self.half = int(np.ceil(radii[-1] + 0.5)) + 1  # a rim of weight 0, for clamped look-ups
         side = 2 * self.half + 1
         slices = 2 * self.count - 1 if with_differences else self.count
+        check_texture_array(ctx, (side, side + _ROWS - 1, slices), "the tables of blurs of this radius")
         packed = np.empty((slices, side + _ROWS - 1, side, _ROWS), np.float32)
         self.beyond_px = 0.0
         offsets = np.arange(-self.half, self.half + 1.0)

@@ -14,7 +14,7 @@ uniform ivec2 blocks;
 uniform int layers;
 uniform bool writes_indices;
 
-layout(std430, binding = 10) buffer Arrivals { uvec4 arrivals[]; };
+layout(std430, binding = 3) buffer Arrivals { uvec4 arrivals[]; };
 
 void add_arrival(ivec2 block, int slice)
 {

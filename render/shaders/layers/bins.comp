@@ -17,7 +17,7 @@ uniform usampler2D far_slopes;
 uniform bool two_packs;
 uniform vec2 w_range;       // range of w of all bins
 #ifdef MOVERS
-layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
+layout(std430, binding = 1) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
 #endif
 
 uvec2 joined(uvec2 held, vec4 stored, uvec4 slopes)

@@ -16,7 +16,7 @@ uniform bool two_packs;
 #include "trace/slopes.glsl"
 
 #ifdef MOVERS
-layout(std430, binding = 11) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
+layout(std430, binding = 1) readonly buffer Swept { uvec2 swept[]; };  // range of w of the movers through each block (movers.comp)
 #endif
 
 // Extend `range` by the w of four layers.

@@ -17,7 +17,7 @@ uniform usampler2DArray motion;
 uniform ivec2 blocks;       // across and down
 uniform int layers;
 
-layout(std430, binding = 11) buffer Swept { uvec2 swept[]; };
+layout(std430, binding = 1) buffer Swept { uvec2 swept[]; };
 
 const int MAX_STEPS = 1024;
 

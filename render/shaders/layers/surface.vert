@@ -15,9 +15,9 @@ layout(location = COLOR_0_LOC) in vec4 color_0;
 layout(location = INST_M_LOC) in mat4 inst_m;
 
 #ifdef MOVES
-layout(std430, binding = 9) readonly buffer Poses { mat4 poses[]; };            // camera from geometry, for each instance: opening, middle, closing
+layout(std430, binding = 0) readonly buffer Poses { mat4 poses[]; };            // camera from geometry, for each instance: opening, middle, closing
 #ifdef BENDS
-layout(std430, binding = 10) readonly buffer EndPositions { float end_positions[]; }; // of each vertex: opening, closing
+layout(std430, binding = 1) readonly buffer EndPositions { float end_positions[]; }; // of each vertex: opening, closing
 #endif
 out vec3 frag_first;
 out vec3 frag_second;

@@ -19,7 +19,7 @@ uniform sampler2D background;
 #include "layers/carried.glsl"
 uniform usampler2DArray motion; // motion of surfaces while the shutter is open (surface.frag)
 uniform sampler2DArray movers;  // moving surfaces of each block (movers.comp)
-layout(std430, binding = 10) readonly buffer Arrivals { uvec4 arrivals[]; };  // movers that arrive in each block (arrivals.comp)
+layout(std430, binding = 3) readonly buffer Arrivals { uvec4 arrivals[]; };  // movers that arrive in each block (arrivals.comp)
 
 // Surfaces that may move into a pixel at this moment; none where the third number is 0.
 uvec4 arrivals_at(ivec2 pixel)

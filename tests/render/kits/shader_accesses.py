@@ -18,6 +18,7 @@ from typing import Any
 
 import moderngl
 
+from render.gl.compat import GL
 from tests.render.kits.compiled_shaders import preprocess
 
 _IMAGE = re.compile(
@@ -41,7 +42,7 @@ class Accesses:
     def __init__(self) -> None:
         self.images: dict[int, tuple[Any, bool, bool]] = {}
         self.blocks: dict[int, Any] = {}
-        self.textures: dict[int, Any] = {}
+        self.textures: dict[tuple[int, bool], Any] = {}
         self.written: dict[int, str] = {}
         self.read: dict[int, str] = {}
         self.faults: list[str] = []
@@ -71,7 +72,7 @@ class Accesses:
         stored = {id(thing) for thing in writes}
         kinds: dict[int, str] = {}
         for kind, sampler in _SAMPLER.findall(source):
-            for unit, texture in self._sampled(program, sampler):
+            for unit, texture in self._sampled(program, kind, sampler):
                 if kinds.setdefault(unit, kind) != kind:
                     self._fault(f"{name}: a {kind} and a {kinds[unit]} share texture unit {unit}")
                 self._check_sampler(name, kind, sampler, texture)
@@ -110,12 +111,14 @@ class Accesses:
         if faults:
             raise UndefinedAccessError("\n".join(dict.fromkeys(faults)))
 
-    def _sampled(self, program: Any, sampler: str) -> list[tuple[int, Any]]:
+    def _sampled(self, program: Any, kind: str, sampler: str) -> list[tuple[int, Any]]:
+        """Units of a sampler, and the textures that moderngl bound there; a unit has one for each kind."""
         if sampler not in program:
             return []
         value = program[sampler].value
         units = value if isinstance(value, (tuple, list)) else [value]
-        return [(unit, self.textures[unit]) for unit in units if unit in self.textures]
+        bound = [(unit, self.textures.get((unit, "Array" in kind))) for unit in units]
+        return [(unit, texture) for unit, texture in bound if texture is not None and _is_bound(texture, unit)]
 
     def _check_image(self, name: str, image: str, layout: str, kind: str, texture: Any) -> None:
         form = _COMPONENTS.get(texture.components, "?") + _SUFFIXES[texture.dtype]
@@ -188,18 +191,33 @@ def watch_accesses() -> None:
     def bind_image(this: Any, unit: int, read: bool = True, write: bool = True, **_: Any) -> None:
         ACCESSES.images[unit] = this, read, write
 
+    def use(this: Any, location: int = 0) -> None:
+        ACCESSES.textures[location, isinstance(this, moderngl.TextureArray)] = this
+
     around(moderngl.ComputeShader, "run", dispatch)
     around(moderngl.VertexArray, "render", draw)
     around(moderngl.Context, "memory_barrier", lambda this, *_, **__: ACCESSES.pass_barrier())
     around(moderngl.Buffer, "bind_to_storage_buffer", lambda this, unit=0, **_: ACCESSES.blocks.__setitem__(unit, this))
     for kind in (moderngl.Texture, moderngl.TextureArray):
         around(kind, "bind_to_image", bind_image)
-        around(kind, "use", lambda this, unit=0, **_: ACCESSES.textures.__setitem__(unit, this))
+        around(kind, "use", use)
     for kind in (moderngl.Texture, moderngl.TextureArray, moderngl.Buffer):
         for method in ("read", "write"):
             around(kind, method, lambda this, *_, **__: ACCESSES.check_copy(this))
         around(kind, "release", lambda this: ACCESSES.forget(this))
     around(moderngl.Buffer, "clear", lambda this, *_, **__: ACCESSES.check_copy(this))
+
+
+def _is_bound(texture: Any, unit: int) -> bool:
+    """Whether a texture is still bound where moderngl bound it; PyOpenGL may have bound another one since."""
+    if _is_released(texture):
+        return True
+    is_array = isinstance(texture, moderngl.TextureArray)
+    before = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
+    GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+    name = GL.glGetIntegerv(GL.GL_TEXTURE_BINDING_2D_ARRAY if is_array else GL.GL_TEXTURE_BINDING_2D)
+    GL.glActiveTexture(before)
+    return bool(name == texture.glo)
 
 
 def _is_released(thing: Any) -> bool:

@@ -92,7 +92,7 @@ def test_pixels_of_a_square_have_successive_patterns(side: int) -> None:
 
 @pytest.mark.parametrize("seed", [0, 7])
 def test_points_are_stratified_in_all_pairs_of_dimensions(seed: int) -> None:
-    """Of 256 points, aligned in the sequence, each cell has its share."""
+    """Each cell has its share of 256 points that are aligned in the sequence."""
     points = owen_sobol(512, seed)[256:]
     for dimension in range(4):
         assert (np.bincount((points[:, dimension] * 256).astype(int), minlength=256) == 1).all()

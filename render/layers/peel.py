@@ -19,6 +19,7 @@ from render.layers.lighting import Lighting
 from render.layers.movement import Movement
 from render.layers.moving_draws import MovingDraws
 from render.layers.nearest import nearest_depth_m
+from render.layers.reach import ReachBounder
 from render.layers.renderer import LayerPass, LayerRenderer
 from render.layers.shadows import Sphere, sphere_around
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
@@ -97,6 +98,7 @@ class PeelKey:
     umbra: float
     unlit: bool
     sampling: SurfaceSampling
+    reachable: bool
 
     def matches(self, other: PeelKey) -> bool:
         """Whether a peeling with the other key gives the same layers."""
@@ -115,6 +117,7 @@ class Peeler:
         self._targets: dict[str, LayerTargets] = {}
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}
         self._surfaces: SurfaceTargets | None = None
+        self._reach = ReachBounder(graphics.ctx, programs)
         self._scene: Scene | None = None
         self._shadow_region: Sphere | None = None
 
@@ -175,6 +178,7 @@ class Peeler:
         unlit: bool = False,
         sampling: SurfaceSampling = PLAIN,
         moves: Mapping[int, Movement] | None = None,
+        reachable: bool = False,
         cache_slot: str = PICTURE,
     ) -> Layers:
         """Peel the loaded scene. Returns the same object without drawing where the cache slot holds an equal peeling.
@@ -190,9 +194,11 @@ class Peeler:
             unlit: take base colour for radiance.
             sampling: how finely the finished picture samples surfaces.
             moves: movements of the batches (`render.layers.movement`), where the layers are to hold motion.
+            reachable: leave out surfaces that no ray of the umbra's pupil can meet (`render.layers.reach`). Has no effect where
+                surfaces move.
             cache_slot: name of the slot that caches the layers, which are valid until the slot's next peeling.
         """
-        key = PeelKey(view, layers, umbra, unlit, sampling)
+        key = PeelKey(view, layers, umbra, unlit, sampling, reachable)
         kept = self._kept.pop(cache_slot, None)
         if kept is not None and not moves and kept[0].matches(key):
             self._kept[cache_slot] = kept
@@ -227,6 +233,9 @@ class Peeler:
                 count += 1
                 if count == layers:
                     break
+                if key.reachable and not moving.any:
+                    slopes = targets.packed_slopes[(count - 1) // LAYERS_PER_PACK]
+                    layer = replace(layer, reach=self._reach.bound(layer.slot, slopes, umbra, is_first=count == 1))
                 solid_first = count + 1 == layers
                 layer = replace(layer, slot=slots[count], previous=layer.slot, number=count, solid_first=solid_first)
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
@@ -292,6 +301,7 @@ class Peeler:
         for targets in (*self._targets.values(), self._surfaces):
             if targets is not None:
                 targets.release()
+        self._reach.release()
         self._lighting.release()
         self._renderer.delete()
 

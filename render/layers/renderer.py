@@ -31,7 +31,7 @@ _ANY_OPACITY = 1e-6
 _MAX_HALF = 65000.0
 _MATERIAL_BINDING, _LIGHT_BINDING, _SHADOW_BINDING = 1, 2, 3
 DOME_UNIT, SHADOW_UNIT = 9, 10  # texture units as the shaders bind them; materials use those below 8
-_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT = 8, 11, 12
+_PREVIOUS_UNIT, _OWN_UNIT, _MOTION_UNIT, _REACH_UNIT = 8, 11, 12, 13
 
 
 class SourceProgram(pyrender.shader_program.ShaderProgram):  # type: ignore[misc]
@@ -76,6 +76,7 @@ class LayerPass:
         number: index of the layer, from 0.
         moving: buffers of the moving draws; None where the layers keep no motion.
         motion: texture array that receives the motion; None where the layers keep none.
+        reach: bound on what rays meet behind the previous layer (`render.layers.reach`); None where all surfaces are drawn.
     """
 
     view: PinholeView
@@ -89,6 +90,7 @@ class LayerPass:
     number: int = 0
     moving: MovingDraws | None = None
     motion: moderngl.TextureArray | None = None
+    reach: moderngl.Texture | None = None
 
 
 class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
@@ -143,10 +145,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         previous = layer.previous or layer.slot  # the first layer's programs do not read it
         previous.w.use(_PREVIOUS_UNIT)
         layer.slot.w.use(_OWN_UNIT)
+        if layer.reach is not None:
+            layer.reach.use(_REACH_UNIT)
         layer.slot.begin_depth()
         for draw in draws:
             program = self._depth_program(
-                draw, least_opacity, peel=layer.previous is not None, fill=fill, moving=layer.moving
+                draw,
+                least_opacity,
+                peel=layer.previous is not None,
+                reach=layer.reach is not None,
+                fill=fill,
+                moving=layer.moving,
             )
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
@@ -256,11 +265,14 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         least_opacity: float,
         *,
         peel: bool,
+        reach: bool = False,
         fill: bool = False,
         moving: MovingDraws | None = None,
     ) -> SourceProgram:
         """Program of the depth pass. For opaque draws it reads no material, so that early depth tests work."""
         defines: dict[str, object] = {"PEEL": 1} if peel else {}
+        if reach:
+            defines["REACH"] = 1
         if fill:
             defines["FILL"] = 1
         if moving is not None:

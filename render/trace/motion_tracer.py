@@ -160,7 +160,10 @@ class _ShutterSweep:
         rays = sample.pattern.whole if plane else 1
         sampling = layer_sampling(wide, middle, plane or (0.0, 0.0, 0.0), pupil_m, rays)
         umbra = umbra_reach(pupil_px)
-        return peeler.peel(wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves), nearest_w
+        peeled = peeler.peel(
+            wide, layers=layers, umbra=umbra, unlit=unlit, sampling=sampling, moves=moves, reachable=True
+        )
+        return peeled, nearest_w
 
     def _pupil_m(self, sample: ShutterSample) -> float:
         _, pupil = picture_focus(sample.camera, sample.view).over_picture()

@@ -1,8 +1,8 @@
 #version 450 core
 // Depth pass of a peel: the nearest surface behind the last layer's umbra. Only the depth buffer is written.
 // in:  surface.vert's outputs; the previous layer's w (1/m, negative where partly transparent) where PEEL is defined;
-//      the layer's own w where FILL is defined, which keeps filled pixels; where MOTION is defined, the motion of the surfaces of
-//      the previous layer and of this one
+//      the reach of lens rays (reach_spread.comp) where REACH is defined; the layer's own w where FILL is defined, which keeps
+//      filled pixels; where MOTION is defined, the motion of the surfaces of the previous layer and of this one
 // Peeling: Lee, Eisemann & Seidel 2010, section 3.1.
 
 #ifdef MAY_BE_TRANSPARENT
@@ -18,6 +18,11 @@ in vec4 frag_color;
 layout(binding = 8) uniform sampler2D previous_w;
 uniform int previous_channel;
 uniform float umbra;  // reach of an opaque surface's umbra in w, 1/m
+#ifdef REACH
+#include "trace/slopes.glsl"
+layout(binding = 13) uniform sampler2D reach;  // greatest w of what lens rays may meet here, 1/m (render/layers/reach.py)
+const int REACH_BLOCK = 2;                     // side of its blocks, px
+#endif
 #ifdef MOTION
 #include "layers/drifting.glsl"
 layout(binding = 12) uniform usampler2DArray previous_motion;
@@ -43,16 +48,23 @@ uniform int own_channel;
 
 void main()
 {
+#ifdef REACH
+    float w = gl_FragCoord.w, change = min(abs(dFdx(w)) + abs(dFdy(w)), 2.0 * LONGEST_REACH * w);   // before any discard
+    float farthest = w - change - UNLIKE * w;   // of what a ray may take for this surface
+#endif
 #if defined(PEEL) || defined(MAY_BE_TRANSPARENT)
     bool hidden = false;
 #endif
 #ifdef PEEL
     float last_w = texelFetch(previous_w, ivec2(gl_FragCoord.xy), 0)[previous_channel];
-    float reach = last_w > 0.0 ? umbra : 0.0;  // a transparent surface hides nothing
+    float shadowed = last_w > 0.0 ? umbra : 0.0;  // a transparent surface hides nothing
 #ifdef MOTION
-    reach *= max(0.0, 1.0 - parting(last_w));  // nor does one that moves away
+    shadowed *= max(0.0, 1.0 - parting(last_w));  // nor does one that moves away
 #endif
-    hidden = gl_FragCoord.w >= abs(last_w) - reach;
+    hidden = gl_FragCoord.w >= abs(last_w) - shadowed;
+#ifdef REACH
+    hidden = hidden || farthest > texelFetch(reach, ivec2(gl_FragCoord.xy) / REACH_BLOCK, 0).x;
+#endif
 #endif
 #ifdef FILL
     hidden = hidden || texelFetch(own_w, ivec2(gl_FragCoord.xy), 0)[own_channel] != 0.0;

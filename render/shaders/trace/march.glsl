@@ -31,7 +31,6 @@ uvec4 arrivals_at(ivec2 pixel)
 const int MAX_STEPS = 160;      // a ray that crosses more pixels skips some; the pixel of a hit is read again
 const float OVERLAP = 0.05;     // share of a step by which steps overlap, so that rays do not slip through cracks
 const float LEAST_PAD = 1e-5;   // share of w: rounding
-const float UNLIKE = 0.003;     // relative difference of w between pixels of one surface, beyond their slopes
 
 // A surface that a ray meets; `reach`: greatest change of its w within a pixel, 1/m.
 struct Hit { float w; int layer; bool opaque; float reach; };

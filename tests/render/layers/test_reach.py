@@ -103,9 +103,7 @@ def test_no_ray_is_nearer_than_the_bound(renderer: FrameRenderer, bounder: Reach
     assert np.median((np.minimum(bound, np.abs(field)) - most)[seen]) < 10 / PUPIL_PX
 
 
-def test_a_closed_wall_lets_nothing_past_and_a_gap_as_far_as_a_ray_goes(
-    renderer: FrameRenderer, bounder: ReachBounder
-) -> None:
+def test_a_closed_wall_lets_nothing_past_and_a_gap_some(renderer: FrameRenderer, bounder: ReachBounder) -> None:
     wall = np.full((40, 60), 2.0)
     assert (bound_of(renderer, bounder, wall) < 0).all()
     wall[:, 30:] = 0.5

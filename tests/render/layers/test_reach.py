@@ -1,4 +1,4 @@
-"""What lens rays can meet behind peeled layers: the bound holds for every ray, and pictures do not change."""
+"""Reach of lens rays behind peeled layers: the bound holds for every ray, and pictures do not change."""
 
 from __future__ import annotations
 

@@ -27,9 +27,10 @@ surface up to `MEETING_PX` beside its pixel; both ends of the way, and the block
 the difference that the tracer takes for one surface (``UNLIKE``). What is left moves up a layer, so that fewer layers hold
 more. Pictures stay the same but for rays whose walk begins elsewhere, since the N-buffers hold less.
 
-Not bounded are layers that hold moving surfaces, where each ray is searched for along the surface's own line; and layers that
-are blurred, whose hidden parts are spread too. Rays that cross more than ``MAX_STEPS`` pixels in one interval of depths skip
-some, and may slip through a closed layer; they then see what lies behind the surface that is left out.
+Not bounded are layers that hold moving surfaces, where each ray is searched for along the surface's own line; layers that are
+drawn in strips, into which rays come from beside; and layers that are blurred, whose hidden parts are spread too. Rays that
+cross more than ``MAX_STEPS`` pixels in one interval of depths skip some, and may slip through a closed layer; they then see
+what lies behind the surface that is left out.
 """
 
 from __future__ import annotations

@@ -157,8 +157,10 @@ class LensTracer:
 
         def peel(part: PinholeView) -> Layers:
             own = sampling.at_corner(wide.cx - part.cx, wide.cy - part.cy)
-            is_whole = part is wide  # rays come into a part of the layers from beside it, behind surfaces that it does not show
-            return peeler.peel(part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=is_whole)
+            whole = (
+                part.size == wide.size
+            )  # rays come into a part from beside it, behind surfaces that it does not show
+            return peeler.peel(part, layers=layers, umbra=umbra, unlit=unlit, sampling=own, reachable=whole)
 
         reach_px = ray_reach_px(bundle, focus, wide, wide.fx / view.fx, nearest_w)
         plan = plan_tiles(view, wide, reach_px, layers, self.budget, int(self._ctx.info["GL_MAX_TEXTURE_SIZE"]))

@@ -235,7 +235,12 @@ class LensTracer:
         bound_by_rays: bool,
         on_stage: Callable[[Stage], None],
     ) -> Generator[float, None, TracedPicture]:
-        """Trace a picture tile by tile, each through its window of the layers."""
+        """Trace a picture tile by tile, each through its window of the layers.
+
+        The pixels are those of one piece as long as nothing here depends on a window: what is added between layers and rays must
+        be a function of the layers that a pixel's rays reach, and must leave the window's textures as they were, since the next
+        window takes them over.
+        """
         picture, done = TiledPicture(*view.size), 0.0
         self._window.clear()
         try:

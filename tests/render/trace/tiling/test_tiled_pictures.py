@@ -132,7 +132,7 @@ def test_a_tiled_picture_can_be_shown_before_it_is_finished(budget: FrameRendere
 
 
 def test_layers_of_tiles_keep_to_the_budget(budget: FrameRenderer) -> None:
-    """What is counted beforehand is what the textures take."""
+    """The textures take as much memory as is counted beforehand."""
     settings = replace(WIDE, width=200, height=120, rays=1)
     scene, tracer, peeler = confetti(300), budget.device.tracer, budget.device.peeler
     drawn(budget, scene, CAMERA, settings, ONE_PIECE)

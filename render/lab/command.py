@@ -15,6 +15,7 @@ from render.lab.bench.importance import plan as importance_plan
 from render.lab.bench.points import plan as points_plan
 from render.lab.bench.postblur import plan as postblur_plan
 from render.lab.bench.quality import plan as quality_plan
+from render.lab.bench.scale import plan as scale_plan
 from render.lab.bench.soak import plan as soak_plan
 from render.lab.bench.start import plan as start_plan
 
@@ -64,6 +65,12 @@ _BENCHES = (
         points_plan,
         "points.run",
         "sample patterns: errors over pixel and pupil of the product's and of others",
+    ),
+    (
+        "scale",
+        scale_plan,
+        "scale.run",
+        "large work: seconds and memory against triangles, prims, instances, lights and picture width",
     ),
 )
 """Name, arguments, module in `render.lab.bench` that has its ``run``, and purpose of each bench."""

@@ -1,4 +1,4 @@
-"""Bounding boxes of draws and of clusters of their triangles, and the test of a box against a view."""
+"""Bounding boxes of draws and of clusters of their triangles."""
 
 from __future__ import annotations
 
@@ -48,21 +48,6 @@ class BoxCache:
         for boxes in (self._own, self._clusters):
             for key in boxes.keys() - kept:
                 del boxes[key]
-
-
-def may_be_seen(corners: DoubleArray, clip_from_world: DoubleArray) -> bool:
-    """True where the hull of the corners may reach into the view's frustum; false where all lie outside one of its planes.
-
-    Args:
-        corners: ``(n, 3)`` metres.
-        clip_from_world: ``(4, 4)``, zero-to-one depth.
-    """
-    if len(corners) == 0:
-        return False
-    clip = corners @ clip_from_world[:, :3].T + clip_from_world[:, 3]
-    x, y, z, w = clip.T
-    outside = ((x > w).all(), (x < -w).all(), (y > w).all(), (y < -w).all(), (z > w).all(), (z < 0).all())
-    return not any(outside)
 
 
 def _box_corners(low: FloatArray, high: FloatArray) -> DoubleArray:

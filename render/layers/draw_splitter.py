@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from render.gl.cancellation import PIECE_MS, CancellationPoint, PieceSize
 from render.gl.compat import GL
+from render.layers.clusters import DrawRange
 from render.layers.index import Draw
 from render.optics.view import PinholeView
 
@@ -18,23 +18,6 @@ _PIXELS, _LEAST_PIXELS, _FORGETTING = 16_384, 4096, 0.995
 """Pixels shaded between two cancellation points, at first and at least; share of the measured cost kept after each point."""
 Rectangle = tuple[int, int, int, int]
 """Left, top, width and height in pixels."""
-
-
-@dataclass(frozen=True)
-class DrawRange:
-    """Range of a draw: triangles of one instance, or whole instances.
-
-    Attributes:
-        first_triangle: first triangle of each instance.
-        triangles: number of triangles.
-        first_instance: first instance of the draw.
-        instances: number of instances.
-    """
-
-    first_triangle: int
-    triangles: int
-    first_instance: int
-    instances: int
 
 
 class DrawSplitter:
@@ -52,16 +35,20 @@ class DrawSplitter:
         self._shaded, self._found = (PieceSize(_TRIANGLES, least=_LEAST_TRIANGLES) for _ in range(2))
         self._triangles = self._pixels = 0
 
-    def split(self, draw: Draw, view: PinholeView) -> Iterator[DrawRange]:
+    def split(self, draw: Draw, ranges: Sequence[DrawRange], view: PinholeView) -> Iterator[DrawRange]:
         """Pieces of a draw that is shaded. The scissor test is set for each piece, which must be drawn before the next.
+
+        Args:
+            draw: draw that is shaded.
+            ranges: ranges of it that are drawn, in order.
+            view: view that it is drawn for.
 
         Raises:
             Cancelled: the work is stale.
         """
-        whole = _whole(draw)
-        triangles = max(1, whole.triangles * whole.instances)
+        triangles = max(1, sum(share.triangles * share.instances for share in ranges))
         if not self._cancellation.is_cancellable or triangles > _TRIANGLES:
-            yield from self._ranges(whole, self._shaded)
+            yield from self._pieces(ranges, self._shaded)
             return
         left, top, width, height = _bounds(draw, view)
         pieces = int(np.ceil(width * height * self._ms_of_pixel / PIECE_MS))
@@ -70,36 +57,29 @@ class DrawSplitter:
         try:
             for first in range(top, top + height, max(1, rows)):
                 GL.glScissor(left, first, width, min(rows, top + height - first))
-                yield whole
+                yield from ranges
                 self._record(triangles, width * rows)
         finally:
             GL.glDisable(GL.GL_SCISSOR_TEST)
 
-    def split_depth(self, draw: Draw) -> Iterator[DrawRange]:
+    def split_depth(self, ranges: Sequence[DrawRange]) -> Iterator[DrawRange]:
         """Pieces of a draw of which only depth is drawn."""
-        yield from self._ranges(_whole(draw), self._found)
+        yield from self._pieces(ranges, self._found)
 
-    def _ranges(self, whole: DrawRange, size: PieceSize) -> Iterator[DrawRange]:
-        """Ranges of a draw in its order, with a cancellation point after each."""
+    def _pieces(self, ranges: Sequence[DrawRange], size: PieceSize) -> Iterator[DrawRange]:
+        """Pieces of ranges in their order, with a cancellation point after each."""
         if not self._cancellation.is_cancellable:
-            yield whole
+            yield from ranges
             return
-        instance = triangle = 0
-        while instance < whole.instances:
-            most = min(size.units, _MOST_TRIANGLES)
-            if triangle == 0 and most >= whole.triangles:
-                some = min(most // max(1, whole.triangles), whole.instances - instance)
-                share = DrawRange(0, whole.triangles, instance, some)
-                instance += some
-            else:
-                share = DrawRange(triangle, min(most, whole.triangles - triangle), instance, 1)
-                triangle += share.triangles
-                if triangle == whole.triangles:
-                    instance, triangle = instance + 1, 0
-            yield share
-            took_ms, drawn = self._cancellation.poll(), share.triangles * share.instances
-            if 2 * drawn >= size.units:  # small draws do not predict the time of large ones
-                size.learn(drawn, took_ms)
+        drawn = 0
+        for whole in ranges:
+            for share in _cut(whole, size):
+                yield share
+                drawn += share.triangles * share.instances
+                if 2 * drawn >= size.units:  # small draws do not predict the time of large ones
+                    size.learn(drawn, self._cancellation.poll())
+                    drawn = 0
+        self._cancellation.poll()
 
     def _record(self, triangles: int, pixels: int) -> None:
         """Record a shaded piece. The cost of the most expensive pixels is kept for long, since many pieces cover few pixels."""
@@ -110,8 +90,22 @@ class DrawSplitter:
             self._triangles = self._pixels = 0
 
 
-def _whole(draw: Draw) -> DrawRange:
-    return DrawRange(0, len(draw.batch.geometry.triangles), 0, len(draw.instances))
+def _cut(whole: DrawRange, size: PieceSize) -> Iterator[DrawRange]:
+    """Pieces of one range, of the size that is learnt meanwhile."""
+    instance = triangle = 0
+    while instance < whole.instances:
+        most = min(size.units, _MOST_TRIANGLES)
+        first = whole.first_instance + instance
+        if triangle == 0 and most >= whole.triangles:
+            some = min(most // max(1, whole.triangles), whole.instances - instance)
+            yield DrawRange(whole.first_triangle, whole.triangles, first, some)
+            instance += some
+        else:
+            share = min(most, whole.triangles - triangle)
+            yield DrawRange(whole.first_triangle + triangle, share, first, 1)
+            triangle += share
+            if triangle == whole.triangles:
+                instance, triangle = instance + 1, 0
 
 
 def _bounds(draw: Draw, view: PinholeView) -> Rectangle:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from render.gl.compat import GL, pyrender
 from render.layers.bounds import BoxCache
+from render.layers.clusters import ClusterIndex
 from render.layers.materials import HalfTexture, PreviewSurface
 from render.model.arrays import DoubleArray, FloatArray, IndexArray, IntArray
 from render.model.scene import Batch, Geometry, Image, Material, Scene, Wrap
@@ -62,6 +63,7 @@ class SceneIndex:
         self._materials: dict[int, tuple[PreviewSurface, Material]] = {}
         self._textures: dict[tuple[int, Wrap, Wrap], HalfTexture] = {}
         self.boxes = BoxCache()
+        self.clusters = ClusterIndex()
         self._faded: dict[int, tuple[Geometry, bool]] = {}
         self._scene: Scene | None = None
 
@@ -95,6 +97,7 @@ class SceneIndex:
             self.graph.remove_node(self._nodes[key][0])
         self._nodes = kept
         self.boxes.forget(scene.batches)
+        self.clusters.update(self.draws)
         self._forget_unused()
         self._scene = scene
 

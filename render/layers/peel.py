@@ -112,7 +112,7 @@ class Peeler:
         self._ctx = graphics.ctx
         # on a CPU, anisotropic look-ups triple the time of a textured layer, and the layers are supersampled anyway
         self.index = SceneIndex(anisotropy=1.0 if graphics.is_software else 8.0)
-        self._renderer = LayerRenderer(self.index, graphics.cancellation)
+        self._renderer = LayerRenderer(self.index, graphics.ctx, programs, graphics.cancellation)
         self._lighting = Lighting(self._renderer, programs)
         self._targets: dict[str, LayerTargets] = {}
         self._kept: dict[str, tuple[PeelKey, Layers]] = {}

@@ -12,13 +12,15 @@ import numpy as np
 
 from render.gl.cancellation import NEVER_CANCELLED, CancellationPoint
 from render.gl.compat import CLIP_NEGATIVE_ONE_TO_ONE, CLIP_ZERO_TO_ONE, GL, pyrender, set_clip_depth
-from render.gl.shaders import SHADER_DIR, load_source
-from render.layers.bounds import may_be_seen
-from render.layers.draw_splitter import DrawRange, DrawSplitter
+from render.gl.shaders import SHADER_DIR, ProgramCache, load_source
+from render.layers.clusters import DrawRange
+from render.layers.draw_splitter import DrawSplitter
+from render.layers.hidden import HiddenMeasurer
 from render.layers.index import Draw, SceneIndex
 from render.layers.lights import MAX_LIGHTS
 from render.layers.materials import PreviewSurface
 from render.layers.moving_draws import MovingDraws
+from render.layers.selection import ClusterSelection, DrawnRanges
 from render.layers.shadows import MAX_SHADOW_MAPS
 from render.layers.surface_sampling import PLAIN, SurfaceSampling
 from render.layers.targets import Slot
@@ -100,10 +102,17 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     instances; programs, materials, lights and targets are bound here.
     """
 
-    def __init__(self, index: SceneIndex, cancellation: CancellationPoint = NEVER_CANCELLED) -> None:
+    def __init__(
+        self,
+        index: SceneIndex,
+        ctx: moderngl.Context,
+        programs: ProgramCache,
+        cancellation: CancellationPoint = NEVER_CANCELLED,
+    ) -> None:
         super().__init__(1, 1)
         self._splitter = DrawSplitter(cancellation)
         self._index = index
+        self._selection = ClusterSelection(index, HiddenMeasurer(ctx, programs))
         self._programs: dict[tuple[object, ...], SourceProgram] = {}
         self._material_block, self._light_block, self._shadow_block = GL.glGenBuffers(3)
         self._bound_material: PreviewSurface | None = None
@@ -121,7 +130,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
 
     def visible_draws(self, view: PinholeView) -> list[Draw]:
         """Draws that may reach into a view."""
-        return _visible(self._index.draws, view.projection_matrix() @ view.camera_from_world)
+        return self._selection.draws_in(view)
 
     def draw_layer(self, layer: LayerPass) -> None:
         """Draw the nearest surfaces behind the previous layer.
@@ -129,15 +138,19 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         Depth is drawn first, then colour where the depth is equal: shading is the most expensive part, and this way each pixel
         is shaded once, however many surfaces lie behind it.
         """
-        faded = [draw for draw in layer.draws if draw.may_be_translucent] if layer.solid_first else []
+        umbra = layer.umbra if layer.moving is None else 0.0  # where surfaces move apart, it may be cut short
+        drawn = self._selection.ranges(layer.view, layer.draws, layer.previous, umbra)
+        faded = [(draw, ranges) for draw, ranges in drawn if draw.may_be_translucent] if layer.solid_first else []
         try:
-            self._draw_pass(layer, layer.draws, OPAQUE if faded else _ANY_OPACITY)
+            self._draw_pass(layer, drawn, OPAQUE if faded else _ANY_OPACITY)
             if faded:
                 self._draw_pass(layer, faded, _ANY_OPACITY, fill=True)
         finally:
             self._end()
 
-    def _draw_pass(self, layer: LayerPass, draws: list[Draw], least_opacity: float, *, fill: bool = False) -> None:
+    def _draw_pass(
+        self, layer: LayerPass, drawn: list[DrawnRanges], least_opacity: float, *, fill: bool = False
+    ) -> None:
         """Draw fragments of at least ``least_opacity``; ``fill`` keeps to pixels in which the layer is empty."""
         view = layer.view
         self._begin(view.width, view.height)
@@ -148,7 +161,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         if layer.reach is not None:
             layer.reach.use(_REACH_UNIT)
         layer.slot.begin_depth()
-        for draw in draws:
+        for draw, ranges in drawn:
             program = self._depth_program(
                 draw,
                 least_opacity,
@@ -163,12 +176,13 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1i(program.location("previous_channel"), previous.channel)
             GL.glUniform1i(program.location("own_channel"), layer.slot.channel)
             GL.glUniform1f(program.location("detail"), layer.sampling.detail)
-            for share in self._splitter.split_depth(draw):
-                self._draw(draw, share, program, view.camera_from_world, clip)
+            self._bind_draw(draw, program, view.camera_from_world, clip)
+            for share in self._splitter.split_depth(ranges):
+                self._draw_range(program, share)
         layer.slot.begin_colour(fill=fill)
         GL.glDepthFunc(GL.GL_EQUAL)
         GL.glDepthMask(False)
-        for draw in draws:
+        for draw, ranges in drawn:
             program = self._surface_program(draw, least_opacity, unlit=layer.unlit, moving=layer.moving)
             GL.glUseProgram(program._program_id)
             self._set_motion(program, draw, layer)
@@ -178,8 +192,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
             GL.glUniform1f(program.location("picture_px"), layer.sampling.picture_px)
             GL.glUniform1f(program.location("patch_px_m"), layer.sampling.patch_px_m)
             GL.glUniform3f(program.location("focus"), *layer.sampling.focus)
-            for share in self._splitter.split(draw, view):
-                self._draw(draw, share, program, view.camera_from_world, clip)
+            self._bind_draw(draw, program, view.camera_from_world, clip)
+            for share in self._splitter.split(draw, ranges, view):
+                self._draw_range(program, share)
 
     def _set_motion(self, program: SourceProgram, draw: Draw, layer: LayerPass) -> None:
         """Set a program's motion buffers and uniforms for a draw."""
@@ -198,18 +213,20 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         self._begin(side_px, side_px)
         clip = clip_from_world.astype(np.float32)
         try:
-            for draw in _visible(draws, clip_from_world):
+            for draw, ranges in self._selection.shadow_ranges(clip_from_world, draws):
                 program = self._depth_program(draw, 0.5, peel=False)
                 GL.glUseProgram(program._program_id)
                 GL.glUniform1f(program.location("detail"), 1.0)
-                for share in self._splitter.split_depth(draw):
-                    self._draw(draw, share, program, np.eye(4), clip, cull=False)
+                self._bind_draw(draw, program, np.eye(4), clip, cull=False)
+                for share in self._splitter.split_depth(ranges):
+                    self._draw_range(program, share)
         finally:
             self._end()
 
     def delete(self) -> None:
         """Release everything that was uploaded."""
         super().delete()
+        self._selection.release()
         for program in self._programs.values():
             program.delete()
         self._programs = {}
@@ -218,17 +235,16 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
     def __del__(self) -> None:
         """Do nothing: pyrender's own would free names that may belong to another renderer by now. The owner calls `delete`."""
 
-    def _draw(
+    def _bind_draw(
         self,
         draw: Draw,
-        share: DrawRange,
         program: SourceProgram,
         camera_from_world: DoubleArray,
         clip: FloatArray,
         *,
         cull: bool = True,
     ) -> None:
-        """Draw a range of one primitive. Camera and node pose are multiplied in float64, for precision far from the origin."""
+        """Prepare one primitive for drawing. Its pose is multiplied in float64, for precision far from the origin."""
         primitive = draw.node.mesh.primitives[0]
         camera_from_node = (camera_from_world @ self._index.graph.get_pose(draw.node)).astype(np.float32)
         GL.glUniformMatrix4fv(program.location("camera_from_node"), 1, GL.GL_TRUE, camera_from_node)
@@ -238,7 +254,9 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glFrontFace(GL.GL_CCW if draw.mirrored else GL.GL_CW)
         (GL.glEnable if cull and not draw.double_sided else GL.glDisable)(GL.GL_CULL_FACE)
         primitive._bind()
-        # the shader's counts start at 0 in each range
+
+    def _draw_range(self, program: SourceProgram, share: DrawRange) -> None:
+        """Draw a range of the prepared primitive. The shader's counts start at 0 in each range."""
         GL.glUniform1ui(program.location("first_triangle"), share.first_triangle)
         GL.glUniform1i(program.location("first_instance"), share.first_instance)
         GL.glDrawElementsInstancedBaseInstance(
@@ -338,10 +356,6 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         GL.glDisable(GL.GL_DEPTH_TEST)
         GL.glFrontFace(GL.GL_CCW)
         set_clip_depth(CLIP_NEGATIVE_ONE_TO_ONE)
-
-
-def _visible(draws: Sequence[Draw], clip_from_world: DoubleArray) -> list[Draw]:
-    return [draw for draw in draws if may_be_seen(draw.corners, clip_from_world)]
 
 
 def _fill_uniform_buffer(buffer: int, data: bytes, binding: int) -> None:

@@ -32,6 +32,9 @@ from tests.render.kits.cli_shots import Command
         (("importance", "--sizes", "256,x"), 2, "--sizes must be whole numbers from 32 to 2048"),
         (("importance", "--sizes", "8"), 2, "--sizes must be whole numbers"),
         (("importance", "--frames", "1"), 2, "--frames must be from 2 to 10000, got 1"),
+        (("scale", "--timeout", "0"), 2, "--timeout must be more than 0, got 0"),
+        (("scale", "--axis", "beauty"), 2, "beauty"),
+        (("scale", "--most", "0"), 2, "--most 0 leaves no case to measure"),
     ],
 )
 def test_bad_arguments_get_one_sentence(

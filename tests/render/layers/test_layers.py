@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +13,9 @@ from render.frame import FrameRenderer, FrameSettings
 from render.gl.compat import GL
 from render.gl.shaders import ProgramCache
 from render.lab.reference.scenes import checkerboard, posts_before_wall, rectangle, sphere, spheres_over_checkerboard
-from render.layers.draw_splitter import DrawRange
-from render.layers.index import Draw
+from render.layers.clusters import DrawRange
 from render.layers.peel import HIDES_ALL, Layers, Peeler, umbra_reach
-from render.layers.renderer import LayerRenderer
+from render.layers.renderer import LayerRenderer, SourceProgram
 from render.model.camera import Camera
 from render.model.scene import Batch, Dome, Material, Scene
 from render.optics.view import PinholeView
@@ -268,13 +266,13 @@ def test_cancellable_work_is_split_and_bit_identical(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("render.layers.draw_splitter._LEAST_TRIANGLES", 100)
     monkeypatch.setattr("render.layers.draw_splitter._MOST_TRIANGLES", 150)
     drawn: list[int] = []
-    draw = LayerRenderer._draw
+    draw = LayerRenderer._draw_range
 
-    def counted(self: LayerRenderer, one: Draw, share: DrawRange, *arguments: Any, **named: Any) -> None:
+    def counted(self: LayerRenderer, program: SourceProgram, share: DrawRange) -> None:
         drawn.append(share.triangles * share.instances)
-        draw(self, one, share, *arguments, **named)
+        draw(self, program, share)
 
-    monkeypatch.setattr(LayerRenderer, "_draw", counted)
+    monkeypatch.setattr(LayerRenderer, "_draw_range", counted)
     with FrameRenderer() as other, other.graphics.cancellation.cancel_when(lambda: False):
         pieces = other.render(scene, camera, settings)
     assert max(drawn) <= 150, "in depth, in colour and in the shadow maps"

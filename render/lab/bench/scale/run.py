@@ -137,7 +137,7 @@ def growth_of(rows: Sequence[ScaleRow]) -> list[Growth]:
         sizes = np.log([row.value for row in done])
         for measure in MEASURES:
             costs = np.log([max(getattr(row, measure), 1e-9) for row in done])
-            slopes = [None, None]
+            slopes: list[float | None] = [None, None]
             if len(done) > 1:
                 slopes = [float(np.polyfit(sizes[part], costs[part], 1)[0]) for part in (slice(None), slice(-2, None))]
             found.append(Growth(axis, measure, *slopes))

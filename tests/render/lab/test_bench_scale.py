@@ -1,0 +1,62 @@
+"""`pullfocus bench scale` measures each case in a process of its own, fits how costs grow, and outlives hopeless cases."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from render.lab.bench.scale.plan import SceneSize
+from render.lab.bench.scale.run import ScaleRow, growth_of
+from render.lab.bench.scale.stage import write_stage
+from render.shot import Shot
+from tests.render.kits.cli_shots import Command
+
+
+@pytest.mark.gl
+def test_quick_cases_are_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scale.json"
+    ended = Command(capsys)("bench", "scale", "--quick", "--axis", "instances", "--json", file)
+    assert ended.status == 0
+    found = json.loads(file.read_text())
+    assert [(row["axis"], row["value"], row["outcome"]) for row in found["rows"]] == [
+        ("instances", 100, "done"),
+        ("instances", 1000, "done"),
+    ]
+    few, many = found["rows"]
+    assert many["drawn_triangles"] - few["drawn_triangles"] == 4 * 900
+    for row in (few, many):
+        assert 0 < row["open_s"] < row["first_s"]
+        assert row["frame_s"] > 0
+        assert row["memory_mb"] > 50
+    assert [one["measure"] for one in found["growth"]] == ["open_s", "first_s", "frame_s", "memory_mb"]
+    assert "exponent" in ended.out
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(("limit", "outcome"), [("--timeout", "timeout"), ("--memory", "memory")])
+def test_a_hopeless_case_is_ended_and_told(limit: str, outcome: str, capsys: pytest.CaptureFixture[str]) -> None:
+    ended = Command(capsys)("bench", "scale", "--quick", "--axis", "prims", "--most", "10", limit, "0.001")
+    assert ended.status == 0
+    assert outcome in ended.out
+
+
+def test_exponents_are_those_of_power_laws() -> None:
+    rows = [
+        ScaleRow("prims", n, SceneSize(prims=n), "done", 0.01 * n, 3.0, 0.001 * n**2, 7.0 * n**0.5)
+        for n in (10, 100, 1000)
+    ]
+    rows.append(ScaleRow("prims", 10_000, SceneSize(prims=10_000), "timeout"))
+    slopes = {one.measure: (one.exponent, one.at_end) for one in growth_of(rows)}
+    for measure, exponent in (("open_s", 1), ("first_s", 0), ("frame_s", 2), ("memory_mb", 0.5)):
+        assert slopes[measure] == pytest.approx((exponent, exponent), abs=1e-6)
+    assert all(one.exponent is None for one in growth_of(rows[-1:]))
+
+
+def test_stages_are_of_the_size_that_is_asked_for(tmp_path: Path) -> None:
+    size = SceneSize(triangles=6_000, prims=12, instances=50, lights=3)
+    scene = Shot.open(write_stage(tmp_path, size)).scene_at(1.0)
+    assert scene.triangle_count == pytest.approx(6_000 + 4 * 50, rel=0.05)
+    assert len(scene.lights) == 3
+    assert len({path for path in scene.prim_paths if "/meshes/" in path}) == 12

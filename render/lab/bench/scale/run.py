@@ -23,7 +23,7 @@ from render.lab.bench.scale.case import RAYS
 from render.lab.bench.scale.plan import ScalePlan, SceneSize, plan_from_arguments
 from render.lab.bench.scale.stage import write_stage
 
-MEASURES = ("open_s", "first_s", "frame_s", "memory_mb")
+MEASURES = ("open_s", "open_cpu_s", "first_s", "first_cpu_s", "frame_s", "frame_cpu_s", "memory_mb")
 _POLL_S = 0.2
 
 
@@ -37,8 +37,11 @@ class ScaleRow:
         size: size of the stage and the picture.
         outcome: ``done``, or why there are no measures: ``timeout``, ``memory`` or ``failed``.
         open_s: seconds from the file to the scene.
+        open_cpu_s: the same by the processor's clock, of all threads, which other work hardly touches.
         first_s: seconds from the file to the first picture, the context and the shaders included.
+        first_cpu_s: the same by the processor's clock.
         frame_s: seconds for a later frame, in which the camera has moved.
+        frame_cpu_s: the same by the processor's clock.
         memory_mb: peak of resident memory, 10⁶ bytes.
         drawn_triangles: triangles of the scene, instances counted.
         error: last line of a failure.
@@ -49,8 +52,11 @@ class ScaleRow:
     size: SceneSize
     outcome: str
     open_s: float | None = None
+    open_cpu_s: float | None = None
     first_s: float | None = None
+    first_cpu_s: float | None = None
     frame_s: float | None = None
+    frame_cpu_s: float | None = None
     memory_mb: float | None = None
     drawn_triangles: int | None = None
     error: str = ""
@@ -148,18 +154,17 @@ def report(result: ScaleBench) -> str:
     """The tables."""
     lines = [
         f"{result.device}; {result.rays} rays, pictures of 16:9. Seconds from the file to the scene (open) and to the first",
-        "picture (first); of a later frame, with the camera elsewhere (frame). Memory: the peak that was resident, 10^6 bytes.",
-        "A measure grows as the value to the power of the exponent: fitted to all cases, and between the last two in brackets.",
+        "picture (first), and of a later frame, with the camera elsewhere: by the wall's clock, and by the processor's, of all",
+        "threads. Memory is the peak that was resident, 10^6 bytes. A measure grows as the value to the power of the exponent:",
+        "fitted to all cases, and between the last two.",
     ]
+    heads = "".join(f"{head:>10}" for head in ("open s", "cpu", "first s", "cpu", "frame s", "cpu", "MB"))
     for axis in dict.fromkeys(row.axis for row in result.rows):
-        lines += ["", f"{axis:>12}    open s   first s   frame s        MB"]
+        lines += ["", f"{axis:>12}{heads}"]
         lines += [_line(row, named=False) for row in result.rows if row.axis == axis]
         slopes = [one for one in result.growth if one.axis == axis]
         lines.append(f"{'exponent':>12}" + "".join(_cell(one.exponent, 2) for one in slopes))
-        lines.append(
-            f"{'at the end':>12}"
-            + "".join(f"{f'({one.at_end:.2f})' if one.at_end is not None else '-':>10}" for one in slopes)
-        )
+        lines.append(f"{'at the end':>12}" + "".join(_cell(one.at_end, 2) for one in slopes))
     return "\n".join(lines) + "\n"
 
 
@@ -213,7 +218,7 @@ def _line(row: ScaleRow, *, named: bool = True) -> str:
     head = f"{row.axis:>12}" if named else ""
     if row.outcome != "done":
         return f"{head}{row.value:>12,}    {row.outcome}{f': {row.error}' if row.error else ''}"
-    cells = _cell(row.open_s, 2) + _cell(row.first_s, 2) + _cell(row.frame_s, 2) + _cell(row.memory_mb, 0)
+    cells = "".join(_cell(getattr(row, measure), 0 if measure == "memory_mb" else 2) for measure in MEASURES)
     return f"{head}{row.value:>12,}{cells}"
 
 

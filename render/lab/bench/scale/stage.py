@@ -13,6 +13,11 @@ from render.model.arrays import DoubleArray
 CAMERA = "/World/camera"
 FRAMES = (1.0, 24.0)
 _FIELD_M, _MATERIALS = 60.0, 8
+_MESH_ATTRIBUTES = (
+    ("points", Sdf.ValueTypeNames.Point3fArray),
+    ("faceVertexCounts", Sdf.ValueTypeNames.IntArray),
+    ("faceVertexIndices", Sdf.ValueTypeNames.IntArray),
+)
 _BLADE = ((-0.04, 0, 0), (0.04, 0, 0), (0, 0, 0.05), (0.01, 0.4, 0.02))
 _BLADE_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
 
@@ -83,15 +88,20 @@ def _write_meshes(
     faces = Vt.IntArray.FromNumpy(_grid_faces(around, along))
     counts = Vt.IntArray.FromNumpy(np.full(around * along, 4, np.int32))
     places, cell_m = _places(size.prims)
-    for i, (x, z) in enumerate(places):
-        radius_m = cell_m * float(random.uniform(0.2, 0.4))
-        mesh = UsdGeom.Mesh.Define(stage, f"/World/meshes/mesh{i}")
-        points = _ball(around, along, radius_m, random) + np.array([0, radius_m, 0])
-        mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
-        mesh.CreateFaceVertexCountsAttr(counts)
-        mesh.CreateFaceVertexIndicesAttr(faces)
-        UsdGeom.Xformable(mesh).AddTranslateOp().Set(Gf.Vec3d(float(x), 0, float(z)))
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(looks[i % len(looks)])
+    layer = stage.GetRootLayer()
+    stage.DefinePrim("/World/meshes")
+    with Sdf.ChangeBlock():  # composing each prim as it comes would take longer than all that is measured
+        for i, (x, z) in enumerate(places):
+            radius_m = cell_m * float(random.uniform(0.2, 0.4))
+            points = _ball(around, along, radius_m, random) + np.array([x, radius_m, z])
+            mesh = Sdf.CreatePrimInLayer(layer, f"/World/meshes/mesh{i}")
+            mesh.specifier, mesh.typeName = Sdf.SpecifierDef, "Mesh"
+            mesh.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["MaterialBindingAPI"]))
+            values = Vt.Vec3fArray.FromNumpy(points.astype(np.float32)), counts, faces
+            for (name, kind), value in zip(_MESH_ATTRIBUTES, values, strict=True):
+                Sdf.AttributeSpec(mesh, name, kind).default = value
+            binding = Sdf.RelationshipSpec(mesh, "material:binding", custom=False)
+            binding.targetPathList.explicitItems = [looks[i % len(looks)].GetPath()]
 
 
 def _ball(around: int, along: int, radius_m: float, random: np.random.Generator) -> DoubleArray:

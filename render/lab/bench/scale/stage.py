@@ -88,14 +88,13 @@ def _write_meshes(
     faces = Vt.IntArray.FromNumpy(_grid_faces(around, along))
     counts = Vt.IntArray.FromNumpy(np.full(around * along, 4, np.int32))
     places, cell_m = _places(size.prims)
-    layer = stage.GetRootLayer()
     stage.DefinePrim("/World/meshes")
+    parent = stage.GetRootLayer().GetPrimAtPath("/World/meshes")
     with Sdf.ChangeBlock():  # composing each prim as it comes would take longer than all that is measured
         for i, (x, z) in enumerate(places):
             radius_m = cell_m * float(random.uniform(0.2, 0.4))
             points = _ball(around, along, radius_m, random) + np.array([x, radius_m, z])
-            mesh = Sdf.CreatePrimInLayer(layer, f"/World/meshes/mesh{i}")
-            mesh.specifier, mesh.typeName = Sdf.SpecifierDef, "Mesh"
+            mesh = Sdf.PrimSpec(parent, f"mesh{i}", Sdf.SpecifierDef, "Mesh")
             mesh.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["MaterialBindingAPI"]))
             values = Vt.Vec3fArray.FromNumpy(points.astype(np.float32)), counts, faces
             for (name, kind), value in zip(_MESH_ATTRIBUTES, values, strict=True):

@@ -12,7 +12,7 @@ from render.trace import lens_table
 from render.trace.lens_table import ROW_LENGTH, GridTable, PolynomialTable
 from render.trace.rays import RayBundle
 
-_POINTS, _ROWS, _MASK, _IRIS = 4, 5, 7, 8  # as the shader binds them
+_POINTS, _ROWS, _MASK, _IRIS = 4, 5, 7, 6  # as the shader binds them
 _ROW_DEFINES = {
     name: getattr(lens_table, name)
     for name in (

@@ -5,7 +5,8 @@ const int BINS = 64;
 // Bin of w in a picture whose surfaces lie between `all.x` and `all.y`.
 int bin_of(float w, vec2 all)
 {
-    return clamp(int((w - all.x) / max(all.y - all.x, 1e-9 * all.y) * float(BINS)), 0, BINS - 1);
+    float place = (w - all.x) / max(all.y - all.x, 1e-9 * all.y) * float(BINS);
+    return int(clamp(place, 0.0, float(BINS - 1)));  // clamped first: an int holds no larger number
 }
 
 // Bits from `low` to `high`, both included.

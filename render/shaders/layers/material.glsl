@@ -167,8 +167,10 @@ Surface evaluate_material(vec2 uv, vec4 color, vec3 position, vec3 normal, bool 
 #ifdef HAS_NORMAL
     vec3 tangent = lookup_color(material.lookups[LOOKUP_NORMAL], normal_map, uv).xyz;
     shortening = max(1.0 - length(tangent), 0.0);
-    if (dot(tangent, tangent) > 1e-12)
-        s.normal = mapped_normal(normalize(tangent), s.normal, position, lookup_uv(material.lookups[LOOKUP_NORMAL], uv));
+    bool is_mapped = dot(tangent, tangent) > 1e-12;
+    vec3 mapped = mapped_normal(is_mapped ? normalize(tangent) : vec3(0.0, 0.0, 1.0), s.normal, position,
+                                lookup_uv(material.lookups[LOOKUP_NORMAL], uv));  // outside the branch: it takes derivatives
+    if (is_mapped) s.normal = mapped;
 #endif
     s.roughness = filtered_roughness(clamp(s.roughness, 0.03, 1.0), s.normal, shortening);  // highlights of roughness 0 have no size
     s.clearcoat_roughness = filtered_roughness(clamp(s.clearcoat_roughness, 0.03, 1.0), s.normal, shortening);

@@ -29,7 +29,7 @@ float stored_w(ivec2 pixel, int layer)
 void sweep(vec2 centre, vec4 mover, vec2 range, float half_way)
 {
     vec2 to = carried(centre, mover.w, half_way * mover.xyz);
-    int steps = clamp(int(distance(centre, to) / 2.0) + 1, 1, MAX_STEPS);
+    int steps = 1 + int(min(0.5 * distance(centre, to), float(MAX_STEPS - 1)));
     ivec2 before = ivec2(-9);
     for (int i = 0; i <= steps; ++i) {
         vec2 place = carried(centre, mover.w, mover.xyz * half_way * float(i) / float(steps));

@@ -9,7 +9,7 @@
 layout(std430, binding = 4) readonly buffer Points { vec4 points[]; };
 layout(std430, binding = 7) readonly buffer Mask { int pattern_mask[]; };       // 64 x 64
 #ifdef SHAPED_IRIS
-layout(std430, binding = 8) readonly buffer IrisPoints { vec2 iris_points[]; };  // as the points
+layout(std430, binding = 6) readonly buffer IrisPoints { vec2 iris_points[]; };  // as the points
 uniform sampler2D iris_image;   // transmission over the square around the stop, relative to its mean on the disc
 #endif
 #ifdef GRID_LENS

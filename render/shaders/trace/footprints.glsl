@@ -23,7 +23,7 @@ Corners corners_over(ivec2 low, ivec2 high)
     ivec2 first = layer_first / BLOCK, last = layer_last / BLOCK;
     ivec2 a = clamp(low / BLOCK - first, ivec2(0), last), b = clamp(high / BLOCK - first, ivec2(0), last);
     ivec2 extent = b - a + 1;
-    int level = min(findMSB(max(extent.x, extent.y)), last_level);
+    int level = min(findMSB(max(max(extent.x, extent.y), 1)), last_level);
     return Corners(a, max(b - (1 << level) + 1, a), level);
 }
 

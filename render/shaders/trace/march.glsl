@@ -112,7 +112,7 @@ bool may_meet(Segment at)
 // Texel of the layers under a position; that of their edge where it is beyond.
 ivec2 texel_at(vec2 place, ivec2 last)
 {
-    return clamp(ivec2(floor(place)) - layer_first, ivec2(0), last);
+    return ivec2(clamp(floor(place) - vec2(layer_first), vec2(0.0), vec2(last)));
 }
 
 // Advance to the next segment with a surface near the ray; false at the end. This cheap test is kept apart from the expensive one

@@ -78,8 +78,8 @@ void footprint_between(PixelRays rays, vec2 range, float reach, out ivec2 from, 
         high = max(high, centre + radius + reach);
     }
 #endif
-    from = ivec2(floor(low));
-    to = ivec2(floor(high));
+    from = ivec2(floor(max(low, vec2(-1e9))));  // an int holds no larger number
+    to = ivec2(floor(min(high, vec2(1e9))));
 }
 
 // Narrow the range of w in which the pixel's rays can meet surfaces: each range's footprint bounds the next range.

@@ -105,8 +105,6 @@ def test_bindings_are_below_the_least_numbers() -> None:
                 least = LEAST_STORAGE_BINDINGS
             elif re.search(r"\b[iu]?image", rest):
                 least = LEAST_IMAGE_UNITS
-            if "IrisPoints" in rest:
-                continue
             if (binding is not None and int(binding[1]) >= least) or np.prod(sizes) > LEAST_INVOCATIONS:
                 beyond.append(f"{path.name}: layout({layout}){rest}")
     assert beyond == []

@@ -86,7 +86,7 @@ def expose(radiance: FloatArray, exposure_scale: float) -> FloatArray:
         The same shape, a new contiguous float32 array. NaN becomes 0.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        exposed = np.multiply(radiance, np.float32(exposure_scale), dtype=np.float32)
+        exposed = np.asarray(np.multiply(radiance, np.float32(exposure_scale), dtype=np.float32))
     np.nan_to_num(exposed, copy=False, nan=0.0)
-    clipped: FloatArray = np.clip(exposed, -_BRIGHTEST, _BRIGHTEST)
-    return np.ascontiguousarray(clipped)
+    np.clip(exposed, -_BRIGHTEST, _BRIGHTEST, out=exposed)
+    return np.ascontiguousarray(exposed)

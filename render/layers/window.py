@@ -34,6 +34,11 @@ class LayerWindow:
         self._held = 0, 0
         self._count, self._may_be_translucent = 0, False
 
+    @property
+    def is_held(self) -> bool:
+        """Whether the window has memory on the device."""
+        return self._targets is not None
+
     def clear(self) -> None:
         """Forget the contents, before the first window of a picture."""
         self._held = 0, 0

@@ -280,8 +280,10 @@ class LensTracer:
         return measure_aovs(peeler, view, bundle, picture_focus(camera, view), chief)
 
     def release_window(self) -> None:
-        """Release the layers of the last tile, so that a large picture can be developed in their place."""
-        self._window.release()
+        """Release the layers and N-buffers of the last tile, so that a large picture can be developed in their place."""
+        if self._window.is_held:
+            self._window.release()
+            self._nbuffers.release()
 
     def release(self) -> None:
         """Release the memory."""

@@ -50,6 +50,7 @@ class Layers:
         may_be_translucent: whether any of their surfaces may be partly transparent.
         may_move: whether any of their surfaces may move; the targets hold the motion then.
         within: view of the whole picture's layers, of whose pixels these are a part; None where they are the whole.
+        umbra: reach of an opaque surface's umbra that they were peeled with, 1/m.
     """
 
     view: PinholeView
@@ -58,6 +59,7 @@ class Layers:
     may_be_translucent: bool = True
     may_move: bool = False
     within: PinholeView | None = None
+    umbra: float = HIDES_ALL
 
     @property
     def whole(self) -> PinholeView:
@@ -240,7 +242,7 @@ class Peeler:
                 layer = replace(layer, slot=slots[count], previous=layer.slot, number=count, solid_first=solid_first)
             GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 0)
             self._ctx.memory_barrier()
-        return Layers(view, targets, count, faded, moving.any)
+        return Layers(view, targets, count, faded, moving.any, umbra=umbra)
 
     def peel_groups(
         self, view: PinholeView, *, unlit: bool = False, sampling: SurfaceSampling = PLAIN

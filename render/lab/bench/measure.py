@@ -81,6 +81,7 @@ def scene_row(of: Subject, runs: int) -> SceneRow:
         ssim=ssim(traced.color, of.reference),
         layers=traced.layers,
         layers_mb=traced.layers_bytes / 1e6,
+        spared=of.rig.measure_spared(of.camera, of.settings),
         cpu=cpu,
         ratios=[times[0].ratio for times in made],
         cpu_ratios=sorted(times[1].ratio for times in made),

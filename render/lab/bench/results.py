@@ -52,6 +52,7 @@ class SceneRow(ReferenceTimes):
         ssim: the same comparison.
         layers: number of peeled layers.
         layers_mb: megabytes (10⁶) of layers and N-buffers, supersampling and guard band included.
+        spared: share of the texels behind the first layer that are left out because no ray reaches them.
         cpu: the same times by the processor's clock, of all threads.
         ratios: ratio of each run, from the least to the greatest.
         cpu_ratios: the same by the processor's clock.
@@ -63,6 +64,7 @@ class SceneRow(ReferenceTimes):
     ssim: float
     layers: int
     layers_mb: float
+    spared: float
     cpu: ReferenceTimes
     ratios: list[float]
     cpu_ratios: list[float]

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from types import TracebackType
 
+import numpy as np
+
 from render.gl.context import GraphicsContext
 from render.gl.shaders import ProgramCache
 from render.lab.bench.clock import Repeats, Spent, StageClock, median_spent
 from render.layers.nbuffers import NBufferBuilder
-from render.layers.peel import Peeler
+from render.layers.peel import Layers, Peeler
 from render.layers.shadows import shadow_region
+from render.layers.targets import LAYERS_PER_PACK
 from render.layers.umbra import umbra_reach
 from render.model.arrays import FloatArray
 from render.model.camera import Camera
@@ -86,6 +89,13 @@ class LensRig:
         clock("reference")
         return picture, clock.spent["reference"]
 
+    def measure_spared(self, camera: Camera, settings: FrameSettings) -> float:
+        """Share of the texels behind the first layer that are left out because no ray reaches them (`render.layers.reach`)."""
+        reached = self._timed(camera, replace(settings, rays=1))[0].layers
+        texels = _count_behind(reached)
+        whole = self._peeler.peel(reached.view, layers=settings.layers, umbra=reached.umbra, unlit=True)
+        return 1.0 - texels / max(1, _count_behind(whole))
+
     def nearest_w(self, camera: Camera, settings: FrameSettings) -> float:
         """Inverse depth of the nearest surface of the loaded scene in the picture, 1/m."""
         return self._peeler.nearest_w(PinholeView.from_camera(camera, settings.width, settings.height))
@@ -127,3 +137,10 @@ class LensRig:
             on_stage=clock,
         )
         return picture, clock.spent
+
+
+def _count_behind(layers: Layers) -> int:
+    """Number of texels that hold a surface, in all layers but the first."""
+    packs = layers.targets.packed_w[: -(-layers.count // LAYERS_PER_PACK)]
+    filled = [np.frombuffer(pack.read(), np.float32).reshape(-1, LAYERS_PER_PACK) != 0 for pack in packs]
+    return int(sum(pack.sum() for pack in filled) - filled[0][:, 0].sum()) if filled else 0

@@ -22,7 +22,9 @@ def _head(bench: LensBench) -> Iterator[str]:
 
 def _scenes(bench: LensBench) -> Iterator[str]:
     yield ""
-    yield _line("scene", "triangles", *_STAGES, "reference", "ratio", "PSNR dB", "SSIM", "layers", "layers MB")
+    yield _line(
+        "scene", "triangles", *_STAGES, "reference", "ratio", "PSNR dB", "SSIM", "layers", "layers MB", "spared"
+    )
     for row in bench.scenes:
         yield _line(
             row.name,
@@ -33,10 +35,12 @@ def _scenes(bench: LensBench) -> Iterator[str]:
             f"{row.ssim:.4f}",
             str(row.layers),
             f"{row.layers_mb:.0f}",
+            f"{row.spared:.0%}",
         )
         yield _line("", "", *_in_brackets([*_costs(row.cpu), *_ratio(row.cpu)]))
     for row in bench.scenes:
         yield f"{row.name}: {len(row.ratios)} runs had ratios of {_spread(row.ratios)} ({_spread(row.cpu_ratios)})"
+    yield "spared: share of the texels behind the first layer that are not drawn, since no ray reaches them"
     yield f"Four layers of 1024x768 and their N-buffers: {bench.layers_mb_1024x768:.1f} MB"
 
 

@@ -46,6 +46,7 @@ def test_the_lens_engine_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert scene["ratios"] == sorted(scene["ratios"])
     assert scene["ratio"] in scene["ratios"]
     assert len(scene["ratios"]) == len(scene["cpu_ratios"]) == quick_plan().runs
+    assert 0 <= scene["spared"] < 1
     assert scene["psnr_db"] > 25  # of posts thinner than the few pixels that there are
     few, many = sweeps["rays"]
     assert many["reference_ms"] == pytest.approx(many["rays"] / few["rays"] * few["reference_ms"])
@@ -66,6 +67,7 @@ def hall(psnr_db: float = 44.0) -> SceneRow:
         ssim=0.996,
         layers=4,
         layers_mb=9,
+        spared=0.5,
         cpu=faster,
         ratios=[8.0, 9.0, 9.5],
         cpu_ratios=[6.0, 6.1, 6.2],

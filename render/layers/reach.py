@@ -21,7 +21,7 @@ too much to be extended that far, count as gaps.
 
 **Distance.** The maximum over gaps is taken over blocks of 2x2 pixels by scans along rows and columns
 (``layers/reach_spread.comp``), with ``d >= (|dx| + |dy|) / sqrt(2)``, which is too small by 29 % at most. The tracer meets a
-surface up to `MEETING_PX` beside its pixel; both ends of the way, and the blocks' sides, shorten it along either axis.
+surface up to `MEETING_PX` beside its pixel; both ends of the way, and the block's side, shorten it along either axis.
 
 **Use.** ``layers/depth.frag`` discards what lies nearer than the bound, by more than the surface's change of w over a pixel and
 the difference that the tracer takes for one surface (``UNLIKE``). What is left moves up a layer, so that fewer layers hold
@@ -61,7 +61,7 @@ class ReachBounder:
 
     def __init__(self, ctx: moderngl.Context, programs: ProgramCache) -> None:
         self._ctx, self._programs = ctx, programs
-        self._textures: tuple[moderngl.Texture, moderngl.Texture] | None = None
+        self._textures: tuple[moderngl.Texture, moderngl.Texture, moderngl.Texture] | None = None
 
     def bound(self, slot: Slot, slopes: moderngl.Texture, umbra: float, *, is_first: bool) -> moderngl.Texture:
         """Bound the reach behind a layer and those before it.
@@ -75,7 +75,7 @@ class ReachBounder:
         Returns:
             R32F: for each block of 2x2 pixels the greatest w of what a ray may meet, 1/m. Valid until the next call.
         """
-        gaps, reach = self._allocate(-(-slot.w.width // BLOCK_PX), -(-slot.w.height // BLOCK_PX))
+        gaps, along_rows, reach = self._allocate(-(-slot.w.width // BLOCK_PX), -(-slot.w.height // BLOCK_PX))
         defines: dict[str, int | float | str] = {"NOWHERE": _NOWHERE}
         if not is_first:
             defines["BEHIND_OTHERS"] = 1
@@ -84,16 +84,18 @@ class ReachBounder:
             texture.use(unit)
             set_uniforms(program, **{name: unit})
         set_uniforms(program, channel=slot.channel, umbra=umbra)
-        gaps.bind_to_image(0, read=True, write=True)
+        gaps.bind_to_image(0, read=False, write=True)
         program.run(-(-gaps.width // 8), -(-gaps.height // 8))
         self._ctx.memory_barrier()
         fall = umbra / math.sqrt(2)  # of each pixel along a row or column
         shortened_px = BLOCK_PX + 2 * MEETING_PX  # along either axis
-        reach.bind_to_image(1, read=True, write=True)
-        for lines, columns in ((gaps.height, {}), (gaps.width, {"COLUMNS": 1})):
+        reach.bind_to_image(2, read=True, write=True)
+        for source, target, columns in ((gaps, along_rows, {}), (along_rows, gaps, {"COLUMNS": 1})):
             program = self._programs.compute("layers/reach_spread.comp", defines | columns)
-            set_uniforms(program, fall=BLOCK_PX * fall, room=2 * shortened_px * fall)
-            program.run(-(-lines // _SPREAD_GROUP))
+            set_uniforms(program, fall=BLOCK_PX * fall, room=shortened_px * fall)
+            source.bind_to_image(0, read=True, write=False)
+            target.bind_to_image(1, read=True, write=True)
+            program.run(-(-(gaps.width if columns else gaps.height) // _SPREAD_GROUP))
             self._ctx.memory_barrier()
         return reach
 
@@ -103,12 +105,12 @@ class ReachBounder:
             texture.release()
         self._textures = None
 
-    def _allocate(self, width: int, height: int) -> tuple[moderngl.Texture, moderngl.Texture]:
+    def _allocate(self, width: int, height: int) -> tuple[moderngl.Texture, moderngl.Texture, moderngl.Texture]:
         if self._textures is None or self._textures[0].size != (width, height):
             self.release()
             with Construction() as making:
-                gaps, reach = (making.keep(self._ctx.texture((width, height), 1, dtype="f4")) for _ in range(2))
-            for texture in (gaps, reach):
+                one, two, three = (making.keep(self._ctx.texture((width, height), 1, dtype="f4")) for _ in range(3))
+            self._textures = one, two, three
+            for texture in self._textures:
                 texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            self._textures = gaps, reach
         return self._textures

@@ -11,7 +11,7 @@ from render.layers.targets import Slot
 from render.model.arrays import DoubleArray, FloatArray
 
 TILE_PX = 8
-_UNIT, _BINDING = 8, 0
+_UNIT, _REACH_UNIT, _BINDING = 8, 13, 0
 
 
 class HiddenTiles:
@@ -63,19 +63,25 @@ class HiddenMeasurer:
         self._ctx, self._programs = ctx, programs
         self._buffer: moderngl.Buffer | None = None
 
-    def measure(self, slot: Slot, umbra: float) -> HiddenTiles:
+    def measure(self, slot: Slot, umbra: float, reach: moderngl.Texture | None) -> HiddenTiles:
         """Tiles that a drawn layer hides. Waits for the device.
 
         Args:
             slot: the layer.
             umbra: least reach of an opaque surface's umbra, 1/m: 0 where it may be cut short.
+            reach: bound on what rays meet behind the layer (`render.layers.reach`); None without.
         """
         width, height = slot.w.size
         columns, rows = -(-width // TILE_PX), -(-height // TILE_PX)
         if self._buffer is None or self._buffer.size != 4 * rows * columns:
             self.release()
             self._buffer = self._ctx.buffer(reserve=4 * rows * columns)
-        program = self._programs.compute("layers/hidden.comp", {"TILE_PX": TILE_PX})
+        program = self._programs.compute(
+            "layers/hidden.comp", {"TILE_PX": TILE_PX} | ({} if reach is None else {"REACH": 1})
+        )
+        if reach is not None:
+            reach.use(_REACH_UNIT)
+            set_uniforms(program, reach=_REACH_UNIT)
         slot.w.use(_UNIT)
         set_uniforms(program, w=_UNIT, channel=slot.channel, umbra=umbra, columns=columns)
         self._buffer.bind_to_storage_buffer(_BINDING)

@@ -139,7 +139,7 @@ class LayerRenderer(pyrender.renderer.Renderer):  # type: ignore[misc]
         is shaded once, however many surfaces lie behind it.
         """
         umbra = layer.umbra if layer.moving is None else 0.0  # where surfaces move apart, it may be cut short
-        drawn = self._selection.ranges(layer.view, layer.draws, layer.previous, umbra)
+        drawn = self._selection.ranges(layer.view, layer.draws, layer.previous, umbra, layer.reach)
         faded = [(draw, ranges) for draw, ranges in drawn if draw.may_be_translucent] if layer.solid_first else []
         try:
             self._draw_pass(layer, drawn, OPAQUE if faded else _ANY_OPACITY)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import moderngl
 import numpy as np
 
 from render.layers.clusters import ClusterIndex, DrawRange
@@ -58,7 +59,12 @@ class ClusterSelection:
         return [self._index.draws[i] for i in self._index.clusters.draws_of(self._see(view).clusters)]
 
     def ranges(
-        self, view: PinholeView, draws: Sequence[Draw], previous: Slot | None, umbra: float
+        self,
+        view: PinholeView,
+        draws: Sequence[Draw],
+        previous: Slot | None,
+        umbra: float,
+        reach: moderngl.Texture | None = None,
     ) -> list[DrawnRanges]:
         """Ranges of draws that may leave fragments in a layer.
 
@@ -67,11 +73,12 @@ class ClusterSelection:
             draws: draws that are considered.
             previous: slot of the layer before; None for the first.
             umbra: least reach of an opaque surface's umbra, 1/m.
+            reach: bound on what rays meet behind that layer (`render.layers.reach`); None without.
         """
         seen = self._see(view)
         clusters = seen.clusters
         if previous is not None and len(clusters):
-            clusters = clusters[~self._measurer.measure(previous, umbra).hide(*seen.rectangles)]
+            clusters = clusters[~self._measurer.measure(previous, umbra, reach).hide(*seen.rectangles)]
         return self._of(clusters, draws)
 
     def shadow_ranges(self, clip_from_world: DoubleArray, draws: Sequence[Draw]) -> list[DrawnRanges]:

@@ -21,7 +21,6 @@ uniform float umbra;  // reach of an opaque surface's umbra in w, 1/m
 #ifdef REACH
 #include "trace/slopes.glsl"
 layout(binding = 13) uniform sampler2D reach;  // greatest w of what lens rays may meet here, 1/m (render/layers/reach.py)
-const int REACH_BLOCK = 2;                     // side of its blocks, px
 #endif
 #ifdef MOTION
 #include "layers/drifting.glsl"

@@ -33,7 +33,7 @@ Patch patch_at(ivec2 pixel)
     float change = abs(slope.x) + abs(slope.y), most = 2.0 * LONGEST_REACH * here;
     float top = here + min(change, most);
 #ifdef BEHIND_OTHERS
-    top = min(top, texelFetch(reach_before, pixel / 2, 0).x);
+    top = min(top, texelFetch(reach_before, pixel / REACH_BLOCK, 0).x);
 #endif
     return Patch(here, slope, top, change > most ? 1.0 : change / umbra, stored < 0.0);
 }
